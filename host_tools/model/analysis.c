@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* A scene run through the library (analysis.h). */
+/*
+ * Analysis of one scene by the library: stiffness matrix, displacements, influence matrix, results
+ * by the scene's names (analysis.h).
+ */
 #define _POSIX_C_SOURCE 200809L
 #include "analysis.h"
 #include <math.h>
@@ -48,8 +51,8 @@ int analysis_explain(const analysis *analysis, pzs_status status, char *error)
 }
 
 /*
- * Assemble and factor the stiffness of the reference state, unless the model already contains its
- * factor.
+ * Assemble and factor the stiffness matrix of the reference state, unless the model already
+ * contains its factor.
  */
 static pzs_status factor_reference_state(analysis *analysis)
 {
@@ -83,8 +86,8 @@ static pzs_status open_electrodes(analysis *analysis)
 }
 
 /*
- * Assemble and factor the stiffness. Where the kinematics is not linear, set up the equilibrium
- * solver as well.
+ * Assemble and factor the stiffness matrix. Where the scene's kinematics is not linear, also set up
+ * the equilibrium solver. Returns 0, or -1 with error filled.
  */
 static int open_structure(analysis *analysis, char *error)
 {
@@ -169,7 +172,10 @@ int analysis_ended_early(const analysis *analysis)
            analysis->status == PZS_E_SOLVES;
 }
 
-/* The message of the equilibrium solver's last status. Returns -1 for errors and 0 for warnings. */
+/*
+ * Fill `error` with the message of the equilibrium solver's last status. Returns -1 for errors and
+ * 0 for warnings.
+ */
 static int explain_equilibrium(const analysis *analysis, char *error)
 {
     const pzs_solver *run = &analysis->equilibrium.solver;
@@ -202,7 +208,8 @@ int analysis_outputs(const analysis *analysis, int k)
     const scene_output *output = &analysis->design.scene->output[k];
     if (output->electric != ELECTRIC_NONE)
         return output->count;
-    return places > 0 ? places : 1; /* an output of the whole contact has one value and no node */
+    return places > 0 ? places : 1; /* an output of the whole contact has one value although it has
+                                       no node */
 }
 
 int analysis_output_node(const analysis *analysis, int k, int i)
@@ -309,8 +316,9 @@ static int solve_applied(analysis *analysis, int warm, double *displacement, cha
 }
 
 /*
- * Difference of two displacements relative to the size of the second; each dof is weighted by its
- * stiffness.
+ * Norm of the difference of two displacement vectors relative to the norm of the second, where each
+ * dof is scaled by its stiffness.
+ *   first, second [free_dof] in
  */
 static double distance(const analysis *analysis, const double *first, const double *second)
 {
@@ -323,8 +331,9 @@ static double distance(const analysis *analysis, const double *first, const doub
 }
 
 /*
- * Solve with linear and nonlinear kinematics, and keep the linear displacement where the two differ
- * by no more than the scene's tolerance.
+ * Compute the displacement with linear and with nonlinear kinematics, and return the linear one
+ * where the two differ by no more than the scene's tolerance.
+ *   displacement [free_dof] out
  */
 static int solve_auto(analysis *analysis, double *displacement, char *error)
 {
@@ -347,8 +356,8 @@ static int solve_auto(analysis *analysis, double *displacement, char *error)
 }
 
 /*
- * Contact and prescribed displacements exist under nonlinear kinematics alone, so no linear
- * solution is computed for them.
+ * Compute the displacement under the scene's loads (analysis.h). Contact and prescribed
+ * displacements exist under nonlinear kinematics alone, so no linear solution is computed for them.
  */
 int analysis_solve(analysis *analysis, double *displacement, char *error)
 {
@@ -369,7 +378,11 @@ int analysis_continue(analysis *analysis, double *displacement, char *error)
     return solve_applied(analysis, 1, displacement, error);
 }
 
-/* Solve with twice as many load steps. u [free_dof] out. Returns the status of the solver. */
+/*
+ * Compute the nonlinear equilibrium with twice as many load steps as the scene asks for.
+ *   displacement [free_dof] out
+ * Returns the status of the solver.
+ */
 static pzs_status solve_in_more_steps(analysis *analysis, double *displacement)
 {
     pzs_solver *solver = &analysis->equilibrium.solver;
@@ -440,8 +453,10 @@ double analysis_capacitance(const analysis *analysis, int k, int is_free)
 }
 
 /*
- * Twice the work of the loads, temperatures excluded. input [inputs] in: zeros, out: 1 for each
- * load
+ * Twice the work of the loads on the linear displacement that they cause, temperature loads
+ * excluded.
+ *   value [inputs]  in   zeros
+ *                   out  1 for each load
  */
 static double work_of_loads(analysis *analysis, double *value)
 {
@@ -461,8 +476,9 @@ static double work_of_loads(analysis *analysis, double *value)
 }
 
 /*
- * The work of the same forces is reduced by the product of the open electrodes' voltages and the
- * charges that they would carry short-circuited.
+ * Ratio of the stiffness with open electrodes to that with short-circuited electrodes, as a ratio
+ * of works of the same forces: open electrodes reduce the work by the sum of their voltages times
+ * the charges that they would carry if short-circuited.
  */
 double analysis_stiffening(analysis *analysis)
 {
@@ -471,7 +487,8 @@ double analysis_stiffening(analysis *analysis)
     double *value = calloc(design->structure.input.count + 1u, sizeof *value),
            *charge = calloc(tables->count + 1u, sizeof *charge);
     double work = (double)NAN, released = 0;
-    const pzs_model kept = analysis->model; /* the model's info on the last solve */
+    const pzs_model kept = analysis->model; /* copy of the model, to restore its data on the last
+                                               linear solve */
     if (value && charge && !analysis->nonlinear && tables->count > 0 &&
         pzs_electrode_open_count(tables) > 0 && design->loads > 0) {
         work = work_of_loads(analysis, value);

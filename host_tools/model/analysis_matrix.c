@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Displacements from a measured influence matrix (analysis.h). The dof are the outputs, so
- * the displacement is the matrix times the voltages.
+ * Displacements of a scene with a measured influence matrix in place of a structure (analysis.h).
+ * The dof are the outputs, so that the displacement is the matrix times the voltages.
  */
 #include <string.h>
 #include "analysis.h"

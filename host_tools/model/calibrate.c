@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Influence matrix from measurements (calibrate.h). */
+/*
+ * Computation of an influence matrix from measured shapes under known voltages (calibrate.h). The
+ * symbols of the comments in this file are those of calibrate.h: pokes, voltages V, shapes S,
+ * influence matrix B, model B0, ratio q of variances.
+ */
 #include "calibrate.h"
 #include <math.h>
 #include <stdio.h>
@@ -7,20 +11,25 @@
 #include <string.h>
 #include "eigen.h"
 
-/* Eigenvalues of V V' below this part of the largest count as 0. */
+/*
+ * Fraction of the largest eigenvalue of V V' below which an eigenvalue counts as 0, where V
+ * [pokes][actuators] holds the voltages of all pokes.
+ */
 static const double negligible = 1e-12;
 
 /*
- * The pokes in the eigenvectors of V V' = Q diag(l) Q': every formula of this file is a sum over
- * them.
+ * The measured pokes in the basis of the eigenvectors of V V' = Q diag(l) Q', where V
+ * [pokes][actuators] holds the voltages. In this basis every formula of the calibration is a sum
+ * over the eigenvalues l.
  */
 typedef struct spectrum {
     size_t pokes, actuators, outputs;
-    double *vector;   /* [pokes][pokes] Q, eigenvectors as columns */
-    double *value;    /* [pokes] l */
-    double *residual; /* [pokes][outputs] R = S - V B0' */
-    double *rotated;  /* [pokes][outputs] Q'R */
-    double *inverse;  /* [pokes] work */
+    double *vector;   /* [pokes][pokes] eigenvectors of V V' as columns, with the voltages V */
+    double *value;    /* [pokes] eigenvalues of V V', with the voltages V */
+    double *residual; /* [pokes][outputs] measured shapes minus those that the model predicts */
+    double *rotated;  /* [pokes][outputs] residuals of the shapes multiplied by the transposed
+                         eigenvector matrix */
+    double *inverse;  /* [pokes] reciprocals 1/(eigenvalue + ratio of variances), or 0 */
 } spectrum;
 
 static int out_of_memory(char *error)
@@ -38,7 +47,11 @@ static void spectrum_close(spectrum *spectrum)
     free(spectrum->inverse);
 }
 
-/* R = S - V B0' */
+/*
+ * Subtract the shapes that a model predicts from the measured shapes.
+ *   model    [outputs][actuators] in   influence matrix, or NULL for zeros
+ *   residual [pokes][outputs]     out
+ */
 static void subtract_model(const pokes *pokes, const double *model, double *residual)
 {
     memcpy(residual, pokes->shape, pokes->count * pokes->outputs * sizeof *residual);
@@ -49,7 +62,10 @@ static void subtract_model(const pokes *pokes, const double *model, double *resi
                     pokes->voltage[poke * pokes->actuators + k] * model[i * pokes->actuators + k];
 }
 
-/* Eigenvalues and eigenvectors of V V'. gram [pokes][pokes] work */
+/*
+ * Compute the eigenvalues and eigenvectors of V V', where V [pokes][actuators] holds the voltages.
+ *   gram [pokes][pokes] work
+ */
 static void decompose(spectrum *spectrum, const pokes *pokes, double *gram)
 {
     const size_t count = pokes->count, actuators = pokes->actuators;
@@ -110,7 +126,10 @@ static int rank_of(const spectrum *spectrum)
     return rank;
 }
 
-/* Factors 1/(l + q) of the eigenvectors; 0 where l is negligible and q is 0. */
+/*
+ * Compute the reciprocals 1/(eigenvalue + ratio) for all eigenvalues; 0 where the eigenvalue is
+ * negligible and the ratio is 0.
+ */
 static void invert(spectrum *spectrum, double ratio)
 {
     const double least = negligible * largest_value(spectrum);
@@ -120,7 +139,10 @@ static void invert(spectrum *spectrum, double ratio)
     }
 }
 
-/* Variance of the noise that is most likely for a ratio q: the mean of q R'(V V' + q I)^-1 R. */
+/*
+ * Most likely variance of the measurement noise for a given ratio q of the variances of noise and
+ * model error: the mean over all residuals R of q R'(V V' + q I)^-1 R, with the voltages V.
+ */
 static double likely_variance(const spectrum *spectrum, double ratio)
 {
     double sum = 0;
@@ -132,8 +154,9 @@ static double likely_variance(const spectrum *spectrum, double ratio)
 }
 
 /*
- * Negative logarithm of the likelihood of the residuals for a ratio q, with the most likely
- * variance of the noise; constants are left out.
+ * Negative logarithm of the likelihood of the residuals for a given ratio of the variances of noise
+ * and model error, with the most likely variance of the noise. Terms that do not depend on the
+ * ratio are left out.
  */
 static double unlikelihood(const spectrum *spectrum, double ratio)
 {
@@ -145,14 +168,17 @@ static double unlikelihood(const spectrum *spectrum, double ratio)
 }
 
 /*
- * The most likely q on a logarithmic grid around the mean of the eigenvalues. Where the smallest q
- * is not significantly less likely, as for no more orthogonal pokes than actuators, the noise
- * cannot be told from errors of the model; then the smallest q trusts the measurements.
+ * Choose the most likely ratio of the variances of noise and model error on a logarithmic grid
+ * around the mean eigenvalue. Where the smallest ratio is not significantly less likely, as with
+ * few orthogonal pokes, the noise cannot be separated from errors of the model; then the smallest
+ * ratio is chosen, which trusts the measurements.
+ *   is_separable out  whether noise and errors of the model can be separated
  */
 static double choose_ratio(const spectrum *spectrum, bool *is_separable)
 {
     enum { STEPS = 128 };
-    static const double significant = 3; /* of logarithms of likelihoods */
+    static const double significant = 3; /* difference of negative log-likelihoods that counts as
+                                            significant */
     double mean = 0, least = HUGE_VAL, smallest = 0, chosen = 0;
     for (size_t index = 0; index < spectrum->pokes; index++)
         mean += spectrum->value[index] / (double)spectrum->pokes;
@@ -169,7 +195,11 @@ static double choose_ratio(const spectrum *spectrum, bool *is_separable)
 
 /* ---- result ----------------------------------------------------------- */
 
-/* B' = B0' + V' Q diag(inverse) Q'R, and the residual S - V B'. */
+/*
+ * Compute the influence matrix from the residuals of the model in the basis of the eigenvectors,
+ * and the root mean square of the residuals that remain.
+ *   model [outputs][actuators] in  or NULL
+ */
 static void fill_influence(calibration *result, spectrum *spectrum, const pokes *pokes,
                            const double *model)
 {
@@ -179,7 +209,7 @@ static void fill_influence(calibration *result, spectrum *spectrum, const pokes 
         result->influence[i] = model ? model[i] : 0;
     for (size_t index = 0; index < count; index++)
         for (size_t k = 0; k < actuators; k++) {
-            double along = 0; /* entry of V'Q */
+            double along = 0; /* entry of the transposed voltages times the eigenvectors */
             for (size_t poke = 0; poke < count; poke++)
                 along +=
                     pokes->voltage[poke * actuators + k] * spectrum->vector[poke * count + index];
@@ -195,8 +225,10 @@ static void fill_influence(calibration *result, spectrum *spectrum, const pokes 
 }
 
 /*
- * Standard errors. Without a model the variance is s^2 [(V'V)^-1]_kk; with one it is t^2 (1 -
- * v_k'(V V' + q I)^-1 v_k), v_k the voltages of actuator k.
+ * Standard error of the entries of each column of the influence matrix. With the voltages V of all
+ * pokes and the voltages v of actuator k, the variance is s^2 times the diagonal entry k of
+ * (V'V)^-1 without a model, and t^2 (1 - v'(V V' + q I)^-1 v) with one; s is the standard deviation
+ * of the noise, t that of the model's entries, q = (s/t)^2.
  */
 static void fill_errors(calibration *result, const spectrum *spectrum, const pokes *pokes)
 {
@@ -216,7 +248,10 @@ static void fill_errors(calibration *result, const spectrum *spectrum, const pok
     }
 }
 
-/* Least squares without a model. */
+/*
+ * Compute the influence matrix by least squares without a model. Returns 0, or -1 with error filled
+ * where the pokes do not determine every actuator.
+ */
 static int fit_alone(calibration *result, spectrum *spectrum, const pokes *pokes, char *error)
 {
     if (result->rank < (int)pokes->actuators) {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Material constants of a scene fitted to pokes (calibrate_model.h). */
+/*
+ * Fit of the material constants of a scene to measured pokes by the Gauss-Newton method
+ * (calibrate_model.h).
+ */
 #include "calibrate_model.h"
 #include <float.h>
 #include <math.h>
@@ -10,7 +13,9 @@
 
 enum { ITERATIONS = 8, ROUNDS = 6 };
 
-static const double step = 1e-4, settled = 1e-5; /* of logarithms of factors */
+static const double step = 1e-4, settled = 1e-5; /* step of the finite differences, and change at
+                                                    which the iteration ends; both of the logarithm
+                                                    of a factor */
 
 /* ---- model ------------------------------------------------------------ */
 
@@ -27,7 +32,10 @@ static int list_factors(calibration_model *model, const scene *scene)
     return 0;
 }
 
-/* Influence of the amplifiers of a prepared scene on its target nodes, and their places. */
+/*
+ * Copy the influence of the amplifiers on the target nodes from a prepared analysis, and the
+ * coordinates of these nodes.
+ */
 static int copy_influence(const calibration_model *model, analysis *analysis, const pokes *pokes,
                           double *influence, char *error)
 {
@@ -50,7 +58,10 @@ static int copy_influence(const calibration_model *model, analysis *analysis, co
     return 0;
 }
 
-/* Influence of the scene whose materials have the factors of the model. */
+/*
+ * Compute the influence matrix of the scene with its material constants multiplied by the factors
+ * of the model.
+ */
 static int model_influence(const calibration_model *model, const scene *nominal, const pokes *pokes,
                            double *influence, char *error)
 {
@@ -74,7 +85,10 @@ static int model_influence(const calibration_model *model, const scene *nominal,
     return failed;
 }
 
-/* shape [pokes][outputs] out: V B' */
+/*
+ * Shapes that an influence matrix predicts for the voltages of the pokes.
+ *   shape [pokes][outputs] out
+ */
 static void predict(const pokes *pokes, const double *influence, double *shape)
 {
     for (size_t poke = 0; poke < pokes->count; poke++)
@@ -89,14 +103,16 @@ static void predict(const pokes *pokes, const double *influence, double *shape)
 
 /* ---- Gauss-Newton ----------------------------------------------------- */
 
-/* Arrays of one fit; one allocation, at `shape`. */
+/* Arrays of one fit of material factors, in one allocation that begins at `shape`. */
 typedef struct fit {
-    size_t entries;    /* entries of the shapes, pokes times outputs */
-    double *shape;     /* [entries] predicted */
-    double *slope;     /* [factors][entries] derivative by the logarithm of each factor */
-    double *influence; /* [outputs][actuators] of a changed factor */
-    double *normal;    /* [factors][factors] */
-    double *change;    /* [factors] right-hand side, then the change */
+    size_t entries; /* number of entries of all shapes: pokes times outputs */
+    double *shape;  /* [entries] predicted shapes */
+    double *slope; /* [factors][entries] derivative of the predicted shapes by the logarithm of each
+                      factor */
+    double *influence; /* [outputs][actuators] influence matrix with one changed factor */
+    double *normal;    /* [factors][factors] matrix of the normal equations */
+    double *change;    /* [factors] right-hand side of the normal equations, then change of the
+                          logarithms */
 } fit;
 
 static int fit_open(fit *fit, const calibration_model *model, const pokes *pokes)
@@ -129,7 +145,10 @@ static double squares_of(const pokes *pokes)
     return sum;
 }
 
-/* Derivatives of the predicted shapes by the logarithms of the factors. */
+/*
+ * Compute the derivatives of the predicted shapes by the logarithms of the factors, by finite
+ * differences. Returns 0, or -1 with error filled.
+ */
 static int differentiate(fit *fit, calibration_model *model, const scene *nominal,
                          const pokes *pokes, char *error)
 {
@@ -149,8 +168,11 @@ static int differentiate(fit *fit, calibration_model *model, const scene *nomina
 }
 
 /*
- * Solve the normal equations by Cholesky's method; the prior makes them positive definite.
- *   a [n][n] in/out, x [n] in: right-hand side, out: solution
+ * Solve the normal equations by Cholesky's method. The prior standard deviation of the factors
+ * makes the matrix positive definite.
+ *   matrix   [order][order] in/out  overwritten by its factor
+ *   solution [order]        in      right-hand side
+ *                           out     solution
  */
 static void solve(double *matrix, double *solution, int order)
 {
@@ -172,7 +194,7 @@ static void solve(double *matrix, double *solution, int order)
     }
 }
 
-/* One step: the change of the logarithms. Returns the largest. */
+/* Make one Gauss-Newton step of the logarithms of the factors. Returns the largest change. */
 static double change_factors(fit *fit, calibration_model *model, const pokes *pokes)
 {
     const int count = model->factors;
@@ -201,7 +223,7 @@ static double change_factors(fit *fit, calibration_model *model, const pokes *po
     return most;
 }
 
-/* Fit the factors to the pokes. Returns 0, or -1 with error filled. */
+/* Fit the factors of the material constants to the pokes. Returns 0, or -1 with error filled. */
 static int fit_factors(calibration_model *model, const scene *nominal, const pokes *pokes,
                        char *error)
 {
@@ -232,7 +254,7 @@ static int fit_factors(calibration_model *model, const scene *nominal, const pok
 
 /* ---- faults ----------------------------------------------------------- */
 
-/* Whether two lists have the same faults in the same order. */
+/* Whether two lists contain the same wiring faults in the same order. */
 static bool are_same(const wiring_fault *first, int x_faults, const wiring_fault *second,
                      int y_faults)
 {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Stability of the control loop of a scene (certificate_make.h). */
+/*
+ * Computation of the stability certificate of a scene's control loop from its modes and gains
+ * (certificate_make.h).
+ */
 #include "certificate_make.h"
 #include <math.h>
 #include <stdio.h>
@@ -11,30 +14,39 @@
 #include "modal.h"
 
 enum {
-    EXACT = 40,        /* matrix squarings for the spectral radius at the scene's rate */
-    QUICK = 16,        /* matrix squarings for the spectral radius at a scanned rate */
-    STATE_LIMIT = 300, /* largest number of states of the loop */
-    DELAY_LIMIT = 100, /* largest delay in ticks */
-    RATE_LIMIT = 2000, /* largest number of scanned rates */
-    PHASES = 8,        /* intervals tried within one period of the first mode */
-    STARTS = 4         /* attempts to find a first stable rate */
+    EXACT = 40, /* number of matrix squarings for the spectral radius at the scene's tick rate */
+    QUICK = 16, /* number of matrix squarings for the spectral radius at a scanned tick rate */
+    STATE_LIMIT = 300, /* largest number of states of the loop for which the certificate is computed
+                        */
+    DELAY_LIMIT = 100, /* largest delay of the measurements for which the certificate is computed
+                          (ticks) */
+    RATE_LIMIT = 2000, /* largest number of scanned tick rates */
+    PHASES = 8, /* number of intervals between ticks that are tried within one period of the first
+                   mode */
+    STARTS = 4  /* number of attempts to find a first stable tick rate */
 };
 
 static const double two_pi = 6.283185307179586;
 
-/* Scan of the rates: first rate over zeta w1, ratio of neighbours, last rate over the highest
- * frequency of the loop. */
+/*
+ * Range of the scanned tick rates: the first rate over damping ratio times angular frequency of the
+ * first mode, the ratio of neighbouring rates, and the last rate over the highest frequency of the
+ * loop.
+ */
 static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 
-/* Smallest regularisation relative to the mean diagonal of B'W^2 B; it keeps the matrix positive
- * definite where amplifiers have the same effect. */
+/*
+ * Smallest regularisation relative to the mean diagonal entry of the Hessian of the voltage
+ * problem. The regularisation keeps the Hessian positive definite where amplifiers have equal
+ * effects.
+ */
 static const double least_regularisation = 1e-12;
 
 /* ---- gains ------------------------------------------------------------ */
 
 /*
- * Cholesky factor of a [n][n] in its lower triangle. Returns whether the matrix is positive
- * definite.
+ * Replace the lower triangle of a symmetric matrix a [order][order] by its Cholesky factor. Returns
+ * whether the matrix is positive definite.
  */
 static bool cholesky(double *a, size_t order)
 {
@@ -51,7 +63,11 @@ static bool cholesky(double *a, size_t order)
     return true;
 }
 
-/* x = (L L')^-1 x */
+/*
+ * Solve a linear system with the Cholesky factor l [n][n].
+ *   x [n] in   right-hand side
+ *         out  solution
+ */
 static void cholesky_solve(const double *l, size_t n, double *x)
 {
     for (size_t i = 0; i < n; i++) {
@@ -66,18 +82,25 @@ static void cholesky_solve(const double *l, size_t n, double *x)
     }
 }
 
-/* Intermediate results of the loop gains g F. */
+/*
+ * Intermediate results for the loop matrix: the change of each modal coordinate's equilibrium by
+ * the voltages with which the controller reacts to each mode.
+ */
 typedef struct gains {
     const analysis *analysis;
     const vibration *vibration;
-    size_t modes, moving; /* number of amplifiers that are not held */
-    size_t *amplifier;    /* [moving] their numbers */
-    double *factor;       /* [moving][moving] factor of B'W^2 B + regularisation */
-    double *shape;        /* [targets] shape of a mode as the controller measures or estimates it */
-    double *gradient;     /* [moving] right-hand side B'W^2 C, then voltages */
-    double *modal_response; /* [modes][moving] modal coordinates per volt */
-    double *loop;           /* [modes][modes] g F */
-    bool assumes_measured;  /* every target node counts as measured */
+    size_t modes, moving; /* number of modes; number of amplifiers that are not held */
+    size_t *amplifier;    /* [moving] indices of the amplifiers that are not held */
+    double *factor;   /* [moving][moving] Cholesky factor of the regularised Hessian of the voltage
+                         problem */
+    double *shape;    /* [targets] shape of one mode as the controller measures or estimates it */
+    double *gradient; /* [moving] right-hand side of the voltage problem for one mode, then the
+                         voltages */
+    double *modal_response; /* [modes][moving] static modal coordinate per volt of each amplifier */
+    double *loop; /* [modes][modes] loop matrix: static modal coordinates caused by the controller's
+                     voltages per unit of each mode */
+    bool assumes_measured; /* true where the loop is assessed as if every target node were measured
+                            */
 } gains;
 
 static size_t list_amplifiers(const design *design, size_t *amplifier)
@@ -107,8 +130,8 @@ static bool factor_hessian(gains *gains)
 }
 
 /*
- * Whether every reading of the estimate is a displacement, so that its rows are rows of the
- * structure.
+ * Whether every reading of the scene's `estimate` section is a displacement, so that its values are
+ * output rows of the structure.
  */
 static bool reads_displacements(const scene *scene)
 {
@@ -118,7 +141,11 @@ static bool reads_displacements(const scene *scene)
     return true;
 }
 
-/* Shape that the estimator computes from the readings under a displacement u [free_dof]. */
+/*
+ * Shape that the estimator computes from the noise-free readings in a mode shape.
+ *   mode_shape [free_dof] in
+ * The result is stored in gains->shape [targets].
+ */
 static void estimated_shape(const gains *gains, const estimator *estimator,
                             const double *mode_shape)
 {
@@ -140,7 +167,10 @@ static void estimated_shape(const gains *gains, const estimator *estimator,
     }
 }
 
-/* Column of g F for one mode. */
+/*
+ * Compute the column of the loop matrix that belongs to one mode: the reaction of the controller's
+ * voltages to this mode, and the modal coordinates that they cause.
+ */
 static void fill_column(gains *gains, const estimator *estimator, size_t mode)
 {
     const design *design = &gains->analysis->design;
@@ -192,7 +222,10 @@ static bool fill_gains(gains *gains)
     return true;
 }
 
-/* g F of the lowest modes without rigid motions, to be freed; NULL where it cannot be computed. */
+/*
+ * Loop matrix [modes][modes] of the lowest modes, rigid motions left out. The caller frees the
+ * matrix; NULL where it cannot be computed.
+ */
 static double *loop_gains(const analysis *analysis, const vibration *vibration, int modes,
                           bool *assumes_measured)
 {
@@ -220,16 +253,19 @@ static double *loop_gains(const analysis *analysis, const vibration *vibration, 
 
 /* ---- stability --------------------------------------------------------- */
 
-/* Loop whose spectral radius decides on stability. */
+/*
+ * Loop matrix, squared angular frequencies, damping ratios and delay of the loop whose stability is
+ * assessed.
+ */
 typedef struct assessed_loop {
     const double *gain, *square, *damping;
     int modes, delay;
 } assessed_loop;
 
 /*
- * Whether the loop is stable at a rate. Where an interval between ticks contains many periods, the
- * phase of the first mode matters besides its decay; then intervals that are up to one period
- * longer have to be stable too.
+ * Whether the loop is stable at a tick rate. Where an interval between ticks contains many periods
+ * of the first mode, stability depends on the phase of that mode as well as on its decay; therefore
+ * intervals that are up to one period longer must be stable too.
  */
 static bool is_stable(const assessed_loop *loop, double rate)
 {
@@ -245,8 +281,8 @@ static bool is_stable(const assessed_loop *loop, double rate)
 }
 
 /*
- * Rate up to which every scanned rate is stable: 0 where the first ones are not, infinite where all
- * are.
+ * Highest tick rate up to which every scanned rate is stable: 0 where the first scanned rates are
+ * unstable, infinite where all scanned rates are stable.
  */
 static double scan_rates(const assessed_loop *loop)
 {
@@ -263,7 +299,10 @@ static double scan_rates(const assessed_loop *loop)
     return rate < end ? stable : HUGE_VAL;
 }
 
-/* Damping ratios of the loop's modes, to be freed; NULL where memory runs out. [modes] */
+/*
+ * Damping ratios [modes] of the modes in the loop. The caller frees the array; NULL where memory
+ * runs out.
+ */
 static double *loop_damping(const certificate *certificate, const scene *scene)
 {
     const int first = vibration_first(&certificate->vibration);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Clipped least squares, regularised or not (clipped.h). */
+/* Clipped least squares with and without regularisation (clipped.h). */
 #include "clipped.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /*
- * Exponents of the grid of lambda: 10^(LOWEST + k / PER_DECADE) for k < GRID, up to 10, where all
- * voltages are small.
+ * Grid of the regularisation parameter lambda: the values 10^(LOWEST + k / PER_DECADE) for k <
+ * GRID, up to 10, where all voltages are small.
  */
 enum { LOWEST = -9, PER_DECADE = 3, GRID = 10 * PER_DECADE + 1, SECTIONS = 16 };
 
@@ -17,8 +17,9 @@ static bool is_held(const clipped *clipped, size_t k)
 }
 
 /*
- * Copy B without the columns of held amplifiers, and subtract the effect of these from the target.
- * Returns tr(B'W^2 B)/n.
+ * Copy the influence matrix without the columns of held amplifiers, and subtract the effect of
+ * these amplifiers from the wanted displacements. Returns the mean diagonal entry of the Hessian
+ * (m2/V2).
  */
 static double prepare_arrays(clipped *clipped)
 {
@@ -75,12 +76,13 @@ bool clipped_solve(clipped *clipped, double lambda, double *voltage)
 }
 
 /*
- * Search for the lambda with the smallest |W (B v - wanted)|: the best lambda, error and voltages
- * so far.
+ * State of the search for the regularisation parameter with the smallest weighted error after
+ * clipping: the best parameter, error and voltages so far.
  */
 typedef struct tuning {
     clipped *c;
-    double *trial, *best_voltage; /* [amplifiers] */
+    double *trial, *best_voltage; /* [amplifiers] voltages of the present trial and of the best one
+                                     (V) */
     double best, best_lambda;
 } tuning;
 
@@ -105,8 +107,9 @@ static double clipped_misfit(tuning *tuning, double lambda)
 }
 
 /*
- * lambda of a decimal exponent, rounded to three digits. At the best lambda a voltage just reaches
- * its limit, and rounding errors must not decide whether it counts as clipped.
+ * Regularisation parameter for a decimal exponent, rounded to three digits. At the best parameter a
+ * voltage just reaches its limit, and rounding errors must not decide whether this voltage counts
+ * as clipped.
  */
 static double lambda_of(double exponent)
 {
@@ -114,7 +117,10 @@ static double lambda_of(double exponent)
     return unit * floor(pow(10, exponent) / unit + 0.5);
 }
 
-/* Golden-section search for a minimum between two decimal exponents. */
+/*
+ * Golden-section search for the regularisation parameter with the smallest error between two
+ * decimal exponents.
+ */
 static void golden_section(tuning *tuning, double from, double to)
 {
     const double ratio = (sqrt(5) - 1) / 2;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Inputs and outputs of a scene as sparse rows (design.h). */
+/* Inputs (columns) and outputs (rows) of a scene as sparse vectors over the dof (design.h). */
 #include "design.h"
 #include <math.h>
 #include <stdlib.h>
@@ -17,7 +17,7 @@ typedef struct row_builder {
     uint16_t *dof;
     double *value;
     size_t rows, terms, room_rows, room_terms;
-    int is_full; /* memory ran out */
+    int is_full; /* 1 where memory has run out */
 } row_builder;
 
 void *design_grow(void *old, size_t count, size_t size, int *full)
@@ -37,7 +37,7 @@ void design_release(const void *table)
     free(owned.memory);
 }
 
-/* Append a dense row [dof] as its nonzero entries. */
+/* Append a dense row [dof] as a list of its nonzero entries. */
 static void append_row(row_builder *builder, const double *dense, int dof)
 {
     if (builder->rows + 2 > builder->room_rows) {
@@ -73,7 +73,7 @@ static void rows_of(const row_builder *builder, pzs_rows *rows)
 
 /* ---- outputs ---------------------------------------------------------- */
 
-/* Unit vector of a component in the triad of a node. */
+/* Unit vector [3] of a displacement component, in the local axes of a node. */
 static void direction(const surface_point *point, scene_component component, double unit[3])
 {
     for (int axis = 0; axis < 3; axis++)
@@ -81,7 +81,7 @@ static void direction(const surface_point *point, scene_component component, dou
                                                : point->e[axis][component - COMPONENT_X];
 }
 
-/* Height of a face above the middle surface of a thickness h. */
+/* Height of a face above the middle surface of a shell of a given thickness. */
 static double face_height(scene_face face, double thickness)
 {
     if (face == FACE_OUTER)
@@ -90,8 +90,8 @@ static double face_height(scene_face face, double thickness)
 }
 
 /*
- * Weights of a node's first six dof (means and differences) in the displacement component c of a
- * face.
+ * Weights of the first six dof of a node (displacements of the middle, half differences of the
+ * faces over the thickness) in the displacement of a face along a direction [3].
  */
 static void face_weights(const mesh *mesh, scene_face face, const double direction[3],
                          double weight[7])
@@ -103,7 +103,10 @@ static void face_weights(const mesh *mesh, scene_face face, const double directi
     weight[6] = 0;
 }
 
-/* The displacement of the middle also depends on the seventh dof, along e3. */
+/*
+ * Weights of the dof of a node in a displacement component (design.h). The displacement of the
+ * middle surface also depends on the seventh dof, along the thickness direction.
+ */
 void design_output_weights(const mesh *mesh, int node, scene_component component, scene_face face,
                            double weight[7])
 {
@@ -114,7 +117,7 @@ void design_output_weights(const mesh *mesh, int node, scene_component component
         weight[6] = mesh->laminate.thickness * unit[2];
 }
 
-/* dense += factor times weights on the free dof of a node */
+/* Add weights on the free dof of a node, multiplied by a factor, to a dense row [free_dof]. */
 static void add_node(const mesh *mesh, int node, double factor, const double weight[7],
                      double *dense)
 {
@@ -151,7 +154,7 @@ double design_target_gap(const design *design)
     return most;
 }
 
-/* Fill error: the value of a target row is not finite. Returns -1. */
+/* Fill `error` with the message that the value of a target row is not finite. Returns -1. */
 static int refuse_value(const design *design, int target, scene_at at, char *error)
 {
     const expr_point place = mesh_place(&design->mesh, design->target_node[target]);
@@ -186,7 +189,10 @@ int design_target_values(const design *design, const expr *wanted, scene_at at, 
     return 0;
 }
 
-/* Rows, target values and weights of the target nodes; weights by area have mean square 1. */
+/*
+ * Build output rows, target values and weights of the target nodes. Weights by area are scaled to a
+ * mean square of 1. Returns 0, or -1 with error filled.
+ */
 static int build_targets(design *design, row_builder *rows, double *dense, int *node, char *error)
 {
     const scene_target *target = &design->scene->target;
@@ -216,8 +222,8 @@ static int build_targets(design *design, row_builder *rows, double *dense, int *
 }
 
 /*
- * Whether an output belongs to nodes: displacements and contact pressures do, electrodes and
- * resultants of the whole contact do not.
+ * Whether an output belongs to nodes. Displacements and contact pressures do; voltages and charges
+ * of electrodes and values of the whole contact do not.
  */
 static int has_place(const scene_output *output)
 {
@@ -225,7 +231,10 @@ static int has_place(const scene_output *output)
            (output->contact == CONTACT_NONE || output->contact == CONTACT_PRESSURE);
 }
 
-/* List the nodes of the named outputs. node [nodes] work */
+/*
+ * List the mesh nodes of the named outputs of the scene.
+ *   node [nodes] work
+ */
 static int build_places(design *design, int *node)
 {
     int entries = 0;
@@ -279,8 +288,8 @@ static void scatter(const mesh *mesh, int element, double factor, const double *
 }
 
 /*
- * h0 += factor times the resultants of one volt across a ply, or of a temperature of 1 K where ply
- * < 0
+ * Add the resultants of 1 V across a ply, or of 1 K where ply < 0, multiplied by a factor, to the
+ * resultants h0 [10].
  */
 static void add_unit_resultants(const mesh *mesh, int element, int ply, double factor,
                                 double h0[LAMINATE_STRAINS])
@@ -344,7 +353,10 @@ void design_temperature_resultants(const mesh *mesh, const scene_load *load, int
                         &mesh->place[mesh->element_type[element]], &field, h0);
 }
 
-/* dense += nodal forces of prescribed resultants in the reference state */
+/*
+ * Add the nodal forces that prescribed resultants of one element cause in the reference state to a
+ * dense column [free_dof].
+ */
 static void add_resultants(const mesh *mesh, int element, const double h0[LAMINATE_STRAINS],
                            double *dense)
 {
@@ -355,8 +367,8 @@ static void add_resultants(const mesh *mesh, int element, const double h0[LAMINA
 }
 
 /*
- * Append the columns of an actuator's amplifiers or of a sensor's electrodes: all patches that one
- * amplifier drives, with their factors.
+ * Append the columns of an actuator's amplifiers or of a sensor's electrodes. A column contains all
+ * patches that one amplifier drives, with their factors.
  */
 static void patch_columns(const mesh *mesh, const scene_actuator *actuator, row_builder *columns,
                           double *dense)
@@ -383,7 +395,8 @@ static void stack_columns(const mesh *mesh, int actuator, row_builder *columns, 
 }
 
 /*
- * Force per unit of a load at a node, in components of the node's triad; a pressure acts along e3.
+ * Force of a load at a node per unit of the load, in components of the local axes of the node. A
+ * pressure acts along the thickness direction.
  */
 static void load_vector(const mesh *mesh, const scene_load *load, int node, double value,
                         double vector[3])
@@ -397,8 +410,8 @@ static void load_vector(const mesh *mesh, const scene_load *load, int node, doub
 }
 
 /*
- * Add the nodal forces of a force c on the chosen face (half on each face for the middle), by its
- * virtual work.
+ * Add the nodal forces of a force on the face that the load names, by the virtual work of the
+ * force. A force on the middle surface is divided equally between both faces.
  */
 static void add_force(const mesh *mesh, const scene_load *load, int node, double factor,
                       const double direction[3], double *dense)
@@ -409,9 +422,9 @@ static void add_force(const mesh *mesh, const scene_load *load, int node, double
 }
 
 /*
- * Components at node `to` of a load given at node `from`. A pressure keeps its components, because
- * vectors interpolated along a chord lose angle^2/6 of their size. A load of fixed direction keeps
- * its vector in the Cartesian element and its components in the published element.
+ * Components at node `to` of a load that is given at node `from`. A pressure keeps its components,
+ * because vectors interpolated along a chord lose angle^2/6 of their length. A load of fixed
+ * direction keeps its vector in the Cartesian element, and its components in the published element.
  */
 static void carry(const mesh *mesh, const scene_load *load, int from, int to,
                   const double direction[3], double out[3])
@@ -445,8 +458,9 @@ double design_chords(const mesh *mesh, int element, int corner, scene_face face,
 }
 
 /*
- * Add the in-plane force on the middle surface that a pressure causes at a corner because the
- * chords are inclined to the tangent plane. c [3] in: pressure at the corner
+ * Add the in-plane force on the middle surface that a pressure causes at a corner of an element
+ * because the chords of the element are inclined to the tangent plane.
+ *   direction [3] in  pressure at the corner as a vector
  */
 static void add_lean(const mesh *mesh, const scene_load *load, int element, int corner, double size,
                      const double direction[3], double *dense)
@@ -459,7 +473,10 @@ static void add_lean(const mesh *mesh, const scene_load *load, int element, int 
     add_node(mesh, mesh->element[element][corner], 1, weight, dense);
 }
 
-/* Consistent weight of node s in the force on node r: of an edge (2 nodes) or an element (4). */
+/*
+ * Share of a distributed load at node `column` in the consistent force on node `row` of an edge
+ * (count = 2) or an element (count = 4).
+ */
 static double consistent_weight(int count, int row, int column)
 {
     const int is_opposite = count == 4 && (row ^ column) == 2;
@@ -472,8 +489,9 @@ static double consistent_weight(int count, int row, int column)
 }
 
 /*
- * Add a distributed load on a patch of nodes with consistent weights: out_r += size sum_s weight(r,
- * s) p_s.  place: of the element, or NULL for an edge
+ * Add the nodal forces of a distributed load on an edge or an element with consistent weights.
+ *   place  in  corner metric of the element, or NULL for an edge
+ *   size   in  length of the edge or area of the element
  */
 static void add_distributed(const mesh *mesh, const scene_load *load, const laminate_place *place,
                             const int *node, const double *value, int count, double size,
@@ -492,7 +510,10 @@ static void add_distributed(const mesh *mesh, const scene_load *load, const lami
         }
 }
 
-/* Whether a load on a face acts on an element: on all, or on those of its set. */
+/*
+ * Whether a load on a face acts on an element. Without a set the load acts on all elements, else on
+ * those of its set.
+ */
 static bool is_loaded(const mesh *mesh, const scene_load *load, uint32_t element)
 {
     const quad_mesh *quads = mesh->quads;
@@ -531,7 +552,10 @@ static void face_column(const mesh *mesh, const scene_load *load, const double *
     }
 }
 
-/* Load on the sides of an edge, or of an edge set of a mesh from a file. */
+/*
+ * Nodal forces of a load on an edge of the mesh, or on an edge set of a mesh from a file. The
+ * length of an element side is that of its chord.
+ */
 static void line_column(const mesh *mesh, const scene_load *load, const double *value,
                         double *dense)
 {
@@ -579,7 +603,10 @@ int design_load_values(const mesh *mesh, const scene_load *load, double *value, 
     return 0;
 }
 
-/* Number of inputs that exist under nonlinear kinematics alone. */
+/*
+ * Number of inputs that exist under nonlinear kinematics alone: follower loads, prescribed
+ * displacements, motion of a contact's body.
+ */
 static int extras_of(const design *design)
 {
     const scene *scene = design->scene;
@@ -651,7 +678,11 @@ static void fill_structure(design *design, const row_builder *columns, const row
     structure->crc = pzs_structure_crc(structure);
 }
 
-/* All inputs and outputs. dense [free_dof], value [nodes], node [nodes] work */
+/*
+ * Build all inputs and outputs of the structure.
+ *   dense [free_dof], value [nodes], node [nodes] work
+ * Returns 0, or -1 with error filled.
+ */
 static int build_all(design *design, row_builder *columns, row_builder *rows, double *dense,
                      double *value, int *node, char *error)
 {

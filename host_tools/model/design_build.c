@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Design of a scene (design_build.h). */
+/* Construction of the design of a scene (design_build.h). */
 #include "design_build.h"
 #include <string.h>
 #include "electrodes.h"
 
-/* Mesh, inputs and outputs of a structure. */
+/* Build mesh, inputs and outputs of a scene with a structure. */
 static int build_structure(design *design, char *error)
 {
     return mesh_build(&design->mesh, design->scene, error) == 0 &&
@@ -13,7 +13,7 @@ static int build_structure(design *design, char *error)
                : -1;
 }
 
-/* Points, inputs and outputs of a measured influence matrix. */
+/* Build points, inputs and outputs of a scene with a measured influence matrix. */
 static int build_measured(design *design, char *error)
 {
     return mesh_points(&design->mesh, design->scene, error) == 0 &&

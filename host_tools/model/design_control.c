@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Voltage problem of a scene (design.h). */
+/*
+ * Voltage problem of a scene: Hessian, voltage limits, step limits, reference voltages (design.h).
+ */
 #include "design.h"
 #include <math.h>
 #include <stdlib.h>
@@ -7,7 +9,10 @@
 #include "../../lib/control/control.h"
 #include "../../lib/core/guard.h"
 
-/* Form B'W^2 B. Returns the regularisation in m2/V2. */
+/*
+ * Compute the Hessian B'W^2 B of half the squared error, with influence matrix B and weights W.
+ * Returns the regularisation (m2/V2).
+ */
 static double build_hessian(design *design)
 {
     const size_t amplifiers = (size_t)design->amplifiers;
@@ -28,15 +33,15 @@ static double build_hessian(design *design)
 
 /* ---- limits ----------------------------------------------------------- */
 
-/* Limits of all amplifiers under construction. */
+/* Voltage limits of all amplifiers while they are being computed. */
 typedef struct limits {
     const scene *scene;
-    double *lower, *upper; /* [amplifiers] */
+    double *lower, *upper; /* [amplifiers] lowest and highest voltage (V) */
 } limits;
 
 /*
- * Narrow the limits of one amplifier by the depolarisation field of a patch that it drives: the
- * field against the poling.
+ * Narrow the voltage limits of amplifier k by the depolarisation field of a patch that the
+ * amplifier drives: the largest field against the direction of poling.
  */
 static void narrow_by_field(const limits *limits, int k, const scene_drive *drive)
 {
@@ -44,7 +49,10 @@ static void narrow_by_field(const limits *limits, int k, const scene_drive *driv
     const double field = limits->scene->material[layer->material].field_limit;
     if (field <= 0 || drive->factor == 0)
         return;
-    /* E3 = -factor V / h opposes poling along +e3 when factor V > 0. */
+    /*
+     * The field -factor V / thickness opposes a poling along the thickness direction when factor
+     * times voltage V is positive.
+     */
     const double most = field * layer->thickness / fabs(drive->factor);
     if ((drive->factor > 0) == (layer->poling > 0))
         limits->upper[k] = fmin(limits->upper[k], most);
@@ -71,8 +79,8 @@ static void set_all(const limits *limits, double lower, double upper)
 }
 
 /*
- * Apply the amplifiers' own limits instead of the common ones; the last entry that names an
- * amplifier counts.
+ * Replace the common voltage limits of amplifiers that have own limits in the scene. Where several
+ * entries of the scene name an amplifier, the last one applies.
  */
 static void apply_own_limits(const limits *limits)
 {
@@ -84,7 +92,9 @@ static void apply_own_limits(const limits *limits)
         }
 }
 
-/* Narrow the limits by common ones; the voltage of a held amplifier does not change. */
+/*
+ * Narrow the voltage limits by common limits (V). The voltage of a held amplifier does not change.
+ */
 static void narrow_by_common(const limits *limits, double lower, double upper)
 {
     for (int k = 0; k < limits->scene->amplifiers; k++)
@@ -94,7 +104,7 @@ static void narrow_by_common(const limits *limits, double lower, double upper)
         }
 }
 
-/* Remove the limits of all amplifiers that are not held. */
+/* Remove the voltage limits of all amplifiers that are not held. */
 static void remove_limits(const limits *limits)
 {
     for (int k = 0; k < limits->scene->amplifiers; k++)
@@ -104,7 +114,7 @@ static void remove_limits(const limits *limits)
         }
 }
 
-/* Check that every amplifier has a voltage between its limits. */
+/* Check that every amplifier has an allowed voltage. Returns 0, or -1 with error filled. */
 static int check_limits(const limits *bounds, const char *which, char *error)
 {
     for (int k = 0; k < bounds->scene->amplifiers; k++)
@@ -121,8 +131,8 @@ static int check_limits(const limits *bounds, const char *which, char *error)
 }
 
 /*
- * Limits of the scene: those of an amplifier itself, else the common ones, narrowed by the
- * depolarisation fields.
+ * Compute the voltage limits from the scene: those of the amplifier itself, else the common ones,
+ * narrowed by the depolarisation fields. Returns 0, or -1 with error filled.
  */
 static int build_limits(const design *design, char *error)
 {

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include "../data/point_area.h"
 
-/* Output rows: row i is dof i. Returns whether memory sufficed. */
+/* Build the output rows; row i has the single entry 1 at dof i. Returns whether memory sufficed. */
 static bool make_outputs(design *design)
 {
     const size_t count = (size_t)design->mesh.free_dof;
@@ -25,7 +25,10 @@ static bool make_outputs(design *design)
     return start && dof && value;
 }
 
-/* Weights of the target rows: 1, or by area with mean square 1. */
+/*
+ * Compute the weights of the target rows: all 1, or by area with a mean square of 1. Returns 0, or
+ * -1 with error filled.
+ */
 static int make_weights(design *design, char *error)
 {
     const scene *scene = design->scene;

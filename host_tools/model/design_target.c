@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Rows of the target on constrained dof, and the free functions of the target (design.h). With W
- * the weights and F the free functions at the target nodes, the projector P = I - F (F'W^2 F)^-1
- * F'W^2 removes from a vector its weighted least-squares fit by F. The columns of F are made
- * W-orthonormal here, so that F'W^2 F = I.
+ * Rows of the target on constrained dof, and the free functions of the target, which may be added
+ * to it at no cost (design.h). With W the weights and F the free functions at the target nodes, the
+ * projector P = I - F (F'W^2 F)^-1 F'W^2 removes from a vector its weighted least-squares fit by F.
+ * The columns of F are orthonormalised in the weighted scalar product, so that F'W^2 F = I.
  */
 #include "design.h"
 #include <float.h>
@@ -21,7 +21,10 @@ static bool is_prescribed(const mesh *mesh, uint16_t dof)
     return false;
 }
 
-/* Whether the displacement of a target row depends on constrained dof alone. */
+/*
+ * Whether the displacement of a target row depends on constrained dof alone, so that the row cannot
+ * move.
+ */
 static bool is_constrained(const design *design, int row)
 {
     const pzs_rows *rows = &design->structure.output;
@@ -31,7 +34,10 @@ static bool is_constrained(const design *design, int row)
     return true;
 }
 
-/* Set the weights of rows on constrained dof to 0 and keep their former weights in fixed_weight. */
+/*
+ * Set the weights of target rows on constrained dof to 0 and keep their former weights in
+ * fixed_weight.
+ */
 static void separate_fixed_rows(design *design)
 {
     for (int i = 0; i < design->targets; i++)
@@ -49,7 +55,10 @@ static double difference(const double *first, const double *second, int i)
     return second ? first[i] - second[i] : first[i];
 }
 
-/* Entry i of x - y without the first `count` free functions times c. */
+/*
+ * Entry i of shape - wanted minus the first `count` free functions multiplied by their
+ * coefficients.
+ */
 static double residual_entry(const design *design, const double *shape, const double *wanted,
                              const double *coefficient, int count, int i)
 {
@@ -61,8 +70,9 @@ static double residual_entry(const design *design, const double *shape, const do
 }
 
 /*
- * Weighted least-squares fit of the first free functions to x - y; a second iteration corrects
- * rounding errors. c [count] out
+ * Weighted least-squares fit of the first `count` free functions to shape - wanted. A second
+ * iteration corrects rounding errors.
+ *   coefficient [count] out
  */
 static void fit(const design *design, const double *shape, const double *wanted, int count,
                 double *coefficient)
@@ -83,7 +93,7 @@ static void fit(const design *design, const double *shape, const double *wanted,
     }
 }
 
-/* |W x|^2 */
+/* Weighted sum of squares of a shape [targets]. */
 static double weighted_squares(const design *design, const double *shape)
 {
     double sum = 0;
@@ -92,15 +102,18 @@ static double weighted_squares(const design *design, const double *shape)
     return sum;
 }
 
-/* Rounding-error bound of the weighted size of a fit's residual, relative to the vector. */
+/*
+ * Rounding-error bound of the weighted norm of a fit's residual, relative to the norm of the fitted
+ * vector.
+ */
 static double rounding(const design *design)
 {
     return 8 * DBL_EPSILON * sqrt((double)design->targets);
 }
 
 /*
- * x := x less its fit by the first `count` functions. Weighted rows are set to 0 where only
- * rounding errors remain.
+ * Subtract from a shape [targets] its fit by the first `count` free functions. Weighted rows are
+ * set to 0 where only rounding errors remain.
  */
 static void remove_fit(const design *design, int count, double *shape)
 {
@@ -116,8 +129,8 @@ static void remove_fit(const design *design, int count, double *shape)
 }
 
 /*
- * Evaluate function j at the target nodes, orthogonalise it to those before it and scale it to
- * weighted size 1.
+ * Evaluate free function j at the target nodes, orthogonalise it to the free functions before it
+ * and scale it to the weighted norm 1. Returns 0, or -1 with error filled.
  */
 static int add_free(design *design, int j, char *error)
 {

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Eigenvalues of small dense matrices (eigen.h). */
+/*
+ * Eigenvalues of small dense matrices by Jacobi's method, spectral radius by repeated squaring
+ * (eigen.h).
+ */
 #include "eigen.h"
 #include <math.h>
 #include <string.h>
 
 /*
- * Rotate rows and columns p, q of the symmetric matrix a [n][n] so that a_pq becomes 0; apply the
- * rotation to the columns of v.
+ * Rotate rows and columns p and q of the symmetric matrix a [n][n] so that its entry (p, q) becomes
+ * 0, and apply the rotation to the columns of the eigenvector matrix v [n][n].
  */
 static void rotate(double *a, double *v, size_t n, size_t p, size_t q)
 {
@@ -39,7 +42,7 @@ void eigen_symmetric(double *a, double *v, size_t n, int sweeps, double negligib
                     rotate(a, v, n, p, q);
 }
 
-/* Divide a matrix by its Frobenius norm. Returns the norm. */
+/* Divide a matrix a [n][n] by its Frobenius norm. Returns the norm. */
 static double normalise(double *a, size_t n)
 {
     double sum = 0;
@@ -51,7 +54,10 @@ static double normalise(double *a, size_t n)
     return norm;
 }
 
-/* out = a a, all [n][n] */
+/*
+ * Square a matrix: out = a a.
+ *   a, out [n][n]
+ */
 static void square(const double *a, double *out, size_t n)
 {
     memset(out, 0, n * n * sizeof *out);

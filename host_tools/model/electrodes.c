@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Electrodes of a scene (electrodes.h). */
+/* Electrodes of a scene's amplifiers and sensors as the library's table (electrodes.h). */
 #include "electrodes.h"
 #include <stdlib.h>
 #include "../../lib/model/electrode.h"
 
-/* Action of an input in one element: a voltage across a ply, times a factor. */
+/*
+ * Action of an input in one element: the voltage of the input, multiplied by a factor, lies across
+ * a ply.
+ */
 typedef struct across {
     int input, ply;
     double factor;
 } across;
 
 /*
- * Append the actions of one actuator or sensor in an element. `first` is its first input; different
- * drives may name the same ply.
+ * Append the actions of one actuator or sensor in an element, of which `first` is the first input.
+ * Different drives may name one ply. Returns the new number of actions.
  */
 static int append_across(const mesh *mesh, const scene_actuator *actuator, int first, int element,
                          across *list)
@@ -28,7 +31,11 @@ static int append_across(const mesh *mesh, const scene_actuator *actuator, int f
     return count;
 }
 
-/* All actions in one element. list [patch grids] out. Returns their number. */
+/*
+ * List the actions of all actuators and sensors in one element.
+ *   list [patch grids] out
+ * Returns the number of actions.
+ */
 static int all_across(const design *design, int element, across *list)
 {
     const scene *scene = design->scene;
@@ -44,8 +51,8 @@ static int all_across(const design *design, int element, across *list)
 }
 
 /*
- * Add the charge per unit of every input on the electrodes of one element, strains zero. dense
- * [electrodes][inputs] in/out
+ * Add the charge that a unit of every input causes on the electrodes of one element at zero strain.
+ *   dense [electrodes][inputs] in/out
  */
 static void add_element(const design *design, int element, across *list, double *dense)
 {
@@ -81,8 +88,8 @@ static void add_element(const design *design, int element, across *list, double 
 }
 
 /*
- * List the inputs that are voltages of patches: amplifiers except those of temperatures and stacks,
- * then the electrodes of sensors.
+ * List the inputs that are voltages of patches: amplifiers, except those that drive a temperature
+ * or a stack actuator, then the electrodes of sensors. Returns the number of these inputs.
  */
 static uint16_t list_inputs(const design *design, uint16_t *input, uint8_t *open)
 {

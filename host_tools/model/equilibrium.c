@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Equilibrium solver of a scene and its tables (equilibrium.h). */
+/*
+ * Equilibrium solver of a scene with its tables of prescribed resultants, follower loads and
+ * contact (equilibrium.h).
+ */
 #include "equilibrium.h"
 #include <math.h>
 #include <stdio.h>
@@ -18,10 +21,13 @@ typedef struct resultant_builder {
     uint16_t *element, *which;
     double (*value)[LAMINATE_STRAINS];
     size_t entries, room, values, room_values;
-    int is_full; /* memory ran out */
+    int is_full; /* 1 where memory has run out */
 } resultant_builder;
 
-/* Row of `value` that equals h0; appended where there is none. */
+/*
+ * Index of the row of the builder's table that equals the resultants h0 [10]; a missing row is
+ * appended.
+ */
 static size_t row_of_resultants(resultant_builder *builder, const double h0[LAMINATE_STRAINS])
 {
     for (size_t i = builder->values; i > 0; i--)
@@ -54,8 +60,8 @@ static void append(resultant_builder *builder, int element, const double h0[LAMI
 }
 
 /*
- * Append the entries of one actuator's amplifiers or one sensor's electrodes, of which `first` is
- * the first input.
+ * Append the prescribed resultants of one actuator's amplifiers or one sensor's electrodes, of
+ * which `first` is the first input.
  */
 static void append_actuator(resultant_builder *builder, const mesh *mesh,
                             const scene_actuator *actuator, int first)
@@ -117,7 +123,9 @@ static void set_corner(const mesh *mesh, int element, int corner, const pzs_foll
         *area *= (1 + point->k[0] * z) * (1 + point->k[1] * z) / size;
 }
 
-/* Weights of a corner's pressure in the forces on the same, a neighbouring and the opposite corner.
+/*
+ * Set the shares of a corner's pressure in the forces on that corner, on a neighbouring corner and
+ * on the opposite corner.
  */
 static void set_shares(pzs_follower *follower, int is_cartesian)
 {
@@ -146,7 +154,7 @@ static pzs_status build_follower(equilibrium *equilibrium, const scene_load *loa
     if (design_load_values(mesh, load, pressure, error) < 0)
         return PZS_E_NONFINITE;
     follower->input = input;
-    follower->load_face = 2; /* the middle */
+    follower->load_face = 2; /* 2: the load acts on the middle surface */
     if (load->face == FACE_INNER || load->face == FACE_OUTER)
         follower->load_face = load->face == FACE_OUTER;
     follower->normal_face = load->follower == FOLLOWER_PRESSURE && load->face == FACE_INNER ? 0 : 1;
@@ -171,8 +179,8 @@ static pzs_status build_follower(equilibrium *equilibrium, const scene_load *loa
 /* ---- contact ---------------------------------------------------------- */
 
 /*
- * Distance function of a body given by a formula psi: psi / |grad psi|, by finite differences with
- * a step of 1e-4 of the mesh size.
+ * Distance function of a contact body that is given by a formula psi: psi / |grad psi|, with the
+ * gradient by finite differences with a step of 1e-4 of the mesh size.
  */
 static double psi_gap(const pzs_body *body, const double x[3], double normal[3],
                       double hessian[3][3])
@@ -277,7 +285,7 @@ double equilibrium_contact_output(const equilibrium *equilibrium, const scene_ou
     return (double)NAN;
 }
 
-/* Advice against a penetration. */
+/* Advice to the user against a penetration of the contact's body. */
 static const char *penetration_cure(const pzs_contact *contact, pzs_status status)
 {
     if (status == PZS_W_BEHIND)
@@ -357,8 +365,8 @@ void equilibrium_save(const equilibrium *equilibrium, void *state)
 }
 
 /*
- * The model keeps its factor, which is of another shape; the next equilibrium computes the factor
- * of its own shape.
+ * Restore the state of the solver (equilibrium.h). The model keeps its factor, which belongs to
+ * another shape; the next equilibrium computes the factor of its own shape.
  */
 void equilibrium_restore(equilibrium *equilibrium, const void *state)
 {
@@ -374,8 +382,8 @@ void equilibrium_restore(equilibrium *equilibrium, const void *state)
 /* ---- open ------------------------------------------------------------- */
 
 /*
- * Input values at full load: loads and applied voltages. The value of a follower load is that of
- * its extra input.
+ * Set the input values of the scene at full load: load factors and applied voltages. The value of a
+ * follower load is the value of its extra input.
  */
 static void set_full(equilibrium *equilibrium)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Estimation of the shape from a few sensors (estimator.h). */
+/* Gains for the estimation of the shape from a few sensors, and their errors (estimator.h). */
 #include "estimator.h"
 #include <math.h>
 #include <stdio.h>
@@ -11,20 +11,27 @@
 
 enum { SWEEPS = 30, POWER = 300 };
 
-/* Intermediate results of the gains. */
+/*
+ * Intermediate results of the computation of the estimator's gains. A disturbance is a load or a
+ * deviation of an amplifier's voltage.
+ */
 typedef struct estimation {
     const analysis *analysis;
-    size_t targets, amplifiers, loads, disturbances, sensors; /* numbers of targets, amplifiers,
-                                                                 loads, disturbances, sensors */
-    double *sigma;          /* [disturbances] standard deviations of loads, then of amplifiers */
-    double *sensitivity;    /* [sensors][inputs] reading per unit of every input */
-    double *noise;          /* [sensors] standard deviation */
-    double *shape;          /* [targets][disturbances] W A */
-    double *scaled_reading; /* [sensors][disturbances] N^-1 C */
-    double *square; /* [sensors][sensors] N^-1 C C' N^-1, later its eigenvalues on the diagonal */
-    double *eigenvector; /* [sensors][sensors] eigenvectors of that matrix as columns */
-    double *target_part, *side, *direction, *rotated; /* work arrays [disturbances], [sensors],
-                                                  [targets], [sensors] */
+    size_t targets, amplifiers, loads, disturbances, sensors;
+    double *sigma;       /* [disturbances] standard deviations of the loads, then of the amplifiers'
+                            voltages */
+    double *sensitivity; /* [sensors][inputs] reading of each sensor per unit of each input */
+    double *noise;       /* [sensors] standard deviation of the noise of each sensor */
+    double *shape;       /* [targets][disturbances] weighted shape per standard deviation of each
+                            disturbance */
+    double *scaled_reading; /* [sensors][disturbances] reading per standard deviation of each
+                               disturbance, divided by the sensor's noise */
+    double *square; /* [sensors][sensors] covariance of the readings under the disturbances, divided
+                       by the noise of both sensors; later its eigenvalues on the diagonal */
+    double *eigenvector; /* [sensors][sensors] eigenvectors of the scaled covariance of the
+                            readings, as columns */
+    double *target_part, *side, *direction, *rotated; /* work arrays of the sizes [disturbances],
+                                                         [sensors], [targets] and [sensors] */
 } estimation;
 
 static int take(estimation *estimation)
@@ -64,15 +71,20 @@ static void give_back(estimation *estimation)
 
 /* ---- disturbances and readings ---------------------------------------- */
 
-/* Input of a disturbance: the loads are inputs after the amplifiers. */
+/*
+ * Index of the input that belongs to a disturbance. The first disturbances are loads, whose inputs
+ * follow those of the amplifiers.
+ */
 static size_t input_of(const estimation *estimation, size_t disturbance)
 {
     return disturbance < estimation->loads ? estimation->amplifiers + disturbance
                                            : disturbance - estimation->loads;
 }
 
-/* Standard deviation of the voltage of an amplifier where the scene gives none: a tenth of half the
- * range between its limits, or 1 V without limits. */
+/*
+ * Standard deviation of the voltage of an amplifier where the scene gives none: a tenth of half the
+ * range between its limits, or 1 V without limits.
+ */
 static double default_deviation(const design *design, size_t amplifier)
 {
     const double half = (design->upper[amplifier] - design->lower[amplifier]) / 2;
@@ -102,8 +114,8 @@ static double electric_reading(const design *design, const scene_output *output,
 }
 
 /*
- * Readings per unit of one input: displacements from the influence matrix, voltages and charges
- * with the open electrodes' voltages computed.
+ * Compute the readings of all sensors per unit of one input: displacements from the influence
+ * matrix, voltages and charges with the voltages of open electrodes computed.
  */
 static int fill_sensitivity(estimation *estimation, size_t input, double *value, double *charge)
 {
@@ -146,7 +158,10 @@ static int fill_sensitivities(estimation *estimation)
     return failed ? -1 : 0;
 }
 
-/* Form W A, N^-1 C and N^-1 C C' N^-1. */
+/*
+ * Compute the weighted shapes, the readings divided by the noise, and the covariance of these
+ * readings, for disturbances of one standard deviation.
+ */
 static void form(estimation *estimation)
 {
     const design *design = &estimation->analysis->design;
@@ -172,7 +187,10 @@ static void form(estimation *estimation)
 
 /* ---- eigenvalues ------------------------------------------------------ */
 
-/* Diagonalise `square`; its eigenvectors go to `eigenvector`. */
+/*
+ * Diagonalise the scaled covariance of the readings: the eigenvalues replace the matrix `square`,
+ * the eigenvectors are stored in `eigenvector`.
+ */
 static void diagonalise(estimation *estimation)
 {
     eigen_symmetric(estimation->square, estimation->eigenvector, estimation->sensors, SWEEPS, 0);
@@ -183,7 +201,9 @@ static double eigenvalue(const estimation *estimation, size_t i)
     return fmax(estimation->square[i * estimation->sensors + i], 0);
 }
 
-/* side := (1 + square)^-1 side */
+/*
+ * Multiply the vector `side` [sensors] by the inverse of (1 + scaled covariance of the readings).
+ */
 static void apply_filter(estimation *estimation)
 {
     const size_t sensors = estimation->sensors;
@@ -204,7 +224,10 @@ static void apply_filter(estimation *estimation)
 
 /* ---- gains ------------------------------------------------------------ */
 
-/* Row i of the gain matrix G. row [disturbances] in: row of A without its weight */
+/*
+ * Compute the gains of the estimator, one row for each target, and the readings per volt and per
+ * unit of each load.
+ */
 static void make_gains(estimation *estimation, estimator *estimator)
 {
     const size_t inputs = estimation->analysis->design.structure.input.count;
@@ -232,8 +255,8 @@ static void make_gains(estimation *estimation, estimator *estimator)
 }
 
 /*
- * Part of a disturbance that the sensors do not determine: part := (1 + C'N^-2 C)^-1 part. part
- * [disturbances]
+ * Replace a combination of disturbances by the part of it that the sensors do not determine.
+ *   left [disturbances] in/out
  */
 static void remove_observed_part(estimation *estimation, double *left)
 {
@@ -250,7 +273,10 @@ static void remove_observed_part(estimation *estimation, double *left)
                 estimation->scaled_reading[k * estimation->disturbances + j] * estimation->side[k];
 }
 
-/* target_part := A'W direction. Returns its length. */
+/*
+ * Project a weighted shape onto the disturbances: store the transposed weighted shapes of the
+ * disturbances times `direction` [targets] in target_part. Returns the norm of the result.
+ */
 static double project_to_disturbances(estimation *estimation, const double *direction)
 {
     double sum = 0;
@@ -273,8 +299,8 @@ static double length(const double *vector, size_t count)
 }
 
 /*
- * Expected size of the disturbances and of what the estimate leaves of them: the traces of A A' and
- * of A (1 + C'N^-2 C)^-1 A'.
+ * Compute the expected size of the shape under the disturbances and of the error of its estimate,
+ * as square roots of the traces of both covariances.
  */
 static void measure_errors(estimation *estimation, estimator *estimator)
 {
@@ -292,7 +318,7 @@ static void measure_errors(estimation *estimation, estimator *estimator)
     estimator->remaining = sqrt(fmax(left, 0));
 }
 
-/* Find the direction in which the estimate leaves most, by the power method. */
+/* Find the shape in which the error of the estimate is largest, by the power method. */
 static void find_worst(estimation *estimation, estimator *estimator)
 {
     for (size_t i = 0; i < estimation->targets; i++)

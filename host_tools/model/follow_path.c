@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Load path by the arc-length method (follow_path.h). */
+/*
+ * Computation of the load path by the arc-length method, with its limit points and bifurcations
+ * (follow_path.h).
+ */
 #include "follow_path.h"
 #include <math.h>
 #include <stdio.h>
@@ -12,23 +15,27 @@
 /* ---- state ------------------------------------------------------------ */
 
 /*
- * Work of the method. Vectors have free_dof entries. A point consists of displacement and load
- * factor; `direction` is the increment of the last step, which tells forwards from backwards.
+ * State of the arc-length method. All vectors have free_dof entries. A point of the load path
+ * consists of a displacement and a load factor; `direction` is the increment of the last step,
+ * which distinguishes forwards from backwards.
  */
 typedef struct walk {
     pzs_solver *solver;
     const double *full; /* [inputs] input values at full load */
     size_t n;
     double *memory;
-    double *metric;      /* weight of each dof in the norm of a displacement: 1, or thickness^2 */
-    double *start;       /* displacement of the last converged point */
-    double *direction;   /* increment of the last converged step */
-    double *increment;   /* displacement since `start` */
-    double *by_residual; /* K^-1 (load - internal force) */
-    double *by_load;     /* K^-1 times the force per unit of the load factor */
-    double *unit;        /* force per unit of one input */
-    double load_factor;  /* of the present point */
-    double start_factor; /* of the last converged point */
+    double *metric;      /* [free_dof] weight of each dof in the norm of a displacement: 1 for
+                            displacements of the middle surface, thickness^2 for the other dof */
+    double *start;       /* [free_dof] displacement at the last converged point */
+    double *direction;   /* [free_dof] increment of the last converged step */
+    double *increment;   /* [free_dof] displacement since the last converged point */
+    double *by_residual; /* [free_dof] inverse tangent stiffness times (load minus internal force)
+                          */
+    double *by_load;    /* [free_dof] inverse tangent stiffness times the force per unit of the load
+                           factor */
+    double *unit;       /* [free_dof] force per unit of one input */
+    double load_factor; /* load factor at the present point */
+    double start_factor; /* load factor at the last converged point */
     int iterations;
 } walk;
 
@@ -50,7 +57,7 @@ static void fill_metric(walk *walk)
                 i % structure->dof_per_node < 3 ? 1 : thickness * thickness;
 }
 
-/* Lay out the vectors. Returns 0, or -1 without memory. */
+/* Allocate the vectors of the arc-length method. Returns 0, or -1 where memory runs out. */
 static int walk_open(walk *walk, analysis *analysis)
 {
     memset(walk, 0, sizeof *walk);
@@ -72,7 +79,10 @@ static int walk_open(walk *walk, analysis *analysis)
 
 /* ---- one linear solve ------------------------------------------------- */
 
-/* Move the solver to start + increment, at the present load factor. */
+/*
+ * Set the solver to the displacement of the last converged point plus the present increment, at the
+ * present load factor.
+ */
 static void set_point(walk *walk)
 {
     pzs_solver *solver = walk->solver;
@@ -84,7 +94,7 @@ static void set_point(walk *walk)
     pzs_nonlinear_set_prescribed(solver);
 }
 
-/* Force per unit of the load factor at the present point, in by_load. */
+/* Compute the force per unit of the load factor at the present point and store it in by_load. */
 static void full_force(walk *walk)
 {
     const uint32_t inputs = walk->solver->state.model->state.structure->input.count;
@@ -100,8 +110,8 @@ static void full_force(walk *walk)
 }
 
 /*
- * Assemble and factor the tangent at the present point, and solve for by_residual and by_load.
- * Returns false if the tangent is singular.
+ * Assemble and factor the tangent stiffness at the present point, and solve for by_residual and
+ * by_load. Returns false if the tangent stiffness is singular.
  */
 static bool solve_both(walk *walk)
 {
@@ -120,9 +130,9 @@ static bool solve_both(walk *walk)
 /* ---- one step --------------------------------------------------------- */
 
 /*
- * Change of the load factor that keeps the length of the increment: the root of
- *   |increment + by_residual + change by_load|^2 = arc^2
- * that turns the increment least. Returns NAN where there is none.
+ * Change of the load factor that keeps the length of the increment at `arc`: the solution of
+ * |increment + by_residual + change by_load|^2 = arc^2 that changes the direction of the increment
+ * least. Returns NAN where there is no solution.
  */
 static double constrained_change(const walk *walk, double arc)
 {
@@ -132,13 +142,14 @@ static double constrained_change(const walk *walk, double arc)
     const double rest = inner(walk, increment, increment) + 2 * inner(walk, increment, residual) +
                         inner(walk, residual, residual) - arc * arc;
     const double root = sqrt(half * half - load2 * rest);
-    const double along = inner(walk, increment, load); /* the turn decreases with change * along */
+    const double along = inner(walk, increment, load); /* the angle to the old direction decreases
+                                                          with change * along */
     return (-half + (along < 0 ? -root : root)) / load2;
 }
 
 /*
- * Correct the increment until it is an equilibrium at distance arc from `start`. Returns whether
- * this has succeeded.
+ * Correct the increment until it leads to an equilibrium at the distance `arc` from the last
+ * converged point. Returns whether the iteration has converged.
  */
 static bool correct(walk *walk, double arc)
 {
@@ -163,13 +174,16 @@ static bool correct(walk *walk, double arc)
     return false;
 }
 
-/* Sign of the change of the load factor that goes on in the direction of the last step. */
+/* Sign of the change of the load factor that continues in the direction of the last step. */
 static double forwards(const walk *walk)
 {
     return inner(walk, walk->direction, walk->by_load) < 0 ? -1 : 1;
 }
 
-/* Return to the last converged point, with its tangent. */
+/*
+ * Return to the last converged point and compute its tangent stiffness. Returns whether this has
+ * succeeded.
+ */
 static bool go_back(walk *walk)
 {
     memset(walk->increment, 0, walk->n * sizeof *walk->increment);
@@ -178,9 +192,9 @@ static bool go_back(walk *walk)
 }
 
 /*
- * One step of length arc from `start`, whose tangent has been solved. Returns whether it has
- * converged; then by_load and the pivots are those of the new point, and `start` is still the old
- * one.
+ * Make one step of length `arc` from the last converged point, whose tangent stiffness has been
+ * factored. Returns whether the step has converged; then by_load and the pivots belong to the new
+ * point, and `start` is still the old point.
  */
 static bool try_step(walk *walk, double arc)
 {
@@ -191,7 +205,7 @@ static bool try_step(walk *walk, double arc)
     return correct(walk, arc) && solve_both(walk);
 }
 
-/* Make the present point the start of the next step. */
+/* Make the present point the last converged point. */
 static void accept(walk *walk)
 {
     for (size_t i = 0; i < walk->n; i++) {
@@ -204,13 +218,20 @@ static void accept(walk *walk)
 
 /* ---- critical points -------------------------------------------------- */
 
-/* What tells a critical point between two points: the course of the load, and the inertia. */
+/*
+ * Quantities whose change between two points shows a critical point between them: the sign of the
+ * change of the load factor and the number of negative pivots.
+ */
 typedef struct signature {
     double course; /* sign of the change of the load factor along the path */
     int negative_pivots;
 } signature;
 
-/* Signature of the present point; `along` is an increment in the direction of the path. */
+/*
+ * Signature of the present point: sign of the change of the load factor and number of negative
+ * pivots.
+ *   along [free_dof] in  an increment in the direction of the path
+ */
 static signature signature_at(const walk *walk, const double *along)
 {
     return (signature){inner(walk, along, walk->by_load) < 0 ? -1.0 : 1.0,
@@ -224,8 +245,8 @@ static bool differs(signature first, signature second, load_path_event_type type
 }
 
 /*
- * Load factor at which the signature changes between `start` and a point at distance arc, by
- * bisection of the distance. The present point is lost.
+ * Load factor at which the signature changes between the last converged point and a point at the
+ * distance `arc`, by bisection of the distance. The present point is overwritten.
  */
 static double locate(walk *walk, double arc, signature before, load_path_event_type type)
 {
@@ -251,8 +272,9 @@ static void add_event(load_path *path, load_path_event_type type, double load_fa
 }
 
 /*
- * Name the critical points of a step of length arc that has just converged. A limit point changes
- * one pivot; further changes are bifurcations. Returns whether the step could be restored.
+ * Add the critical points within a step of length `arc` that has just converged to the path. A
+ * limit point changes the sign of one pivot; further sign changes are bifurcations. Returns whether
+ * the end of the step could be restored.
  */
 static bool find_events(walk *walk, load_path *path, double arc, signature before)
 {
@@ -288,7 +310,10 @@ static void add_point(load_path *path, const walk *walk)
     path->points++;
 }
 
-/* Length of the next step: longer after few iterations, shorter after many. */
+/*
+ * Length of the next step: longer after few iterations, shorter after many, and never above
+ * `longest`.
+ */
 static double next_arc(double arc, int iterations, double longest)
 {
     const double usual = 5;
@@ -296,8 +321,8 @@ static double next_arc(double arc, int iterations, double longest)
 }
 
 /*
- * All steps. The first one is as long as the linear displacement under a twentieth of the load, and
- * none is longer than four times that.
+ * Make all steps of the load path. The first step is as long as the linear displacement under a
+ * twentieth of the load, and no step is longer than four times that.
  */
 static void take_steps(walk *walk, load_path *path)
 {
@@ -321,7 +346,7 @@ static void take_steps(walk *walk, load_path *path)
     }
 }
 
-/* Make the last point the equilibrium from which the solver goes on. */
+/* Make the last point of the path the equilibrium from which the solver continues. */
 static void hand_over(walk *walk)
 {
     pzs_solver *solver = walk->solver;
@@ -335,7 +360,10 @@ static void hand_over(walk *walk)
     solver->settings.extrapolated_iterations = 0;
 }
 
-/* Refuse what the method does not follow. Returns 0, or -1 with error filled. */
+/*
+ * Refuse scenes for which the arc-length method is not implemented: contact, prescribed
+ * displacements, open electrodes. Returns 0, or -1 with error filled.
+ */
 static int check_scene(const analysis *analysis, char *error)
 {
     const scene *scene = analysis->design.scene;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Load path (load_path.h). */
+/* Release of the memory of a load path (load_path.h). */
 #include "load_path.h"
 #include <stdlib.h>
 #include <string.h>

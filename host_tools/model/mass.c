@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Mass matrix of a mesh (mass.h). */
+/* Element mass matrices of a mesh, and products with the mass matrix (mass.h). */
 #include "mass.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,19 +9,31 @@
 #include "../mesh/corner_weight.h"
 #include "../quads/vector.h"
 
-/* Displacement functions of the height t: 1, t, h (1 - 4 t^2/h^2). */
+/*
+ * Number of displacement functions of the height t above the middle of a laminate of thickness h,
+ * which are 1, t and h (1 - 4 t^2/h^2), and number of Gauss points in a ply.
+ */
 enum { FUNCTIONS = 3, POINTS = 4 };
 
-/* Displacement function and component of each dof of a node. */
+/*
+ * Index of the displacement function (0: constant, 1: linear, 2: quadratic) and of the component of
+ * each of the 7 dof of a node.
+ */
 static const int function_of[7] = {0, 0, 0, 1, 1, 1, 2}, component_of[7] = {0, 1, 2, 0, 1, 2, 2};
 
-/* Gauss points, exact for polynomials up to the seventh degree; the integrands are of the sixth. */
+/*
+ * Points of the Gauss quadrature on [-1, 1], exact for polynomials up to the seventh degree; the
+ * integrands of the mass matrix are of the sixth degree.
+ */
 static const double gauss_x[POINTS] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
                                        0.8611363115940526};
 static const double gauss_w[POINTS] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
                                        0.3478548451374538};
 
-/* m += weight f f' at height t above the middle, with f the three displacement functions */
+/*
+ * Add weight times f f' to the moments m, where f holds the three displacement functions 1, t and h
+ * (1 - 4 t^2/h^2) at the height t above the middle of a laminate of thickness h.
+ */
 static void add_moments(double t, double h, double weight, double m[FUNCTIONS][FUNCTIONS])
 {
     const double f[FUNCTIONS] = {1, t, h * (1 - 4 * t * t / (h * h))};
@@ -31,8 +43,9 @@ static void add_moments(double t, double h, double weight, double m[FUNCTIONS][F
 }
 
 /*
- * Integrals of density f f' (1 + k1 z)(1 + k2 z) over the plies that are present, per area of the
- * reference surface.
+ * Moments of the mass over the thickness: integrals of density times the products of the
+ * displacement functions times the metric (1 + k1 z)(1 + k2 z) with the curvatures k1 and k2, over
+ * the plies that are present, per area of the reference surface.
  */
 static void moments(const laminate *laminate, const laminate_place *place, double per_area,
                     double m[FUNCTIONS][FUNCTIONS])
@@ -53,7 +66,8 @@ static void moments(const laminate *laminate, const laminate_place *place, doubl
 }
 
 /*
- * Share of the element's mass that couples corners r and s: bilinear, or all at the corners.
+ * Share of an element's mass that couples two of its corners: bilinear interpolation for the
+ * consistent part, all mass at the corners for the lumped part.
  */
 static double share(const laminate_place *place, int row, int column, double lumped)
 {
@@ -68,7 +82,7 @@ static double share(const laminate_place *place, int row, int column, double lum
     return (1 - lumped) * consistent + lumped * at_corner;
 }
 
-/* Cosine of the angle between axis a of one node and axis b of another. */
+/* Cosine of the angle between local axis a of node p and local axis b of node q. */
 static double between(const surface_point *p, int a, const surface_point *q, int b)
 {
     return p->e[a][0] * q->e[b][0] + p->e[a][1] * q->e[b][1] + p->e[a][2] * q->e[b][2];
@@ -116,7 +130,7 @@ int mass_missing(const scene *scene, char names[SCENE_ERROR])
     return missing;
 }
 
-/* Refuse a scene in which a density is missing. */
+/* Refuse a scene in which a density is missing. Returns 0, or -1 with error filled. */
 static int check_densities(const scene *scene, char *error)
 {
     char names[SCENE_ERROR];
@@ -161,7 +175,10 @@ const double *mass_element(const mass *mass, int element)
     return mass->entry + (size_t)element * entries(mass->mesh);
 }
 
-/* f = M_e u of one element. u, f [4 dof_per_node] */
+/*
+ * Multiply the packed mass matrix of one element with a vector.
+ *   vector, product [count] with count = 4 dof_per_node
+ */
 static void multiply_element(const double *entry, int count, const double *vector, double *product)
 {
     for (int i = 0; i < count; i++)
@@ -190,7 +207,10 @@ void mass_multiply(const mass *mass, const pzs_model *model, const double *vecto
 
 /* ---- rigid motion ----------------------------------------------------- */
 
-/* Dof of a node under a rigid motion. u [7] out */
+/*
+ * Dof of a node in a rigid motion.
+ *   unit [7] out
+ */
 static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], const double spin[3],
                            double unit[7])
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Materials that differ from the scene by factors (material_scale.h). */
+/* Material constants multiplied by factors (material_scale.h). */
 #include "material_scale.h"
 
 void material_scale(scene_material *material, double stiffness, double d)

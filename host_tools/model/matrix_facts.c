@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Numbers that describe a measured influence matrix (matrix_facts.h). */
+/* Largest entry, singular values and rank of a measured influence matrix (matrix_facts.h). */
 #include "matrix_facts.h"
 #include <math.h>
 #include <stdlib.h>
@@ -14,7 +14,10 @@ double matrix_column_size(const scene *scene, int k)
     return sqrt(sum);
 }
 
-/* gram [n][n] out: B'B */
+/*
+ * Product of the transposed influence matrix with the influence matrix.
+ *   gram [amplifiers][amplifiers] out
+ */
 static void multiply(const scene *scene, double *gram)
 {
     const size_t amplifiers = (size_t)scene->amplifiers;

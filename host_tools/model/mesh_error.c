@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Discretisation error from coarser meshes (mesh_error.h). */
+/* Estimation of the discretisation error from coarser meshes (mesh_error.h). */
 #include "mesh_error.h"
 #include <math.h>
 #include <stdio.h>
@@ -9,10 +9,11 @@
 /* ---- estimate --------------------------------------------------------- */
 
 /*
- * What is still missing of a monotone sequence beyond what second order predicts. ratio: the
- * difference before the last one over the last one, 4 at second order. The sum of all later
- * differences is last / (ratio - 1). A sequence that hardly converges is treated as one of ratio
- * SLOWEST.
+ * Remaining error of a monotone sequence of results beyond what convergence of second order
+ * predicts. The sum of all later differences is last / (ratio - 1). A sequence that hardly
+ * converges is treated like one with the ratio SLOWEST.
+ *   last  in  difference between the results on the two finest meshes
+ *   ratio in  difference before the last one over the last one; 4 for second order
  */
 static double slow_rest(double last, double ratio)
 {
@@ -38,7 +39,7 @@ mesh_estimate mesh_estimate_from(const double *value, int meshes)
 
 /* ---- coarser meshes --------------------------------------------------- */
 
-/* Half the number of elements in one direction; 0 where it cannot be halved. */
+/* Half the number of elements in one direction; 0 where the number cannot be halved. */
 static int half_of(int elements)
 {
     if (elements == 1)
@@ -46,7 +47,10 @@ static int half_of(int elements)
     return elements % 2 == 0 ? elements / 2 : 0;
 }
 
-/* Fill coarse with half the elements of fine. Returns 0, or -1 with the reason in error. */
+/*
+ * Compute the number of elements of a coarser mesh, half of those of a finer mesh in each
+ * direction. Returns 0, or -1 with the reason in error.
+ */
 static int halve(const int fine[2], int coarse[2], char *error)
 {
     for (int i = 0; i < 2; i++) {
@@ -88,8 +92,8 @@ static int read_coarser(scene *coarse, const scene *fine, const int elements[2],
 }
 
 /*
- * Compute the results of one coarser mesh; they must be the same ones as on the mesh of the scene.
- * Returns 0, or -1 with error filled.
+ * Compute the results on one coarser mesh, and check that their names are those of the results on
+ * the mesh of the scene. Returns 0, or -1 with error filled.
  */
 static int measure_coarser(const mesh_error *result, const scene *fine, const int elements[2],
                            mesh_measure *measure, const void *context, mesh_values *values,

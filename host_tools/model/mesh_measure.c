@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Results whose discretisation error is estimated (mesh_measure.h). */
+/*
+ * Computation of results whose discretisation error is estimated: outputs, shape errors, natural
+ * frequencies (mesh_measure.h).
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include "design_build.h"
@@ -31,7 +34,10 @@ void mesh_mode_name(int mode, char name[SCENE_LABEL])
     snprintf(name, SCENE_LABEL, "mode %d", mode + 1);
 }
 
-/* Solve a prepared analysis and collect its outputs. Returns 0, or -1 with error filled. */
+/*
+ * Compute the displacement of a prepared analysis and collect the outputs of its scene. Returns 0,
+ * or -1 with error filled.
+ */
 static int solve_prepared(analysis *analysis, mesh_values *values, char *error)
 {
     const pzs_structure *structure = &analysis->design.structure;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Modal description of a structure (modal.h). */
+/* Modal description of a structure from its mode shapes (modal.h). */
 #include "modal.h"
 #include <math.h>
 #include <stdlib.h>
@@ -15,7 +15,10 @@ double modal_damping(const scene_dynamics *dynamics, int mode, double frequency)
     return dynamics->damping_of_mode[mode < dynamics->dampings ? mode : dynamics->dampings - 1];
 }
 
-/* Fill the row of one mode: frequency, damping, static response; and its column of C. */
+/*
+ * Fill the data of one mode: angular frequency, damping ratio, displacements of the output rows,
+ * and static response to the inputs.
+ */
 static void fill_mode(modal *modal, const design *design, const vibration *vibration, size_t mode)
 {
     const int of = vibration->rigid + (int)mode;

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Modes of a target, one at a time (modes.h). */
+/* Errors of each mode of a target, taken as the only target (modes.h). */
 #include "modes.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "../system/progress.h"
 
-/* Voltages without limits for one mode. */
+/* Compute the shape error and the largest voltage without limits for one mode of the target. */
 static int run_unconstrained(analysis *analysis, mode *mode, char *error)
 {
     voltages result;
@@ -38,7 +38,7 @@ static int run_limited(analysis *analysis, common_limits limit, mode_left *resul
     return failed ? -1 : 0;
 }
 
-/* Root mean square of the target under its weights. */
+/* Weighted root mean square of the target. */
 static double target_size(const design *design)
 {
     double weights = 0;
@@ -48,8 +48,8 @@ static double target_size(const design *design)
 }
 
 /*
- * Results of mode k of the target. loaded [targets] in  displacement under the scene's loads, which
- * is subtracted
+ * Compute the results of mode k of the target.
+ *   loaded [targets] in  displacement under the scene's loads, which is subtracted from the mode
  */
 static int run_mode(modes *modes, int k, analysis *analysis, const double *loaded,
                     const common_limits *limit, char *error)
@@ -76,7 +76,9 @@ int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int 
     modes->limits = limits;
     modes->mode = calloc(count + 1, sizeof *modes->mode);
     modes->left = calloc(count * (size_t)limits + 1, sizeof *modes->left);
-    double *kept = calloc(3 * targets + 1, sizeof *kept); /* target, wanted and their difference */
+    double *kept = calloc(3 * targets + 1, sizeof *kept); /* [3][targets] copies of the design's
+                                                             target and of its wanted displacements,
+                                                             and their difference */
     int failed = !modes->mode || !modes->left || !kept
                      ? scene_fault(design->scene, design->scene->target.what.at, error,
                                    "%zu modes do not fit into memory", count)

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Free vibration of one mode (propagator.h). */
+/* Propagator of the free vibration of one mode over an interval (propagator.h). */
 #include "propagator.h"
 #include <math.h>
 
 /*
- * Solutions of x'' + 2 damping w x' + w^2 x = 0 at w t = angle: decay times the cosine (circular or
- * hyperbolic), and decay times the sine over the root of |1 - damping^2|.
+ * The two fundamental solutions of x'' + 2 damping w x' + w^2 x = 0 at w t = angle, with angular
+ * frequency w and time t: exponential decay times the cosine (circular, or hyperbolic above
+ * critical damping), and decay times the sine over the square root of |1 - damping^2|.
  */
 static void solutions(double damping, double angle, double *cosine, double *sine)
 {

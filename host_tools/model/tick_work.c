@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Work of a control tick on a device (tick_work.h). */
+/* Computing work of a control tick: bound, and longest of many ticks (tick_work.h). */
 #include "tick_work.h"
 #include <math.h>
 #include <stdlib.h>
@@ -7,13 +7,13 @@
 
 enum { TICKS = 2000, LONGEST_HOLD = 16 };
 
-/* Multiply-adds with the influence matrix in a tick. */
+/* Number of multiply-adds with the influence matrix in one tick. */
 static double products(const design *design)
 {
     return 2.0 * design->amplifiers * design->targets;
 }
 
-/* Instructions of a tick in which the optimiser makes `work` multiply-adds. */
+/* Number of instructions of a tick in which the optimiser makes `work` multiply-adds. */
 static double instructions(const design *design, double work)
 {
     return TICK_WORK_PER_PRODUCT * products(design) + TICK_WORK_PER_OUTPUT * design->targets +
@@ -40,7 +40,10 @@ static double draw(uint64_t *seed)
     return (double)(*seed >> 11) * 0x1p-52 - 1;
 }
 
-/* A target that random voltages of up to 1.5 times the limits reach. */
+/*
+ * Compute a target that is the shape under random voltages of up to 1.5 times the limits.
+ *   wanted [targets] out
+ */
 static void jump(const design *design, uint64_t *seed, double *wanted)
 {
     memset(wanted, 0, (size_t)design->targets * sizeof *wanted);
@@ -53,7 +56,7 @@ static void jump(const design *design, uint64_t *seed, double *wanted)
     }
 }
 
-/* Multiply-adds of the optimiser in the longest of many ticks. */
+/* Number of multiply-adds of the optimiser in the longest of many ticks. */
 static uint64_t measure(const design *design, uint64_t limit, void *work, size_t bytes,
                         double *wanted)
 {

@@ -1,15 +1,21 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Weighted least squares without voltage limits (unconstrained.h). */
+/*
+ * Weighted least squares without voltage limits by a pivoted Cholesky factorisation
+ * (unconstrained.h).
+ */
 #include "unconstrained.h"
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Solutions for the remaining gradient: the first solution and its refinements. */
+/* Number of solutions for the remaining gradient: the first solution and its refinements. */
 enum { SOLUTIONS = 3 };
 
-/* B'W^2 B, each pair of columns once. */
+/*
+ * Compute the normal matrix B'W^2 B of influence matrix B and weights W; each pair of columns is
+ * computed once.
+ */
 static void form_normal_matrix(unconstrained *solver)
 {
     const pzs_problem *problem = solver->problem;
@@ -50,7 +56,7 @@ void unconstrained_close(unconstrained *solver)
     memset(solver, 0, sizeof *solver);
 }
 
-/* Diagonal entry of the regularised normal matrix. */
+/* Diagonal entry of the regularised normal matrix for input k. */
 static double diagonal(const unconstrained *solver, size_t k)
 {
     return solver->normal[k * solver->problem->inputs + k] + solver->regularisation;
@@ -58,7 +64,8 @@ static double diagonal(const unconstrained *solver, size_t k)
 
 /*
  * Input that depends least on the inputs eliminated so far, by the remaining share of its diagonal
- * entry; the number of inputs where that share is rounding error for all of them.
+ * entry. Returns the number of inputs where that share is a rounding error for all remaining
+ * inputs.
  */
 static size_t next_pivot(const unconstrained *solver)
 {
@@ -75,7 +82,7 @@ static size_t next_pivot(const unconstrained *solver)
     return next;
 }
 
-/* Column `step` of the factor, with input `pivot` as its pivot. */
+/* Compute column `step` of the Cholesky factor, with input `pivot` as its pivot. */
 static void eliminate(unconstrained *solver, size_t pivot, size_t step)
 {
     const size_t inputs = solver->problem->inputs;
@@ -108,7 +115,11 @@ void unconstrained_factor(unconstrained *solver, double regularisation)
     }
 }
 
-/* gradient = B'W^2 (e - B v) + r (v0 - v) */
+/*
+ * Compute the negative gradient of half the objective at the present voltages v: B'W^2 (e - B v) +
+ * r (v0 - v), with influence matrix B, weights W, error e to be corrected, regularisation r and
+ * reference voltages v0.
+ */
 static void renew_gradient(unconstrained *solver, const double *error, const double *voltage)
 {
     const pzs_problem *problem = solver->problem;
@@ -125,7 +136,10 @@ static void renew_gradient(unconstrained *solver, const double *error, const dou
     }
 }
 
-/* Add the solution for the gradient to the voltages. Overwrites the pivots' entries of gradient. */
+/*
+ * Add the solution of the normal equations for the present gradient to the voltages. The entries of
+ * the gradient that belong to pivots are overwritten.
+ */
 static void add_solution(unconstrained *solver, double *voltage)
 {
     const size_t inputs = solver->problem->inputs, rank = (size_t)solver->rank;

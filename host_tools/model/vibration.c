@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Natural frequencies and mode shapes (vibration.h). */
+/*
+ * Natural frequencies and mode shapes by a band Lanczos method (vibration.h). In the comments of
+ * this file K is the stiffness matrix, M the mass matrix and A = (K + shift M)^-1 M the operator of
+ * the method.
+ */
 #include "vibration.h"
 #include <math.h>
 #include <stdint.h>
@@ -13,44 +17,54 @@
 #include "../mesh/springs.h"
 
 /*
- * Number of starting vectors of a supported and of a loose structure, sweeps of Jacobi's method,
- * attempts of the check and of the shift.
+ * Number of starting vectors for a supported structure and for one that can move as a rigid body,
+ * sweeps of Jacobi's method, largest number of checks for missing modes, and largest number of
+ * trial shifts.
  */
 enum { BLOCK = 3, BLOCK_LOOSE = 6, SWEEPS = 30, CHECKS = 8, SHIFTS = 80 };
 
-/* Relative residual of a Ritz pair at which its mode has converged. */
+/* Relative residual of a Ritz pair at which its mode counts as converged. */
 static const double converged_at = 1e-8;
 
 /*
- * Error of squares of frequencies near 0 relative to the shift, and bound below which a mode is a
- * rigid motion.
+ * Error of squared frequencies near 0 relative to the shift, and bound relative to the shift below
+ * which a mode counts as a rigid motion.
  */
 static const double known_to = 1e-6, rigid_below = 1e-8;
 
-/* A structure whose stiffness has a larger condition is shifted like a loose one. */
+/*
+ * Condition of the stiffness matrix above which a structure gets a positive shift, as one that can
+ * move as a rigid body.
+ */
 static const double held_below = 1e10;
 
 static const double two_pi = 6.283185307179586;
 
 /*
- * Lanczos search. Column j of h holds the products of A q_j with the basis, A = (K + shift M)^-1 M,
- * for the first `done` vectors; the rows from `done` on measure how far the span of these is from
- * being invariant.
+ * State of the Lanczos search for the lowest modes. Column j of h holds the products of A times
+ * basis vector j with the basis, where A = (K + shift M)^-1 M with stiffness matrix K and mass
+ * matrix M, for the first `done` vectors. The rows from `done` on measure how far the span of these
+ * vectors is from being invariant under A.
  */
 typedef struct search {
     const design *d;
     mass mass;
     pzs_model model;
     void *work;
-    uint8_t *held;  /* [free dof] dof with a prescribed displacement; here they are fixed at 0 */
+    uint8_t *held;  /* [free_dof] flags of dof with a prescribed displacement, which are fixed at 0
+                       for vibration */
     size_t n, room; /* number of free dof; number of basis vectors that the memory holds */
     double shift;
-    double *basis; /* [room][n] orthonormal with respect to M */
+    double *basis; /* [room][n] basis vectors, orthonormal in the scalar product of the mass matrix
+                    */
     size_t made, done;
-    double *h;           /* [room][room] column j begins at h + j room */
-    double *w, *mw;      /* [n] work */
-    double *ritz, *turn; /* [done][done] Ritz values on the diagonal, their vectors as columns */
-    size_t *order;       /* [done] columns by decreasing Ritz value */
+    double *h; /* [room][room] projection of the operator onto the basis; column j begins at h + j
+                  room */
+    double *w, *mw; /* [n] work vectors: the next basis vector, and its product with the mass matrix
+                     */
+    double *ritz, *turn; /* ritz [done][done]: Ritz values on the diagonal; turn [done][done]:
+                            eigenvectors as columns */
+    size_t *order;       /* [done] indices of the Ritz pairs by decreasing Ritz value */
     uint64_t seed;
     int solves;
 } search;
@@ -58,8 +72,9 @@ typedef struct search {
 /* ---- matrices --------------------------------------------------------- */
 
 /*
- * Factor K + times M with rows scaled by the diagonal of K. Returns the signs of the pivots, all
- * zero where K has a zero on its diagonal.
+ * Factor stiffness matrix + times * mass matrix, with rows scaled by the diagonal of the stiffness
+ * matrix. Returns the numbers of positive and negative pivots, all zero where the stiffness matrix
+ * has a zero on its diagonal.
  */
 static linalg_inertia factor(search *search, double times, int keep_scale)
 {
@@ -85,7 +100,10 @@ static linalg_inertia factor(search *search, double times, int keep_scale)
     return inertia;
 }
 
-/* Number of squared frequencies below a bound, or -1 where K - bound M cannot be factored. */
+/*
+ * Number of squared angular frequencies below a bound, from the negative pivots of stiffness matrix
+ * - bound * mass matrix, or -1 where this matrix cannot be factored.
+ */
 static int count_below(search *search, double bound)
 {
     const linalg_inertia inertia = factor(search, -bound, 1);
@@ -93,15 +111,18 @@ static int count_below(search *search, double bound)
 }
 
 /*
- * Whether the pivots of K alone show, beyond rounding, that the supports prevent every rigid
- * motion.
+ * Whether the pivots of the stiffness matrix show, beyond rounding errors, that the supports
+ * prevent every rigid motion.
  */
 static int is_held(const search *search, const linalg_inertia *inertia)
 {
     return inertia->zero < 0 && inertia->negative == 0 && search->model.info.condition < held_below;
 }
 
-/* Upper bound of the lowest squared frequencies: K_ii/M_ii of each dof. */
+/*
+ * Upper bound of the lowest squared angular frequency: the smallest ratio of the diagonal entries
+ * of stiffness and mass matrix.
+ */
 static double upper_bound(search *search)
 {
     double least = HUGE_VAL;
@@ -125,8 +146,9 @@ static double upper_bound(search *search)
 }
 
 /*
- * Factor K, or for a loose structure K + shift M with a shift of about the highest required squared
- * frequency. Returns success.
+ * Factor the stiffness matrix, or for a structure that can move as a rigid body stiffness matrix +
+ * shift * mass matrix, with a shift of about the highest required squared angular frequency.
+ * Returns whether this has succeeded.
  */
 static int choose_shift(search *search, int number)
 {
@@ -163,10 +185,10 @@ static double dot(const double *x, const double *y, size_t n)
 }
 
 /*
- * Make w orthogonal to the basis, in two iterations, and append the rest unless it is rounding
- * error.
- *   column [room]  in/out  the products with the basis are added, the norm is appended; NULL: not
- *                          needed
+ * Make the work vector w orthogonal to the basis by two Gram-Schmidt iterations, and append the
+ * remainder to the basis unless it is a rounding error.
+ *   column [room] in/out  the products with the basis are added, the norm is appended; NULL: not
+ *       needed
  */
 static void append(search *search, double *column)
 {
@@ -193,7 +215,10 @@ static void append(search *search, double *column)
     search->made++;
 }
 
-/* w = (K + shift M)^-1 M x */
+/*
+ * Apply the operator of the Lanczos method to a vector: w = (K + shift M)^-1 M vector, with
+ * stiffness matrix K and mass matrix M.
+ */
 static void apply(search *search, const double *vector)
 {
     mass_multiply(&search->mass, &search->model, vector, search->mw);
@@ -201,10 +226,11 @@ static void apply(search *search, const double *vector)
     search->solves++;
 }
 
-/* Append a random direction in which the lowest modes dominate. */
+/* Append a random vector in which the lowest modes dominate to the basis. */
 static void inject(search *search)
 {
-    double *vector = search->basis + search->made * search->n; /* orthogonal to the basis */
+    double *vector = search->basis + search->made * search->n; /* random vector, in the memory
+                                                                  behind the last basis vector */
     if (search->made == search->room)
         return;
     for (size_t k = 0; k < search->n; k++)
@@ -213,7 +239,10 @@ static void inject(search *search)
     append(search, NULL);
 }
 
-/* Multiply one more basis vector by A. Returns whether there was one. */
+/*
+ * Apply the operator of the Lanczos method to one more basis vector. Returns whether there was a
+ * vector left.
+ */
 static int advance(search *search)
 {
     if (search->done == search->made)
@@ -234,7 +263,7 @@ static double value(const search *search, size_t i)
     return search->ritz[k * search->done + k];
 }
 
-/* Square of the frequency of the i-th lowest Ritz pair. */
+/* Squared angular frequency of the i-th lowest Ritz pair. */
 static double square_of(const search *search, size_t i)
 {
     return 1 / value(search, i) - search->shift;
@@ -268,7 +297,7 @@ static void find_ritz(search *search)
     sort_values(search);
 }
 
-/* Norm of A x - theta x of the i-th Ritz pair, relative to theta. */
+/* Residual norm of the i-th Ritz pair relative to its Ritz value. */
 static double residual(const search *search, size_t i)
 {
     double sum = 0;
@@ -294,8 +323,8 @@ static int have_converged(const search *search, size_t number)
 }
 
 /*
- * Number of modes to check: those required, and those whose frequencies cannot be distinguished
- * from the last one.
+ * Number of modes to check: the required ones, and those whose frequencies cannot be distinguished
+ * from the last required one.
  */
 static size_t cluster_end(const search *search, size_t number)
 {
@@ -308,8 +337,8 @@ static size_t cluster_end(const search *search, size_t number)
 }
 
 /*
- * Extend the basis until the lowest modes have converged. Returns their number, at least `number`,
- * or 0.
+ * Extend the basis until the lowest modes have converged. Returns the number of converged modes, at
+ * least `number`, or 0 on failure.
  */
 static size_t iterate(search *search, size_t number)
 {
@@ -332,7 +361,10 @@ static size_t iterate(search *search, size_t number)
 
 /* ---- check ------------------------------------------------------------ */
 
-/* Bound above the last computed mode and, where the next mode is known, below that one. */
+/*
+ * Bound for the squared angular frequencies that lies above the last computed mode and, where the
+ * next mode is known, below that one.
+ */
 static double bound_above(const search *search, size_t found)
 {
     const double last = square_of(search, found - 1),
@@ -343,8 +375,9 @@ static double bound_above(const search *search, size_t found)
 }
 
 /*
- * Number of modes below the bound by the pivots of K - bound M, or -1 where it is unknown; the
- * factor for linear solves is restored afterwards.
+ * Number of modes below a bound of the squared angular frequency, from the pivots of stiffness
+ * matrix - bound * mass matrix, or -1 where it is unknown. The factor for linear solves is restored
+ * afterwards.
  */
 static int modes_below(search *search, double bound)
 {
@@ -356,8 +389,8 @@ static int modes_below(search *search, double bound)
 }
 
 /*
- * Find the lowest modes, and continue in new directions as long as the pivots show that more exist.
- * Returns success.
+ * Find the lowest modes, and continue with new random vectors as long as the pivots show that more
+ * modes exist. Returns whether this has succeeded.
  */
 static int find_modes(search *search, size_t number, char *error)
 {
@@ -385,8 +418,9 @@ static int find_modes(search *search, size_t number, char *error)
 /* ---- results ---------------------------------------------------------- */
 
 /*
- * Largest displacement of the middle surface over the nodes, with the sign of its largest
- * component.
+ * Largest displacement of the middle surface over all nodes.
+ *   vector [free_dof] in
+ *   sign              out  sign of the largest component of this displacement
  */
 static double largest_displacement(const search *search, const double *vector, double *sign)
 {
@@ -422,8 +456,10 @@ static void take_shape(search *search, size_t i, double *vector)
 }
 
 /*
- * x' K x formed from strains, so that a rigid motion without springs has none even to second order
- * of rounding.
+ * Twice the strain energy of a displacement vector, computed from the strains of the elements and
+ * the elongations of the springs, so that a rigid motion without springs has no energy beyond
+ * rounding errors of second order.
+ *   vector [free_dof] in
  */
 static double energy(const search *search, const double *vector)
 {
@@ -457,7 +493,10 @@ static void take_modes(search *search, vibration *vibration)
     vibration->solves = search->solves;
 }
 
-/* Effective modal masses: (x' M r)^2 of unit rigid translations r. */
+/*
+ * Compute the effective modal masses: squared products of each mode shape with the mass matrix and
+ * the unit rigid translations along x, y and z.
+ */
 static void take_masses(search *search, vibration *vibration)
 {
     const double still[3] = {0, 0, 0};

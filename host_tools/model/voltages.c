@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Voltages for a target (voltages.h). */
+/*
+ * Optimal voltages for a target within the limits, and voltages of other methods for comparison
+ * (voltages.h).
+ */
 #include "voltages.h"
 #include <math.h>
 #include <stdbool.h>
@@ -17,7 +20,8 @@ enum { MOST_RELINEARISED = 40, MOST_REFUSED = 8 };
 typedef struct trial {
     pzs_problem problem;
     pzs_control control;
-    double *limits; /* [3][amplifiers] lower limit, upper limit, step limit */
+    double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits
+                       (V) */
     void *work;
 } trial;
 
@@ -28,9 +32,10 @@ static void trial_free(trial *trial)
 }
 
 /*
- * Set up a controller with other limits.
- *   influence [targets][amplifiers] in  NULL: that of the design, in the reference state
- * Fills error where limits do not overlap.
+ * Set up a controller for the voltage problem with other limits.
+ *   influence [targets][amplifiers] in  influence matrix; NULL: that of the design in the reference
+ *       state
+ * Returns the status of the library; `error` is filled where limits do not overlap.
  */
 static pzs_status trial_start(trial *trial, const design *design, common_limits common,
                               const double *influence, char *error)
@@ -60,8 +65,8 @@ static pzs_status trial_start(trial *trial, const design *design, common_limits 
 }
 
 /*
- * Note the widest range of any amplifier, how many amplifiers are held or have a narrower range,
- * and how many voltages are at a limit.
+ * Store the widest voltage range of any amplifier, the numbers of amplifiers that are held or have
+ * a narrower range, and the number of voltages at a limit in the result.
  */
 static void note_limits(const pzs_problem *problem, const double *voltage, voltages *result)
 {
@@ -79,26 +84,28 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
     for (int k = 0; k < problem->inputs; k++)
         result->narrowed += problem->lower[k] != problem->upper[k] &&
                             (problem->lower[k] > lowest || problem->upper[k] < highest);
-    result->limit[0] = fmin(lowest, highest); /* every amplifier is held; the range went from
-                                                 -INFINITY to INFINITY */
+    result->limit[0] = fmin(lowest, highest); /* lowest exceeds highest only where every amplifier
+                                                 is held; the minimum restores their order */
     result->limit[1] = fmax(lowest, highest);
 }
 
-/* Fill error with the message of a status of the voltage problem. Returns -1. */
+/* Fill `error` with the message of a status of the voltage problem. Returns -1. */
 static int explain(const analysis *analysis, pzs_status status, char *error)
 {
     if (status == PZS_E_LIMITS)
-        return -1; /* design_limits has named the amplifier in error */
+        return -1; /* design_limits has already filled `error` */
     return scene_fault(analysis->design.scene, analysis->design.scene->limits.at, error, "%s",
                        pzs_status_text(status));
 }
 
 /*
- * Bounded optimum in one control step; a step that runs out of iterations is continued.
- *   influence             in      as in trial_start
- *   wanted [targets]      in      target of B v
- *   trust_radius          in      largest change of any voltage, or INFINITY
- *   voltage [amplifiers]  in/out  V
+ * Compute the optimal voltages within the limits in one control step; a step that uses up its
+ * iterations is continued.
+ *   influence [targets][amplifiers] in      influence matrix; NULL: that of the design in the
+ *       reference state
+ *   wanted    [targets]             in      displacements that the voltages are to cause
+ *   trust_radius                    in      largest change of any voltage (V), or INFINITY
+ *   voltage   [amplifiers]          in/out  (V)
  */
 static pzs_status optimise_voltages(const design *design, common_limits common,
                                     const double *influence, const double *wanted, double reach,
@@ -154,7 +161,7 @@ static int out_of_memory(const analysis *analysis, char *error)
     return analysis_explain(analysis, PZS_E_WORKSPACE, error);
 }
 
-/* Weighted squares of the target in the rows on constrained dof. */
+/* Weighted sum of squares of the wanted displacements in the target rows on constrained dof. */
 static double wanted_fixed(const design *design)
 {
     double sum = 0;
@@ -168,7 +175,11 @@ static double relative(double misfit, double wanted)
     return wanted > 0 ? sqrt(misfit / wanted) : sqrt(misfit);
 }
 
-/* Fill RMS and peak-to-valley value from the misfit [targets] and its weighted squares. */
+/*
+ * Fill the root mean square and the peak-to-valley value of a result.
+ *   misfit [targets] in  difference between shape and target
+ *   squares          in  weighted sum of squares of the misfit
+ */
 static void measure_misfit(const design *design, const double *misfit, double squares,
                            voltages *result)
 {
@@ -184,7 +195,7 @@ static void measure_misfit(const design *design, const double *misfit, double sq
     result->valley = high - low;
 }
 
-/* Fill result->shape, result->aligned_target and the errors of result->u. */
+/* Fill shape, aligned target and errors of a result from its displacement vector. */
 static void measure_errors(const analysis *analysis, voltages *result)
 {
     const design *design = &analysis->design;
@@ -207,7 +218,12 @@ static void measure_errors(const analysis *analysis, voltages *result)
     result->error_all = relative(misfit + missed_fixed, wanted + wanted_fixed(design));
 }
 
-/* Displacement and errors of result->voltage on the structure that analysis->nonlinear selects. */
+/*
+ * Compute the displacement under the voltages of a result, and its errors, on the structure that
+ * analysis->nonlinear selects (1: nonlinear, 0: linear).
+ *   warm in  1: start from the last shape; 0: start from the reference state
+ * Returns 0, or -1 with error filled.
+ */
 static int evaluate(analysis *analysis, voltages *result, int warm, char *error)
 {
     if (analysis_reach(analysis, result->voltage, warm, result->u, error) < 0)
@@ -221,8 +237,9 @@ static int evaluate(analysis *analysis, voltages *result, int warm, char *error)
 }
 
 /*
- * The same from the reference state. Where the load steps end early, the error is NAN and the shape
- * is the last equilibrium.
+ * Compute the displacement under the voltages of a result and its errors, starting from the
+ * reference state. Where the load steps end early, the error of the result is NAN and its shape is
+ * the last equilibrium.
  */
 static int evaluate_or_none(analysis *analysis, voltages *result, char *error)
 {
@@ -247,14 +264,15 @@ int voltages_linear(analysis *analysis, common_limits common, voltages *result, 
     if (evaluate_or_none(analysis, result, error) < 0)
         return -1;
     if (analysis->nonlinear)
-        result->optimality = (double)NAN; /* the optimality holds on the structure of the
+        result->optimality = (double)NAN; /* the KKT conditions hold on the structure of the
                                              optimisation only */
     return 0;
 }
 
 /*
- * Least squares clipped to the limits. tuned: regularised by the lambda that leaves the smallest
- * error of the linear model.
+ * Compute least-squares voltages clipped to the limits.
+ *   tuned in  true: regularised with the parameter that leaves the smallest error of the linear
+ *       model
  */
 static pzs_status clip_voltages(const design *design, common_limits common, bool tuned,
                                 voltages *result, char *error)
@@ -317,7 +335,10 @@ void voltages_free(voltages *result)
 
 /* ---- Gauss-Newton on the nonlinear structure -------------------------- */
 
-/* A squared misfit plus the regularisation term in its unit. */
+/*
+ * Objective of the optimisation: a squared misfit of the shape plus the regularisation term of a
+ * result's voltages.
+ */
 static double with_regularisation(const analysis *analysis, const voltages *result, double sum)
 {
     const design *design = &analysis->design;
@@ -327,7 +348,7 @@ static double with_regularisation(const analysis *analysis, const voltages *resu
     return sum;
 }
 
-/* Objective of the optimisation at a result. */
+/* Objective of the optimisation at the shape and the voltages of a result. */
 static double objective(const analysis *analysis, const voltages *result)
 {
     return with_regularisation(
@@ -335,18 +356,20 @@ static double objective(const analysis *analysis, const voltages *result)
         design_squares(&analysis->design, result->shape, analysis->design.target));
 }
 
-/* Arrays of one Gauss-Newton run; one allocation, at `full_influence`. */
+/* Arrays of one Gauss-Newton run, in one allocation that begins at `full_influence`. */
 typedef struct newton {
-    double *full_influence; /* [outputs][inputs] influence at the last shape */
-    double *influence;      /* [targets][amplifiers] rows and columns of the voltage problem */
-    double *wanted;         /* [targets] target of influence times voltages */
-    double *work;           /* [targets] work */
-    double trust_radius;    /* largest change of any voltage, V */
-    void *state;            /* state of the equilibrium solver at the best result */
-    voltages best;          /* result with the smallest objective so far */
+    double *full_influence; /* [outputs][inputs] influence matrix of the structure at the last shape
+                             */
+    double *influence;      /* [targets][amplifiers] influence matrix of the voltage problem */
+    double *wanted;      /* [targets] displacements that the voltages are to cause in the linearised
+                            problem */
+    double *work;        /* [targets] work vector */
+    double trust_radius; /* trust radius: largest change of any voltage (V) */
+    void *state;         /* saved state of the equilibrium solver at the best result */
+    voltages best;       /* result with the smallest objective so far */
 } newton;
 
-/* Save a result as the best one, and return to the best one. */
+/* Save a result and the state of the equilibrium solver as the best ones so far. */
 static void save_best(const analysis *analysis, newton *newton, const voltages *result)
 {
     const voltages own = newton->best;
@@ -383,7 +406,7 @@ static void go_back(analysis *analysis, const newton *newton, voltages *result)
     result->optimality = newton->best.optimality;
 }
 
-/* Compute the influence at the last shape. */
+/* Compute the influence matrix at the last shape and the linearised voltage problem. */
 static pzs_status relinearise(analysis *analysis, newton *newton, voltages *result)
 {
     const design *design = &analysis->design;
@@ -403,7 +426,7 @@ static pzs_status relinearise(analysis *analysis, newton *newton, voltages *resu
     return status;
 }
 
-/* Objective that the linearised structure predicts for result->voltage. */
+/* Objective that the linearised structure predicts for the voltages of a result. */
 static double predicted_objective(const analysis *analysis, const newton *newton,
                                   const voltages *result)
 {
@@ -429,9 +452,9 @@ static double largest_change(const analysis *analysis, const newton *newton, con
 
 /*
  * Move to the optimum of the linearised structure within the trust radius. The radius follows the
- * ratio of the actual to the predicted decrease; a step that does not decrease the objective is
- * undone and repeated with a smaller radius. Returns the relative decrease of the objective; 0: no
- * step decreases it.
+ * ratio of the actual to the predicted decrease of the objective. A step that does not decrease the
+ * objective is undone and repeated with a smaller radius. Returns the relative decrease of the
+ * objective; 0: no step decreases it.
  */
 static double improve(analysis *analysis, common_limits common, newton *newton, voltages *result,
                       pzs_status *status, char *error)

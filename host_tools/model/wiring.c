@@ -1,43 +1,47 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Faults of electrodes and cables (wiring_find of calibrate.h).
- *
- * Each electrode e has a gain g_e and hangs on an amplifier a(e), so that the shapes are
- * S = sum_e g_e V_a(e) B_e'. For any wiring a, the gains are a linear least-squares problem whose
- * matrix has the entries (V'V)_a(e)a(f) (B'B)_ef. Two cables are swapped where exchanging them
- * lowers the squares that remain; afterwards a gain near 0 is a dead electrode and a negative one a
- * reversed wire.
+ * Search for faults of electrodes and cables (function wiring_find of calibrate.h). Each electrode
+ * e has a gain g_e and is connected to an amplifier a(e), so that the measured shapes S are the sum
+ * over e of g_e V_a(e) B_e', where V_a is the column of voltages of amplifier a and B_e the column
+ * of the model's influence matrix. For any wiring a, the gains are a linear least-squares problem
+ * whose matrix has the entries (V'V)_a(e)a(f) (B'B)_ef. Two cables are swapped where exchanging
+ * them lowers the remaining sum of squares; afterwards a gain near 0 shows a dead electrode and a
+ * negative gain a reversed wire.
  */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "calibrate.h"
 
-/* Largest number of actuators for which swapped cables are looked for. */
+/* Largest number of actuators for which swapped cables are searched. */
 enum { SWAP_ACTUATORS = 128 };
 
 /*
- * Gains below this part of the median are those of dead electrodes, below its negative those of
- * reversed wires; the standard error of the gain must be smaller than half of this part.
+ * Fraction of the median gain: smaller gains are those of dead electrodes, gains below the negative
+ * of this value those of reversed wires. The standard error of such a gain must be smaller than
+ * half of this value.
  */
 static const double dead_gain = 0.3;
 
-/* Standard deviation of gains relative to their common mean, before anything is measured. */
+/* Prior standard deviation of the gains relative to their common mean. */
 static const double gain_spread = 1;
 
-/* Arrays of one search; one allocation, at `voltages`. */
+/* Arrays of one search for wiring faults, in one allocation that begins at `voltages`. */
 typedef struct wiring {
     size_t n;
-    double *voltages;  /* [n][n] V'V of the amplifiers */
-    double *shapes;    /* [n][n] B'B of the electrodes */
-    double *products;  /* [n][n] V'S B: amplifier, electrode */
-    double *matrix;    /* [n][n] normal equations, then their Cholesky factor */
-    double *gain;      /* [n] right-hand side, then the gains */
-    double *work;      /* [n] */
-    size_t *amplifier; /* [n] a(e) */
-    double squares;    /* of the shapes */
-    double entries;    /* number of the shapes' values */
-    double variance;   /* of the noise */
+    double *voltages; /* [n][n] scalar products of the voltages of each pair of amplifiers over the
+                         pokes */
+    double *shapes;   /* [n][n] scalar products of the model's influence columns of each pair of
+                         electrodes */
+    double *products; /* [n][n] products of the voltages of each amplifier, the measured shapes and
+                         the model's column of each electrode */
+    double *matrix;   /* [n][n] matrix of the normal equations, then its Cholesky factor */
+    double *gain;     /* [n] right-hand side of the normal equations, then gain of each electrode */
+    double *work;     /* [n] work vector */
+    size_t *amplifier; /* [n] index of the amplifier to which each electrode is connected */
+    double squares;    /* sum of squares of the measured shapes */
+    double entries;    /* number of values of the measured shapes */
+    double variance;   /* variance of the measurement noise */
 } wiring;
 
 /* ---- sums ------------------------------------------------------------- */
@@ -96,7 +100,7 @@ static void fill_sums(wiring *wiring, const pokes *pokes, const double *model)
 
 /* ---- gains ------------------------------------------------------------ */
 
-/* Cholesky factor of `matrix` in its lower triangle; `matrix` is positive definite. */
+/* Replace the lower triangle of the positive definite `matrix` by its Cholesky factor. */
 static void factor(wiring *wiring)
 {
     const size_t actuators = wiring->n;
@@ -136,7 +140,7 @@ static double right_side(const wiring *wiring, size_t actuator)
     return wiring->products[wiring->amplifier[actuator] * wiring->n + actuator];
 }
 
-/* Common gain of all electrodes that fits best. */
+/* Common gain of all electrodes that fits the measured shapes best. */
 static double common_gain(const wiring *wiring)
 {
     double with_shape = 0, size = 0;
@@ -149,8 +153,8 @@ static double common_gain(const wiring *wiring)
 }
 
 /*
- * Gains for the present wiring. They are drawn to the common gain by the variance of the noise, so
- * that a gain that the pokes leave open keeps the common one. Returns the squares that remain.
+ * Compute the gains of all electrodes for the present wiring. The prior keeps a gain that the pokes
+ * do not determine at the common gain. Returns the remaining sum of squares.
  */
 static double find_gains(wiring *wiring)
 {
@@ -186,7 +190,10 @@ static void exchange(wiring *wiring, size_t first, size_t second)
     wiring->amplifier[second] = kept;
 }
 
-/* Find the best exchange of two cables. Returns whether it lowers the squares enough. */
+/*
+ * Find the exchange of two cables that lowers the remaining sum of squares most. Returns whether it
+ * lowers the sum enough to count as a fault.
+ */
 static bool find_swap(wiring *wiring, wiring_fault *fault)
 {
     const double before = find_gains(wiring);
@@ -217,7 +224,10 @@ static double median_gain(wiring *wiring)
     return wiring->work[wiring->n / 2];
 }
 
-/* Standard error of a gain, by the factor of the last find_gains. */
+/*
+ * Standard error of the gain of an electrode, from the Cholesky factor of the last call of
+ * find_gains.
+ */
 static double gain_error(wiring *wiring, size_t actuator)
 {
     memset(wiring->work, 0, wiring->n * sizeof *wiring->work);
@@ -226,7 +236,10 @@ static double gain_error(wiring *wiring, size_t actuator)
     return sqrt(fmax(wiring->variance * wiring->work[actuator], 0));
 }
 
-/* Dead electrodes and reversed wires by their gains. Returns the number of all faults. */
+/*
+ * Find dead electrodes and reversed wires by their gains, and append them to the list of faults.
+ * Returns the number of all faults.
+ */
 static int find_gain_faults(wiring *wiring, wiring_fault *fault, int faults)
 {
     (void)find_gains(wiring);
@@ -241,7 +254,10 @@ static int find_gain_faults(wiring *wiring, wiring_fault *fault, int faults)
     return faults;
 }
 
-/* Apply a fault to the columns of a matrix. matrix [rows][n] in/out */
+/*
+ * Apply a wiring fault to the columns of a matrix.
+ *   matrix [rows][actuators] in/out
+ */
 static void change_columns(const wiring_fault *fault, size_t rows, size_t actuators, double *matrix)
 {
     for (size_t i = 0; i < rows; i++) {
