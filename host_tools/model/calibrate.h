@@ -28,11 +28,10 @@ typedef struct calibration {
     double *influence; /* [outputs][actuators] computed influence matrix (unit of the outputs per
                           volt) */
     double *error;     /* [actuators] standard error of the entries of each column of the influence
-                          matrix. NAN where the noise is not known; there, with a model, the part that
-                          comes from the model alone */
-    double noise;  /* standard deviation of the noise of the measured shapes. NAN where it cannot be
-                      separated from errors of the matrix: without a model if there are no more pokes
-                      than actuators, with a model if these few pokes are also nearly orthogonal */
+                          matrix; the part that comes from the model alone, or NAN without a model,
+                          where the noise is not known */
+    double noise; /* standard deviation of the noise of the measured shapes; NAN where there are too
+                     few pokes to separate the noise from errors of the matrix */
     double spread; /* standard deviation by which the model's entries differ from the true influence
                       matrix; 0 without a model */
     int rank; /* number of linearly independent combinations of actuators that the pokes excite */
