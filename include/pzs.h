@@ -1,10 +1,11 @@
 /*
- * piezoshape: shape control of piezoelectric shells in static memory. Includes every part:
+ * piezoshape: shape control of piezoelectric shells in static memory. This header includes all
+ * others:
  *
- *   pzs_control.h    control image: influence matrix to voltages inside limits; the tick
- *   pzs_loop.h       the tick as a list of blocks
- *   pzs_model.h      linear image: element matrices to the influence matrix, on the device
- *   pzs_nonlinear.h  nonlinear image (PZS_NONLINEAR=1): large rotation
+ *   pzs_control.h    control image: from an influence matrix to voltages inside limits
+ *   pzs_loop.h       the control loop as a list of blocks
+ *   pzs_model.h      linear image: from element matrices to the influence matrix, on the device
+ *   pzs_nonlinear.h  nonlinear image (PZS_NONLINEAR=1): equilibrium at large rotation
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */

@@ -1,12 +1,18 @@
 /*
- * What all parts of piezoshape share: numbers, statuses, sparse rows, symmetric matrices.
+ * Definitions that all parts of piezoshape share: real numbers, statuses, sparse rows and symmetric
+ * matrices.
  * SPDX-License-Identifier: BSD-2-Clause
  *
- * All memory belongs to the caller. Nothing in the library allocates, prints, recurses or keeps a
- * global variable. Arrays are row-major. Units are those of the scene; comments write m, N, V, K
- * for them. Every function leaves its outputs untouched when it returns an error (PZS_E_...),
- * except where its comment says so. After a warning (PZS_W_...) the outputs are valid. [P n] names
- * the equations of S. V. Plotnikova's dissertation (Tambov 2013) that a part implements.
+ * The caller owns all memory: the library does not allocate, print, recurse or keep global
+ * variables. Arrays are row-major, and [rows][columns] in a comment gives the shape of an array.
+ * The unit of a quantity is that of the scene file from which `pzs tables` generated the tables;
+ * the comments assume metres, newtons, volts and kelvins.
+ *
+ * A function that returns an error (PZS_E_...) leaves its outputs untouched, except where its
+ * comment says otherwise. After a warning (PZS_W_...) the outputs are valid. The member info.where
+ * of an object is the index to which its last status refers, or -1.
+ *
+ * [P n] cites equation n of S. V. Plotnikova's dissertation (Tambov 2013).
  */
 #ifndef PZS_BASE_H
 #define PZS_BASE_H
@@ -25,8 +31,8 @@ extern "C" {
 /* ---- numbers ---------------------------------------------------------- */
 
 /*
- * The names of the three init functions contain the precision, so a program and a library of
- * different precision do not link.
+ * The names of pzs_model_init, pzs_control_init and pzs_loop_init contain the precision (32 or 64
+ * bits), so that a program does not link with a library of the other precision.
  */
 #if PZS_REAL_BITS == 32
 typedef float pzs_real;
@@ -48,7 +54,7 @@ typedef double pzs_real;
 #define PZS_ABS(x) fabs(x)
 #endif
 
-/* A number of a generated table, rounded once from double to pzs_real. */
+/* PZS_R(x) converts a number of a generated table from double to pzs_real by one rounding. */
 #define PZS_R(x) ((pzs_real)(x))
 
 #if PZS_TILE == 4
@@ -60,13 +66,13 @@ typedef double pzs_real;
 #endif
 
 /*
- * Most bytes of stack that a public function uses: in a control or linear image, and in a nonlinear
- * image.
+ * Upper bounds of the stack (bytes) that a public function of the library uses: PZS_STACK_LINEAR in
+ * a control image or a linear image, PZS_STACK_NONLINEAR in a nonlinear image.
  */
 #define PZS_STACK_LINEAR (256u * sizeof(pzs_real))
 #define PZS_STACK_NONLINEAR (2176u * sizeof(pzs_real))
 
-/* Version of the linked library: the PZS_VERSION_TEXT with which it was compiled. */
+/* Return the version of the linked library: the value of PZS_VERSION_TEXT when it was compiled. */
 const char *pzs_version(void);
 
 /* ---- statuses --------------------------------------------------------- */
@@ -74,88 +80,115 @@ const char *pzs_version(void);
 typedef enum pzs_status {
     PZS_OK = 0,
 
-    /* Warnings: the result is valid, but the caller should be told. */
-    PZS_W_ITERATIONS = 1, /* iteration limit reached: the voltages are feasible and no worse than
-                             before, not optimal */
-    PZS_W_STEP_LIMIT, /* step limit and voltage limits of input `where` do not overlap: the voltage
-                         limit takes precedence */
-    PZS_W_SENSOR,     /* measurement `where` is missing or stuck: its last disturbance is kept */
-    PZS_W_HELD,       /* no usable measurement or target: the last safe voltages are held */
-    PZS_W_ELECTRODE,  /* electrode `where` does not follow its amplifier: it is held from now on */
-    /* The equilibrium is in contact, but a part of the shell that faces away from the body lies in
-       it: the shell has passed through itself, or both of its faces would touch. */
+    /*
+     * Warnings have the values 1 to 63: the outputs are valid, but the caller should know the
+     * reason.
+     */
+    PZS_W_ITERATIONS = 1, /* the optimiser reached its work limit: the voltages are inside all
+                             limits and no worse than before, but not optimal */
+    PZS_W_STEP_LIMIT, /* the step limit and the voltage limits of input info.where do not overlap;
+                         the voltage limits take precedence */
+    PZS_W_SENSOR, /* the measurement with index info.where is missing or stuck; its last deviation
+                     from the model is kept */
+    PZS_W_HELD, /* no measurement is usable, or the target is not finite: the last safe voltages are
+                   held */
+    PZS_W_ELECTRODE, /* electrode info.where does not follow its amplifier; the fault detector holds
+                        it from now on */
+    /*
+     * The shell is in equilibrium and in contact with the rigid body, but a part of the shell that
+     * faces away from the body lies inside the body: the shell has passed through itself, or both
+     * of its faces would touch the body.
+     */
     PZS_W_BEHIND,
-    PZS_W_UNSTABLE, /* the equilibrium is unstable: the tangent has negative pivots */
-    PZS_W_PARKED, /* the supervisor keeps the output at its park voltages, or ramps it there, as it
-                     was told; the loop is not in control */
-    PZS_W_RAMP,   /* the supervisor has taken control away and ramps the output to its park
-                     voltages; LATCHED follows */
-    PZS_W_OUTPUT, /* the last gate has corrected the voltage of input `where`: it was not a number,
-                     or beyond its limits, because working memory was damaged */
+    PZS_W_UNSTABLE, /* the equilibrium is unstable: its tangent stiffness has negative pivots */
+    PZS_W_PARKED,   /* the supervisor obeys a command to park: the output is at its park voltages or
+                       on a ramp to them, and the loop is not in control */
+    PZS_W_RAMP, /* the supervisor has taken control away and ramps the output to its park voltages;
+                   the status at the end of the ramp is PZS_E_LATCHED */
+    PZS_W_OUTPUT, /* the last gate has corrected the voltage of input info.where, which was not
+                     finite or beyond a limit because working memory was damaged */
 
-    /* Errors: outputs are untouched. */
-    PZS_E_ARGUMENT = 64, /* a null pointer, or a size, index or setting out of range */
-    PZS_E_FORMAT,    /* the tables have another format number, or belong to another scene than the
-                        tables they are used with */
+    /* Errors have values from 64 on: the outputs of the function are untouched. */
+    PZS_E_ARGUMENT = 64, /* a pointer is NULL, or a size, an index or a setting is out of range */
+    PZS_E_FORMAT,    /* the tables have another format number than the library, or come from another
+                        scene than the tables with which they are used */
     PZS_E_CRC,       /* the tables do not match their checksum */
-    PZS_E_WORKSPACE, /* workspace too small or misaligned; `where` is the number of bytes needed */
-    PZS_E_STAGE,     /* a function was called before the stage of initialisation that it needs */
-    PZS_E_LATCHED,   /* the supervisor has taken control away; the output is at its park voltages,
-                        and only an init starts the loop again */
-    PZS_E_NONFINITE, /* NaN or infinity at index `where` of an input array */
-    PZS_E_LIMITS,    /* lower limit above upper limit, or a limit that is not a number, at input
-                        `where` */
-    PZS_E_LOOSE,     /* no stiffness at free dof `where`: a loose part, or a missing support */
-    PZS_E_NEGATIVE,  /* negative pivot at free dof `where` of a structure in its reference state */
-    PZS_E_CONDITION, /* the condition estimate is above what this precision can solve */
-    PZS_E_RESIDUAL,  /* iterative refinement ended with an estimated error above the square root of
-                        epsilon */
+    PZS_E_WORKSPACE, /* the workspace is too small or misaligned; info.where is the number of bytes
+                        needed */
+    PZS_E_STAGE,     /* the function was called before the initialisation that it needs */
+    PZS_E_LATCHED,   /* the supervisor has taken control away and the output has reached its park
+                        voltages; only pzs_loop_init starts the loop again */
+    PZS_E_NONFINITE, /* an input array contains NaN or infinity at index info.where */
+    PZS_E_LIMITS,    /* the lower limit of input info.where exceeds its upper limit, or one of its
+                        limits is not a number */
+    PZS_E_LOOSE,    /* the free degree of freedom info.where has no stiffness: a part is loose, or a
+                       support is missing */
+    PZS_E_NEGATIVE, /* the stiffness of the undeformed structure has a negative pivot at the free
+                       degree of freedom info.where */
+    PZS_E_CONDITION, /* the estimated condition number of the stiffness exceeds what this precision
+                        can solve */
+    PZS_E_RESIDUAL,  /* iterative refinement ended with an estimated relative error above the square
+                        root of the machine epsilon */
 
-    /* Solver errors: the last converged equilibrium is kept; info.load_factor tells how much of the
-       load it carries. */
-    PZS_E_DIVERGED,    /* no equilibrium was found beyond it with load steps down to 1/64 (or open
-                          electrodes kept changing) */
-    PZS_E_LIMIT,       /* as PZS_E_DIVERGED, and the tangent becomes singular: a limit point or a
-                          bifurcation is near */
-    PZS_E_CONTACT,     /* as PZS_E_DIVERGED, and the active set of contact kept changing; or a shell
-                          that its supports leave loose does not touch the body at the start, is not
-                          pressed onto it, or slides along it */
-    PZS_E_PENETRATION, /* as PZS_E_DIVERGED: the body would enter element `where` at a node or
-                          between its nodes (refine the mesh there or enlarge the body), or pass
-                          through it; contact info.penetration tells which */
-    PZS_E_SOLVES       /* the limit on linear solves is reached */
+    /*
+     * Errors of the equilibrium solver: the solver keeps the last converged equilibrium, and
+     * info.load_factor is the part of the way to the wanted input values at which this equilibrium
+     * lies.
+     */
+    PZS_E_DIVERGED, /* no equilibrium was found beyond the last one with load steps halved down to
+                       1/64, or the voltages of open electrodes did not converge */
+    PZS_E_LIMIT,    /* no equilibrium was found and the tangent stiffness becomes singular: a limit
+                       point or a bifurcation is near */
+    PZS_E_CONTACT,  /* the active set of the contact kept changing; or a shell that its supports
+                       leave loose does not touch the body at the start, is not pressed onto it, or
+                       slides along it */
+    PZS_E_PENETRATION, /* the contact body would enter element info.where at a node or between its
+                          nodes (refine the mesh there or enlarge the body), or would pass through
+                          the element; info.penetration of the contact tells which */
+    PZS_E_SOLVES       /* the limit on linear solves, settings.solve_limit, was reached before the
+                          equilibrium */
 } pzs_status;
 
 #define PZS_IS_ERROR(status) ((status) >= PZS_E_ARGUMENT)
 
-/* Text of a status in one line. The texts are linked only where this function is called. */
+/*
+ * Return the text of a status, in one line. A program that does not call this function does not
+ * link the texts.
+ */
 const char *pzs_status_text(pzs_status status);
 
 /* ---- shared tables and matrices --------------------------------------- */
 
-/* Value in node_dof of a dof that a support holds at zero. */
+/* Entry of the table node_dof for a degree of freedom that a support holds at zero. */
 #define PZS_CONSTRAINED 0xFFFFu
 
 /*
- * Sparse rows over the free dof: one row for each input (a force) or each output (a displacement).
+ * Sparse matrix over the free degrees of freedom, row by row: one row for each input (a force
+ * vector) or for each output (coefficients of the displacement).
  */
 typedef struct pzs_rows {
     uint16_t count;        /* number of rows */
-    const uint32_t *start; /* [count + 1] first entry of each row */
-    const uint16_t *dof;   /* [start[count]] free dof of each entry */
-    const pzs_real *value; /* [start[count]] value of each entry */
+    const uint32_t *start; /* [count + 1] index of the first entry of each row */
+    const uint16_t *dof;   /* [start[count]] free degree of freedom (column) of each entry */
+    const pzs_real *value; /* [start[count]] numerical value of each entry */
 } pzs_rows;
 
-/* A symmetric matrix in envelope storage, which serves dense, banded and skyline matrices alike. */
+/*
+ * A symmetric matrix in envelope storage: the entries of each row of the lower triangle from its
+ * first nonzero column to the diagonal. Dense, banded and skyline matrices are special cases.
+ */
 typedef struct pzs_envelope {
     uint32_t n;            /* number of rows */
-    const uint16_t *first; /* [n] first column of each row of the lower triangle */
-    uint32_t *start;       /* [panels + 1] start of each panel of PZS_TILE rows in value */
-    pzs_real *value;       /* [start[panels]] entries, panel by panel */
-    pzs_real *inverse;     /* [n] inverse pivots, after factorisation */
+    const uint16_t *first; /* [n] column of the first stored entry of each row */
+    uint32_t *start; /* [panels + 1] index in `value` at which each panel of PZS_TILE rows starts */
+    pzs_real *value; /* [start[panels]] stored entries, panel by panel */
+    pzs_real *inverse; /* [n] reciprocals of the pivots, after the factorisation */
 } pzs_envelope;
 
-/* n rounded up to whole tiles; number of reals of a dense factor of n rows. */
+/*
+ * PZS_CEIL(n): n rounded up to a multiple of PZS_TILE. PZS_DENSE(n): number of reals that the
+ * factor of a dense matrix of n rows takes in envelope storage, reciprocals of the pivots included.
+ */
 #define PZS_CEIL(n) (((size_t)(n) + PZS_TILE - 1u) / PZS_TILE * PZS_TILE)
 #define PZS_DENSE(n) (PZS_CEIL(n) * (PZS_CEIL(n) + PZS_TILE) / 2u + (size_t)(n))
 

@@ -1,29 +1,30 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * All compile-time options of piezoshape, with their defaults. Set an option with -DNAME=value, for
- * the library and the program alike. The names of the init functions contain the precision, so a
- * program and a library of different precision do not link.
+ * All compile-time options of piezoshape, with their defaults. Compile the library and the program
+ * with the same -DNAME=value. The names of the init functions contain the precision, so that a
+ * program does not link with a library of the other precision.
  */
 #ifndef PZS_CONFIG_H
 #define PZS_CONFIG_H
 
-/* Bits of a real number: 32 (float) or 64 (double). */
+/* PZS_REAL_BITS: bits of a real number, 32 (float) or 64 (double). */
 #ifndef PZS_REAL_BITS
 #define PZS_REAL_BITS 64
 #endif
 
 /*
- * 1 builds the nonlinear image: element at a deformed shape, equilibrium solver, contact, follower
- * loads and open electrodes.
+ * PZS_NONLINEAR: 1 builds the nonlinear image (shell element at a deformed shape, equilibrium
+ * solver, contact, follower loads, open electrodes); 0 leaves it out.
  */
 #ifndef PZS_NONLINEAR
 #define PZS_NONLINEAR 0
 #endif
 
 /*
- * Rows of a panel of the factor: 4 suits microcontrollers, 8 and 16 suit wide vector units (gcc or
- * clang). With -ffp-contract=off (the default of gcc with -std=c99, to be set for clang) the result
- * has the same bits for every value.
+ * PZS_TILE: number of matrix rows that the factorisation processes together. 4 suits
+ * microcontrollers; 8 and 16 suit the wide vector units of gcc and clang. Without floating-point
+ * contraction (-ffp-contract=off, which clang needs explicitly and gcc implies by -std=c99) the
+ * results have the same bits for every value.
  */
 #ifndef PZS_TILE
 #define PZS_TILE 4

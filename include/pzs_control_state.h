@@ -1,6 +1,7 @@
 /*
- * Internal state of the controller and its optional blocks. The types are here so that a program
- * can reserve their memory; their members belong to the library and may change in every version.
+ * Internal state of the controller and of the blocks of the control loop. The types are public only
+ * so that a program can reserve memory for them; the library alone uses their members, which may
+ * change in every version.
  * SPDX-License-Identifier: BSD-2-Clause
  */
 #ifndef PZS_CONTROL_STATE_H
@@ -15,241 +16,300 @@ struct pzs_known_loads;
 struct pzs_amplifier;
 struct pzs_block;
 
-/* Exchanges between free set and active set that are collected before the tableau is updated. */
+/*
+ * Number of pivot exchanges that the optimiser collects before it applies them to its matrix
+ * together.
+ */
 #define PZS_PENDING PZS_BY_TILE(4u, 32u, 32u)
 
-/* One collected exchange; its vector is in pzs_optimiser.pending. */
+/*
+ * One pivot exchange, which moves an input between the free set and the active set of the
+ * optimiser. The row of the matrix that belongs to the exchange is stored in pzs_optimiser.pending.
+ */
 typedef struct pzs_exchange {
     uint32_t input;
-    pzs_real sign;  /* sign of the diagonal entry on which the tableau is exchanged */
-    pzs_real scale; /* 1 / square root of the size of the pivot */
-    pzs_real pivot; /* diagonal entry of the input after the exchange */
+    pzs_real sign;  /* sign of the pivot: +1 or -1 */
+    pzs_real scale; /* 1 / square root of the absolute value of the pivot */
+    pzs_real pivot; /* diagonal entry of the exchanged input after the exchange */
 } pzs_exchange;
 
 /*
- * Active-set method for box-constrained least squares. Vectors are [width], the number of inputs
- * rounded up to whole tiles. The free set holds the inputs that may move; the active set holds
- * those that stay where they are.
+ * Active-set method for least squares with bounds. The free set holds the inputs whose voltages may
+ * move, the active set those whose voltages stay at a bound or, for now, between the bounds. Arrays
+ * without another shape have the length width, the number of inputs rounded up to a multiple of
+ * PZS_TILE.
  */
 typedef struct pzs_optimiser {
     uint32_t inputs, width;
     uint32_t iterations;
-    uint64_t work, work_limit; /* multiply-adds of this step, and the most that are allowed */
-    pzs_real *hessian;         /* [inputs][width] H (m2/V2) */
-    pzs_real *tableau;         /* [inputs][width] H after the exchange of the free set, without the
-                                  pending exchanges */
-    pzs_real *pivot;           /* diagonal of the tableau with the pending exchanges */
-    pzs_real *pending;         /* [PZS_PENDING][width] vectors of the pending exchanges */
-    pzs_real *waiting;         /* 1 for inputs that are to join the free set when the tableau is
-                                  recomputed */
-    pzs_real *voltage;         /* v, voltages (V) */
-    pzs_real *lower, *upper;   /* lower and upper bound of the voltages in this step (V) */
-    pzs_real *free_set; /* 1 in the free set, 0 in the active set; real numbers, because vector
-                           loops multiply by them */
-    pzs_real *base;     /* voltages around which the gradient is linearised (V) */
-    pzs_real *regularisation_gradient; /* regularisation * (base - reference voltage) (m2/V) */
-    pzs_real *target_gradient;         /* B'W^2 (e - B base) (m2/V) */
-    pzs_real *model_gradient; /* H (v - base) + regularisation gradient, as predicted after a direct
-                                 iteration (m2/V) */
-    pzs_real *gradient;       /* model gradient - target gradient (m2/V) */
-    pzs_real *direction;      /* free set: search direction (V); active set: gradient after the step
-                                 (m2/V) */
-    pzs_real *diagonal;       /* diagonal of H (m2/V2) */
-    pzs_real *start_voltage;  /* voltages at the start of a round (V) */
-    pzs_real *start_gradient; /* gradient at the start of a round (m2/V) */
-    pzs_real *next_voltage;   /* voltages after the search direction (V); before it, the gradient of
-                                 the free set */
-    pzs_real *scratch;        /* work; after the search direction next_voltage - base */
-    pzs_real inverse_trace;   /* trace of the inverse of H on the free set (V2/m2), 0 if unknown */
+    uint64_t work, work_limit; /* multiply-adds used in this voltage step, and the most that are
+                                  allowed */
+    pzs_real *hessian;         /* [inputs][width] Hessian H of the objective (m2/V2) */
+    pzs_real *tableau; /* [inputs][width] tableau: the Hessian after a pivot exchange for each input
+                          of the free set, pending exchanges not included */
+    pzs_real *pivot;   /* [width] diagonal of the tableau, pending exchanges included */
+    pzs_real *pending; /* [PZS_PENDING][width] one vector for each pending pivot exchange */
+    pzs_real *waiting; /* [width] 1 for an input that is to join the free set again while the
+                          tableau is recomputed, else 0 */
+    pzs_real *voltage; /* [width] present voltages (V) */
+    pzs_real *lower, *upper; /* [width] lower and upper bounds of the voltages in this step (V) */
+    pzs_real *free_set; /* [width] 1 for an input of the free set, 0 for one of the active set; real
+                           numbers, because vector loops multiply by them */
+    pzs_real *base;     /* [width] voltages around which the gradient is linearised (V) */
+    pzs_real *regularisation_gradient; /* [width] regularisation weight times (base - reference
+                                          voltages) (m2/V) */
+    pzs_real *target_gradient; /* [width] B'W^2 (e - B base), with influence matrix B, output
+                                  weights W and target error e (m2/V) */
+    pzs_real *model_gradient;  /* [width] Hessian times (voltages - base) plus the regularisation
+                                  gradient; after a direct iteration predicted instead of computed
+                                  (m2/V) */
+    pzs_real *gradient;        /* [width] model_gradient - target_gradient: half the gradient of the
+                                  objective (m2/V) */
+    pzs_real *direction; /* [width] for an input of the free set its search direction (V); for one
+                            of the active set its gradient after the step (m2/V) */
+    pzs_real *diagonal;  /* [width] diagonal of the Hessian (m2/V2) */
+    pzs_real *start_voltage;  /* [width] voltages at the start of a round of iterations (V) */
+    pzs_real *start_gradient; /* [width] gradient at the start of a round of iterations (m2/V) */
+    pzs_real *next_voltage;   /* [width] voltages after a full step along the search direction (V);
+                                 before the direction is known, the gradient of the free set (m2/V) */
+    pzs_real *scratch; /* [width] work array; after the search direction is known, next_voltage -
+                          base (V) */
+    pzs_real inverse_trace;       /* trace of the inverse of the Hessian restricted to the free set
+                                     (V2/m2); 0: not computed */
     pzs_real inverse_trace_bound; /* upper bound of inverse_trace that follows from the
-                                     regularisation (V2/m2), 0 if unknown */
-    pzs_real pivot_floor;     /* a pivot below this part of its diagonal entry counts as linearly
-                                 dependent */
-    pzs_real model_rounding;  /* rounding-error bound of the model gradient (m2/V) */
-    pzs_real start_rounding;  /* model_rounding at the start of a round (m2/V) */
-    pzs_real target_rounding; /* rounding-error bound of the target gradient (m2/V) */
-    pzs_real target_energy;   /* |W e|^2, the scale of the objective (m2) */
-    pzs_real kkt_violation;   /* largest KKT violation among the measured inputs (m2/V) */
-    pzs_real rounding_bound;  /* rounding-error bound of kkt_violation (m2/V) */
-    uint32_t active_count;    /* number of inputs in the active set */
-    uint32_t checked_next;    /* input whose gradient is measured next to verify the tableau */
-    uint32_t pending_count;   /* number of pending exchanges */
-    uint32_t exchanges;       /* exchanges since the tableau was last computed from H */
-    uint32_t rebuilds;        /* recomputations of the tableau that were begun in this step */
+                                     regularisation weight (V2/m2); 0: none */
+    pzs_real pivot_floor;    /* an input counts as linearly dependent on the free set if its pivot,
+                                divided by its diagonal entry of the Hessian, is below this number (1)
+                              */
+    pzs_real model_rounding; /* rounding-error bound of model_gradient (m2/V) */
+    pzs_real start_rounding; /* value of model_rounding at the start of a round of iterations (m2/V)
+                              */
+    pzs_real target_rounding; /* rounding-error bound of target_gradient (m2/V) */
+    pzs_real target_energy; /* weighted squared norm of the target error, the scale of the objective
+                               (m2) */
+    pzs_real kkt_violation; /* largest violation of the optimality (KKT) conditions among the inputs
+                               that were measured (m2/V) */
+    pzs_real rounding_bound; /* bound up to which rounding errors explain kkt_violation (m2/V) */
+    uint32_t active_count;   /* number of inputs in the active set */
+    uint32_t checked_next; /* next input whose gradient is computed exactly to verify the tableau */
+    uint32_t pending_count; /* number of pivot exchanges collected but not yet applied to the
+                               tableau */
+    uint32_t exchanges; /* number of pivot exchanges since the tableau was last computed from the
+                           Hessian */
+    uint32_t rebuilds;  /* number of recomputations of the tableau begun in this voltage step */
     pzs_exchange exchange[PZS_PENDING];
-    bool is_rebuilding; /* inputs are waiting: the tableau is not yet complete */
-    bool is_predicted;  /* model_gradient was predicted by the tableau, in a round: at its start */
-    bool is_cut;        /* the last step stopped at its work limit before the optimum was reached */
-    bool is_fresh;      /* no round has ended at the optimum since the last recomputation */
-    bool is_verified;   /* the last round with this tableau ended at the optimum */
+    bool is_rebuilding; /* inputs still wait to join the free set, so the tableau is incomplete */
+    bool is_predicted;  /* model_gradient is a prediction by the tableau; during a round of
+                           iterations: it was one at the start of the round */
+    bool is_cut;        /* the last voltage step stopped at its work limit before the optimum */
+    bool is_fresh;    /* no round of iterations has ended at the optimum since the tableau was last
+                         recomputed */
+    bool is_verified; /* the last round of iterations with the present tableau ended at the optimum
+                       */
     bool is_optimal;
 } pzs_optimiser;
 
 /*
- * Progress of a scrub: a slice of some tables is read in each tick, and their checksum is compared
- * after each pass over all of them.
+ * Progress of a scrub, which checks constant tables slice by slice: each tick reads one slice, and
+ * after the last slice the checksum of the whole is compared.
  */
 typedef struct pzs_scrub {
-    uint32_t position; /* byte at which the next slice starts */
-    uint32_t crc;      /* checksum of the bytes before it */
-    bool has_failed;   /* the last pass had a wrong checksum */
+    uint32_t position; /* offset of the next slice from the start of the tables (bytes) */
+    uint32_t crc;      /* running checksum of the slices read since the start of the tables */
+    bool has_failed;   /* the last complete scrub found a wrong checksum */
 } pzs_scrub;
 
-/* What must be renewed because voltages were changed outside a step. */
+/*
+ * Results of the controller that are out of date because voltages were changed outside a voltage
+ * step.
+ */
 typedef enum pzs_control_behind {
     PZS_BEHIND_NOTHING = 0,
-    PZS_BEHIND_PREDICTION, /* info.predicted must be renewed */
-    PZS_BEHIND_GRADIENT    /* info.predicted and the gradient must be renewed */
+    PZS_BEHIND_PREDICTION, /* info.predicted is out of date */
+    PZS_BEHIND_GRADIENT    /* info.predicted and the gradient of the optimiser are out of date */
 } pzs_control_behind;
 
 typedef struct pzs_control_state {
     const struct pzs_problem *problem;
-    const pzs_real *influence; /* [outputs][inputs] influence matrix: that of the program, or of the
-                                  problem (m/V) */
+    const pzs_real *influence; /* [outputs][inputs] influence matrix in use: the one passed to
+                                  pzs_control_init, or that of the problem (m/V) */
     pzs_optimiser optimiser;
-    pzs_real *lower, *upper; /* [inputs] limits in force (V): those of the table, narrowed by
-                                pzs_hold */
-    pzs_real *held[3];       /* [inputs] voltage at which an input is held (V), NaN: not held; three
-                                copies, of which two outvote a damaged third */
+    pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of the tables, narrowed by
+                                pzs_hold (V) */
+    pzs_real *held[3];       /* [inputs] voltage at which an input is held (V); NaN: not held. Three
+                                copies are kept, so that two outvote a damaged third */
     pzs_real *voltage;       /* [inputs] present voltages (V) */
-    pzs_real *predicted;     /* [outputs] predicted shape B v (m) */
-    pzs_real *disturbance;   /* [outputs] measured - predicted shape (m) */
-    pzs_real *measured;      /* [outputs] last measurements (m) */
+    pzs_real *predicted;     /* [outputs] shape predicted for the present voltages (m) */
+    pzs_real *disturbance;   /* [outputs] measured shape minus predicted shape (m) */
+    pzs_real *measured;      /* [outputs] measured shape of the last tick (m) */
     pzs_real *step_limit;    /* [inputs] largest change of a voltage in one step (V) */
-    pzs_real *weighted;      /* [2][outputs] weighted error W^2 (e - B base), and the expected
-                                measurements (m) */
-    uint8_t *repeats; /* [outputs] ticks in which a measurement repeated although it should have
-                         moved */
-    const pzs_real *damping; /* [inputs] damping gradient of a damped tick (m2/V); NULL: undamped */
-    pzs_real *carry;         /* [inputs] parts of earlier changes that the amplifiers have not given
-                                (V); NULL: none is carried on */
-    pzs_real share;          /* part of the static gradient that a damped tick follows */
-    pzs_real base_energy;    /* |W B base|^2 (m2) */
-    pzs_real largest_column; /* square root of the largest diagonal entry of H (m/V) */
-    bool has_step_limits; /* some step limit is shorter than the distance between the voltage limits
-                           */
+    pzs_real *weighted; /* [2][outputs] first row: squared weights times the difference of wanted
+                           and shown shape; second row: the measurements to expect (m) */
+    uint8_t *repeats;   /* [outputs] number of ticks in which a measurement stayed constant although
+                           its output should have moved */
+    const pzs_real *damping; /* [inputs] damping gradient that the vibration damper adds to the
+                                objective (m2/V); NULL: no damping */
+    pzs_real *carry; /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
+                        made (V); NULL: not carried over */
+    pzs_real share;  /* factor of the static gradient in a damped tick, above 0 and at most 1 */
+    pzs_real base_energy;    /* weighted squared norm of the shape at the base voltages of the
+                                optimiser (m2) */
+    pzs_real largest_column; /* square root of the largest diagonal entry of the Hessian (m/V) */
+    bool has_step_limits;    /* at least one step limit is shorter than the distance between the
+                                voltage limits of its input */
     pzs_control_behind behind;
-    uint16_t scrub_row; /* row of the Hessian that is compared next with its source */
-    void *work;         /* workspace */
+    uint16_t scrub_row; /* row of the Hessian that the next tick compares with its source */
+    void *work;         /* workspace that was passed to pzs_control_init */
     uint8_t stage;
 } pzs_control_state;
 
 /*
- * One test signal of the fault detector: an electrode is moved between two voltages to see whether
- * it responds.
+ * One test of the fault detector: an electrode is set to two voltages in turn to see whether the
+ * shape responds.
  */
 typedef struct pzs_test_signal {
-    uint16_t input;         /* input under test; 0xFFFF: none */
-    uint8_t shapes, moves;  /* number of shapes and of moves in this test so far */
-    bool is_upper, is_dead; /* is_upper: the upper of the two voltages is set; is_dead: the
-                               electrode seems dead rather than stuck */
-    pzs_real middle, set;   /* mean of the two voltages, and the voltage now set (V) */
-    pzs_real lower, upper;  /* limits of the electrode before the test (V) */
-    pzs_real sum, square, response_sum, response_square; /* sums over the moves and over the
-                                                            responses (V, V2) */
+    uint16_t input;         /* index of the input under test; 0xFFFF: no test */
+    uint8_t shapes, moves;  /* number of measured shapes and number of voltage moves in this test so
+                               far */
+    bool is_upper, is_dead; /* is_upper: the upper of the two test voltages is set now; is_dead: the
+                               electrode seems to be at 0 V rather than stuck at another voltage */
+    pzs_real middle, set;   /* mean of the two test voltages, and the voltage set now (V) */
+    pzs_real lower, upper;  /* voltage limits of the electrode before the test (V) */
+    pzs_real sum, square, response_sum, response_square; /* sum of the moves and of their squares,
+                                                            and sum of the responses and of their
+                                                            squares (V, V2) */
 } pzs_test_signal;
 
-#define PZS_TEST_SIGNALS 4 /* most electrodes under test at the same time */
+#define PZS_TEST_SIGNALS                                                                           \
+    4 /* largest number of electrodes that the fault detector tests at the same time */
 
 typedef struct pzs_fault_detector_state {
     struct pzs_control *control;
-    pzs_envelope columns;     /* B'W^2 B over the measured outputs, factored */
-    pzs_real *diagonal;       /* [inputs] diagonal of B'W^2 B over all outputs (m2/V2) */
-    pzs_real *voltage;        /* [delay + 1][inputs] voltages of the last ticks (V) */
-    pzs_real *voltage_before; /* [inputs] voltages that belong to the last shape (V) */
-    pzs_real *deviation; /* [inputs] voltage by which each electrode acted beyond its command, by
-                            least squares (V) */
-    pzs_real *moved, *response; /* [inputs] fading sums of the squares of moves and of responses
-                                   (V2) */
-    pzs_real *lost_voltage; /* [inputs] voltage that an electrode lacks: its deviation, summed over
-                               the ticks with a factor below 1 for each tick that has passed (V) */
-    pzs_real *disturbance;  /* [outputs] disturbance at the last shape (m) */
-    pzs_real *change; /* [outputs] W^2 times the change of the disturbance since the last shape (m)
-                       */
-    uint8_t *electrode; /* [inputs] state of each electrode, a pzs_electrode_state */
-    uint8_t *missing; /* [outputs] bit 0: no measurement at the last shape; bit 1: excluded from the
-                         least squares */
-    uint8_t *pause; /* [inputs] shapes for which an electrode that passed its test is not suspected
-                     */
+    pzs_envelope columns; /* factor of B'W^2 B over the outputs that are measured, with influence
+                             matrix B and output weights W */
+    pzs_real *diagonal;   /* [inputs] diagonal of B'W^2 B over all outputs, with influence matrix B
+                             and output weights W (m2/V2) */
+    pzs_real *voltage;    /* [delay + 1][inputs] voltages of the last ticks (V) */
+    pzs_real *voltage_before; /* [inputs] voltages at the time of the last measured shape (V) */
+    pzs_real *deviation; /* [inputs] least-squares estimate of the voltage by which the effect of
+                            each electrode exceeds its command (V) */
+    pzs_real *moved, *response; /* [inputs] fading sums of the squared commanded moves and of the
+                                   squared responses of each electrode (V2) */
+    pzs_real *lost_voltage; /* [inputs] fading sum of the deviations of each electrode: the voltage
+                               that its effect lacks (V) */
+    pzs_real *disturbance;  /* [outputs] measured minus predicted shape at the last measured shape
+                               (m) */
+    pzs_real *change;   /* [outputs] squared output weight times the change of the disturbance since
+                           the last measured shape (m) */
+    uint8_t *electrode; /* [inputs] state of each electrode, a value of pzs_electrode_state */
+    uint8_t *missing; /* [outputs] bit 0: the output was not measured in the last shape; bit 1: the
+                         output is excluded from the least-squares estimate */
+    uint8_t *pause;   /* [inputs] number of coming shapes in which an electrode that has passed its
+                         test is not suspected */
     pzs_test_signal test[PZS_TEST_SIGNALS];
-    pzs_real ridge; /* regularisation of the least squares, relative to the diagonal */
+    pzs_real ridge; /* regularisation of the least-squares estimate, relative to the diagonal of its
+                       matrix (1) */
     uint16_t delay, oldest;
-    bool is_stale; /* the factored matrix belongs to another set of measured outputs */
+    bool is_stale; /* the set of measured outputs has changed since the matrix `columns` was
+                      factored */
     uint8_t stage;
 } pzs_fault_detector_state;
 
 typedef struct pzs_estimate_state {
     struct pzs_control *control;
     const struct pzs_estimator *tables;
-    pzs_real *expected;   /* [sensors] readings S v that the voltages make */
-    pzs_real *sensed;     /* [sensors] last readings */
-    pzs_real *difference; /* [sensors] reading - expected reading */
-    uint8_t *repeats; /* [sensors] ticks in which a reading repeated although it should have moved
-                       */
+    pzs_real *expected; /* [sensors] readings that the present voltages should produce (unit of each
+                           sensor) */
+    pzs_real *sensed;   /* [sensors] readings of the last tick (unit of each sensor) */
+    pzs_real *difference; /* [sensors] reading minus expected reading (unit of each sensor) */
+    uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
+                         should have moved */
     uint8_t stage;
 } pzs_estimate_state;
 
 typedef struct pzs_damper_state {
     struct pzs_control *control;
     const struct pzs_vibration *tables;
-    pzs_real *late; /* [3][width] position, velocity over angular frequency and static position by
-                       loads of each mode when the readings of the present tick were taken (m) */
-    pzs_real *now;  /* [3][width] the same at the present tick (m) */
-    pzs_real *velocity_before; /* [width] velocity over angular frequency at the last tick (m) */
-    pzs_real *residual_modes;  /* [width] part of `residual` that is subtracted mode by mode (m) */
-    pzs_real *work;            /* [2][width] modal vectors of one computation */
-    pzs_real *equilibrium; /* [delay + 1][width] static position by the voltages of the last ticks
-                              (m) */
-    pzs_real *expected;    /* [delay + 1][sensors] static readings under the voltages of the last
-                              ticks */
-    pzs_real *predicted;   /* [sensors] readings that voltages and modes predict */
-    pzs_real *innovation;  /* [sensors] reading - predicted reading */
-    pzs_real *sensed;      /* [sensors] last readings */
-    pzs_real *residual;    /* [sensors] low-passed innovation */
-    pzs_real *damping;     /* [inputs] damping gradient handed to the control step (m2/V) */
-    pzs_real *carry;  /* [inputs] parts of earlier changes that the amplifiers have not given (V) */
-    uint8_t *repeats; /* [sensors] ticks in which a reading repeated although it should have moved
+    pzs_real *late; /* [3][width] modal position, modal velocity divided by angular frequency, and
+                       static modal position under the loads, at the time of the readings (m) */
+    pzs_real *now;  /* [3][width] modal position, modal velocity divided by angular frequency, and
+                       static modal position under the loads, at the present tick (m) */
+    pzs_real *velocity_before; /* [width] modal velocity divided by angular frequency at the last
+                                  tick (m) */
+    pzs_real *residual_modes;  /* [width] modal coordinates of the low-passed residual, which are
+                                  subtracted mode by mode (m) */
+    pzs_real *work;            /* [2][width] work array of modal vectors */
+    pzs_real *equilibrium;     /* [delay + 1][width] static modal position under the voltages of the
+                                  last ticks (m) */
+    pzs_real *expected; /* [delay + 1][sensors] static readings under the voltages of the last ticks
+                           (unit of each sensor) */
+    pzs_real *predicted;  /* [sensors] readings predicted from voltages and modes (unit of each
+                             sensor) */
+    pzs_real *innovation; /* [sensors] reading minus predicted reading (unit of each sensor) */
+    pzs_real *sensed;     /* [sensors] readings of the last tick (unit of each sensor) */
+    pzs_real *residual; /* [sensors] low-passed innovation: the part of the readings that the modes
+                           do not explain (unit of each sensor) */
+    pzs_real *damping;  /* [inputs] damping gradient passed to the control step (m2/V) */
+    pzs_real *carry;  /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
+                         made (V) */
+    uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
+                         should have moved */
+    uint16_t newest;  /* row of `equilibrium` and of `expected` that belongs to the present voltages
                        */
-    uint16_t newest;  /* row of `equilibrium` and `expected` that belongs to the present voltages */
     uint8_t stage;
 } pzs_damper_state;
 
 typedef struct pzs_feed_forward_state {
     const struct pzs_known_loads *tables;
-    pzs_real *readings; /* [sensors] readings without the effect of known loads */
-    pzs_real *wanted;   /* [outputs] target without the effect of known loads (m) */
+    pzs_real *readings; /* [sensors] readings minus the effect of known loads (unit of each sensor)
+                         */
+    pzs_real *wanted;   /* [outputs] target shape minus the effect of known loads (m) */
 } pzs_feed_forward_state;
 
-/* What a supervisor decides by; 32-bit words without gaps, because three copies are compared. */
+/*
+ * The variables on which a supervisor bases its decisions. All are 32-bit words without padding,
+ * because three copies of the struct are compared word by word.
+ */
 typedef struct pzs_supervisor_core {
-    uint32_t mode;      /* pzs_supervisor_mode */
-    uint32_t obeyed;    /* command word that has been carried out last */
-    uint32_t is_flat;   /* 1: the target of ramps is the reference voltages, 0: the park voltages */
-    uint32_t remaining; /* ticks until the end of the ramp */
-    uint32_t silent;    /* ticks in a row without a usable frame of readings */
-    uint32_t over;      /* counter of ticks in which the shape was implausible */
-    uint32_t cause;     /* pzs_supervisor_event that has taken control away, or 0 */
+    uint32_t mode;      /* present mode, a value of pzs_supervisor_mode */
+    uint32_t obeyed;    /* command word that was carried out last */
+    uint32_t is_flat;   /* 1: ramps end at the reference voltages; 0: ramps end at the park voltages
+                         */
+    uint32_t remaining; /* number of ticks until the end of the ramp */
+    uint32_t silent;    /* number of consecutive ticks without usable readings */
+    uint32_t over;      /* counter of ticks in which the measured shape was implausible */
+    uint32_t cause; /* event that has taken control away, a value of pzs_supervisor_event; 0: none
+                     */
 } pzs_supervisor_core;
 
-/* Divergence monitor of a supervisor. */
+/*
+ * State of the divergence monitor, by which a supervisor detects a measured shape that the model
+ * cannot explain.
+ */
 typedef struct pzs_monitor_state {
-    pzs_real *slow;        /* [outputs] low-passed disturbance (m) */
-    pzs_real *disturbance; /* [outputs] disturbance of the last tick (m) */
+    pzs_real *slow;        /* [outputs] low-passed measured minus predicted shape (m) */
+    pzs_real *disturbance; /* [outputs] measured minus predicted shape of the last tick (m) */
     pzs_real *predicted;   /* [outputs] predicted shape of the last tick (m) */
     pzs_real *move;        /* [outputs] change of the predicted shape in the last tick (m) */
-    pzs_real *wanted;      /* [outputs] target of the last tick (m) */
-    pzs_real amplitude;    /* largest deviation of the last ticks, fading (m) */
-    pzs_real envelope;     /* deviation that changes of the target explain (m) */
-    pzs_real moved;        /* fading sum of squares of predicted changes of the shape (m2) */
-    pzs_real answered;     /* fading sum of products of predicted and measured changes (m2) */
-    uint32_t fixed;        /* number of fixed inputs in the last tick (monitor.c) */
+    pzs_real *wanted;      /* [outputs] target shape of the last tick (m) */
+    pzs_real amplitude;    /* largest deviation of the recent ticks, with a weight that decays with
+                              time (m) */
+    pzs_real envelope; /* deviation that changes of the target explain, decaying with time (m) */
+    pzs_real moved;    /* fading sum of the squared predicted changes of the shape (m2) */
+    pzs_real answered; /* fading sum of products of predicted and measured changes of the shape (m2)
+                        */
+    uint32_t fixed; /* 2 * (number of inputs that could not move in the last tick) + (1 while a test
+                       signal was applied) */
     bool is_started;
 } pzs_monitor_state;
 
 typedef struct pzs_supervisor_state {
-    pzs_supervisor_core core[3]; /* three copies, of which two outvote a damaged third */
-    /* Three copies of a number that grows with each command, times 256, plus the command. Only the
-       program writes them. */
+    pzs_supervisor_core core[3]; /* three copies of the variables, so that two outvote a damaged
+                                    third */
+    /*
+     * Three copies of the last command word: 256 times a command counter plus the command. Only the
+     * program writes them, through pzs_supervisor_give.
+     */
     volatile uint32_t command[3];
     const struct pzs_supervision *tables;
     const struct pzs_problem *problem;
@@ -258,26 +318,31 @@ typedef struct pzs_supervisor_state {
 
 typedef struct pzs_amplifier_state {
     const struct pzs_amplifier *tables;
-    pzs_real *given; /* [inputs] voltages that the amplifiers give (V) */
+    pzs_real *given; /* [inputs] voltages that the amplifiers give in fact (V) */
 } pzs_amplifier_state;
 
-/* What a tick needs to find everything else. All of it stays as it is from tick to tick. */
+/*
+ * Pointers and sizes from which a tick finds everything else; they stay constant from tick to tick.
+ */
 typedef struct pzs_loop_core {
-    const struct pzs_block *blocks; /* [count] the list of blocks */
-    uint8_t *memory;                /* workspace, from its first multiple of 8 bytes on */
+    const struct pzs_block *blocks; /* [count] list of the blocks of the loop */
+    uint8_t *memory; /* start of the workspace, rounded up to a multiple of 8 bytes */
     struct pzs_control *control;
-    void *control_work;         /* workspace of the controller */
-    const pzs_real *influence;  /* [outputs][inputs] B of the controller (m/V) */
-    const pzs_real *known_now;  /* [loads] as passed to pzs_loop_know, or NULL */
-    const pzs_real *known_next; /* [loads] */
-    uint32_t limit_sum;         /* checksum of voltage limits and step limits */
-    uint32_t influence_crc;     /* checksum of an influence matrix computed on the device */
-    uint16_t sensors;           /* number of readings */
+    void *control_work; /* workspace of the controller, a part of the workspace of the loop */
+    const pzs_real *influence;  /* [outputs][inputs] influence matrix of the controller (m/V) */
+    const pzs_real *known_now;  /* [loads] values of the known loads at the time of the readings, as
+                                   passed to pzs_loop_know, or NULL */
+    const pzs_real *known_next; /* [loads] values of the known loads under the next voltages, as
+                                   passed to pzs_loop_know, or NULL */
+    uint32_t limit_sum;         /* checksum of the voltage limits and the step limits */
+    uint32_t influence_crc; /* checksum of the influence matrix, if the device has computed it */
+    uint16_t sensors;       /* number of readings */
     uint8_t count, stage;
 } pzs_loop_core;
 
 typedef struct pzs_loop_state {
-    pzs_loop_core core[3]; /* three copies, of which two outvote a damaged third */
+    pzs_loop_core core[3]; /* three copies of the pointers and sizes, so that two outvote a damaged
+                              third */
     pzs_scrub problem_scrub, influence_scrub;
 } pzs_loop_state;
 

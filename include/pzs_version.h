@@ -11,9 +11,9 @@
 #define PZS_VERSION_TEXT "0.2.0"
 
 /*
- * Format number of the generated tables. A generated header of another format does not compile, and
- * every init function refuses tables of another format. The number increases whenever the layout of
- * a table struct changes; a test compares the layouts with those recorded for this number.
+ * Format number of the generated tables. A generated header of another format does not compile with
+ * this library, and every init function refuses tables of another format. The number increases when
+ * the layout of a table struct changes.
  */
 #define PZS_TABLE_FORMAT 4u
 
