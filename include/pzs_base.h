@@ -6,7 +6,7 @@
  * The caller owns all memory: the library does not allocate, print, recurse or keep global
  * variables. Arrays are row-major, and [rows][columns] in a comment gives the shape of an array.
  * The unit of a quantity is that of the scene file from which `pzs tables` generated the tables;
- * the comments assume metres, newtons, volts and kelvins.
+ * the comments assume m, N, V and K.
  *
  * A function that returns an error (PZS_E_...) leaves its outputs untouched, except where its
  * comment says otherwise. After a warning (PZS_W_...) the outputs are valid. The member info.where
@@ -139,14 +139,19 @@ typedef enum pzs_status {
                        1/64, or the voltages of open electrodes did not converge */
     PZS_E_LIMIT,    /* no equilibrium was found and the tangent stiffness becomes singular: a limit
                        point or a bifurcation is near */
-    PZS_E_CONTACT,  /* the active set of the contact kept changing; or a shell that its supports
-                       leave loose does not touch the body at the start, is not pressed onto it, or
-                       slides along it */
-    PZS_E_PENETRATION, /* the contact body would enter element info.where at a node or between its
-                          nodes (refine the mesh there or enlarge the body), or would pass through
-                          the element; info.penetration of the contact tells which */
-    PZS_E_SOLVES       /* the limit on linear solves, settings.solve_limit, was reached before the
-                          equilibrium */
+    /*
+     * the active set of the contact kept changing; or a shell that its supports leave loose does
+     * not touch the body at the start, is not pressed onto it, or slides along it
+     */
+    PZS_E_CONTACT,
+    /*
+     * the contact body would enter element info.where at a node or between its nodes (refine the
+     * mesh there or enlarge the body), or would pass through the element; info.penetration of the
+     * contact tells which
+     */
+    PZS_E_PENETRATION,
+    PZS_E_SOLVES /* the limit on linear solves, settings.solve_limit, was reached before the
+                    equilibrium */
 } pzs_status;
 
 #define PZS_IS_ERROR(status) ((status) >= PZS_E_ARGUMENT)

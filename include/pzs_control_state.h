@@ -70,17 +70,22 @@ typedef struct pzs_optimiser {
     pzs_real *diagonal;  /* [width] diagonal of the Hessian (m2/V2) */
     pzs_real *start_voltage;  /* [width] voltages at the start of a round of iterations (V) */
     pzs_real *start_gradient; /* [width] gradient at the start of a round of iterations (m2/V) */
-    pzs_real *next_voltage;   /* [width] voltages after a full step along the search direction (V);
-                                 before the direction is known, the gradient of the free set (m2/V) */
+    /*
+     * [width] voltages after a full step along the search direction (V); before the direction is
+     * known, the gradient of the free set (m2/V)
+     */
+    pzs_real *next_voltage;
     pzs_real *scratch; /* [width] work array; after the search direction is known, next_voltage -
                           base (V) */
     pzs_real inverse_trace;       /* trace of the inverse of the Hessian restricted to the free set
                                      (V2/m2); 0: not computed */
     pzs_real inverse_trace_bound; /* upper bound of inverse_trace that follows from the
                                      regularisation weight (V2/m2); 0: none */
-    pzs_real pivot_floor;    /* an input counts as linearly dependent on the free set if its pivot,
-                                divided by its diagonal entry of the Hessian, is below this number (1)
-                              */
+    /*
+     * an input counts as linearly dependent on the free set if its pivot, divided by its diagonal
+     * entry of the Hessian, is below this number (1)
+     */
+    pzs_real pivot_floor;
     pzs_real model_rounding; /* rounding-error bound of model_gradient (m2/V) */
     pzs_real start_rounding; /* value of model_rounding at the start of a round of iterations (m2/V)
                               */

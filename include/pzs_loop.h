@@ -206,9 +206,9 @@ pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *ne
  * of which two outvote a damaged third. It compares one row of the Hessian with its source, so that
  * all rows are compared within `inputs` ticks, and adds 64 bytes of the voltage problem to a
  * checksum. PZS_E_CRC reports damaged tables of the problem: at once where limits are damaged,
- * otherwise after at most three passes over the tables. Damage of the loop therefore does not reach
- * the amplifiers beyond voltage limits and step limits, except between the end of a tick and the
- * moment at which info.voltage is read.
+ * otherwise after at most three complete readings of the tables. Damage of the loop therefore does
+ * not reach the amplifiers beyond voltage limits and step limits, except between the end of a tick
+ * and the moment at which info.voltage is read.
  */
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
 
@@ -481,9 +481,11 @@ typedef struct pzs_vibration {
                                   to that for which the observer was designed (1); NULL: all 1 */
     const pzs_real *modal; /* [modes][inputs] static modal coordinate per volt on each input (m/V)
                             */
-    const pzs_real *turn;  /* [4][modes] 2 x 2 matrix of each mode that advances its deviation from
-                              the equilibrium and its scaled velocity by one tick (1): entries 11,
-                              12, 21, 22 in four rows */
+    /*
+     * [4][modes] 2 x 2 matrix of each mode that advances its deviation from the equilibrium and its
+     * scaled velocity by one tick (1): entries 11, 12, 21, 22 in four rows
+     */
+    const pzs_real *turn;
     const pzs_real *observer; /* [3][modes][modes] observer gains for modal position, scaled
                                  velocity and load coordinate */
     const pzs_real *explain;  /* [modes][modes] inverse normal matrix of the least-squares fit of
@@ -512,9 +514,11 @@ typedef struct pzs_damper_info {
     const pzs_real *velocity; /* [modes] estimated modal velocities divided by the angular
                                  frequencies (m) */
     const pzs_real *load;     /* [modes] estimated static modal coordinates due to loads (m) */
-    pzs_real deviation;  /* amplitude of the vibration: root of the sum over the modes of squared
-                            deviation from the equilibrium plus squared scaled velocity (m, RMS over
-                            the outputs) */
+    /*
+     * amplitude of the vibration: root of the sum over the modes of squared deviation from the
+     * equilibrium plus squared scaled velocity (m, RMS over the outputs)
+     */
+    pzs_real deviation;
     pzs_real innovation; /* RMS of reading minus predicted reading over the sensors in the last tick
                             (m) */
     int32_t where;       /* index to which the last status refers, or -1 */
@@ -732,9 +736,11 @@ typedef enum pzs_electrode_state {
 
 /* Settings of the fault detector that a program may change after pzs_fault_detector_init. */
 typedef struct pzs_fault_detector_settings {
-    pzs_real *amplitude; /* [inputs] amplitude of the test signal (V), at most half the step limit;
-                            0: the electrode is not observed. Default: just below half the step
-                            limit, but at most 1/32 of the voltage range */
+    /*
+     * [inputs] amplitude of the test signal (V), at most half the step limit; 0: the electrode is
+     * not observed. Default: just below half the step limit, but at most 1/32 of the voltage range
+     */
+    pzs_real *amplitude;
 } pzs_fault_detector_settings;
 
 /* Results of the fault detector that a program may read. */

@@ -1,10 +1,10 @@
 /*
- * piezoshape, linear image: element matrices in flash to an influence matrix on the device.
+ * piezoshape, linear image: from element matrices in flash to the influence matrix, on the device.
  * SPDX-License-Identifier: BSD-2-Clause
  *
  * Order of the calls: pzs_model_init, pzs_assemble, pzs_factor, pzs_influence, then
- * pzs_control_init with that influence. Stiffness, temperature, supports and electrodes may change
- * in the field. `pzs tables` generates the tables.
+ * pzs_control_init with that influence matrix. Stiffness, temperature, supports and electrodes may
+ * thus change in the field. `pzs tables` generates the tables.
  */
 #ifndef PZS_MODEL_H
 #define PZS_MODEL_H
@@ -18,56 +18,82 @@ extern "C" {
 /* ---- tables ----------------------------------------------------------- */
 
 /*
- * One element type: all data of geometry and material that the element kernel needs; equal elements
- * share it. Corners r = 0..3 are (-,-) (+,-) (+,+) (-,+). Directions a = 0, 1 run along theta1,
- * theta2; r' is the neighbour of corner r in direction a. The displacement derivatives in the frame
- * of corner r are lam_a = S_a u_r + T_a u_r'. The formulation (published or improved) consists of
- * these values alone.
+ * One element type: geometry and material of a four-node shell element, as the element kernel needs
+ * them. Equal elements share one type. The corners r = 0 to 3 lie at (-,-), (+,-), (+,+) and (-,+)
+ * in the directions theta1 and theta2 (a = 0, 1), and corner r' is the neighbour of corner r in
+ * direction a. The displacement derivatives in the frame of corner r are lambda_a = S_a u_r + T_a
+ * u_r', with the displacements u_r and u_r' of the two corners. Element formulations (published,
+ * improved) differ in these numbers alone.
  */
 typedef struct pzs_element_type {
-    pzs_real s[4][2][3][3];   /* S of each corner and direction (1/m) */
-    pzs_real t[4][2][3][3];   /* T of each corner and direction (1/m) */
-    pzs_real g_mean[4][2][3]; /* base vectors at the corners, mean of the two faces (1) */
-    pzs_real g_diff[4][2][3]; /* difference of the faces' base vectors over h (1/m) */
-    /* stiffness D of the modes 00 01 10 11 (N m), packed lower triangle, times area/3^(r1+r2);
-     * strain order 11m 11d 22m 22d 33m 33d 12m 12d 13 23, with m the mean and d the difference of
-     * the two faces */
+    pzs_real s[4][2][3][3];   /* coupling matrix S of each corner and direction: displacement
+                                 derivative per displacement of the corner itself (1/m) */
+    pzs_real t[4][2][3][3];   /* coupling matrix T of each corner and direction: displacement
+                                 derivative per displacement of the neighbouring corner (1/m) */
+    pzs_real g_mean[4][2][3]; /* base vectors at each corner in each direction, mean of the two
+                                 faces (1) */
+    pzs_real g_diff[4][2][3]; /* difference of the base vectors of outer and inner face, divided by
+                                 the thickness, at each corner in each direction (1/m) */
+    /*
+     * Stiffness of the strain modes 00, 01, 10, 11, which vary over the element as xi1^r1 xi2^r2,
+     * times area/3^(r1+r2) (N m): packed lower triangles of 10 rows. Order of the strains: 11m 11d
+     * 22m 22d 33m 33d 12m 12d 13 23, where m is the mean and d the difference of the two faces.
+     */
     pzs_real d[4][55];
-    pzs_real thickness; /* thickness h of the element (m) */
-    pzs_real warp[9]; /* factors of the strains that are added to the mean strain 12 of mode 00 on a
-                         warped element (1): 12d^00, 13^01, 23^10, 13^00, 23^00, 11d^00, 11d^01,
-                         22d^00, 22d^10. Their sum does not depend on the directors */
-    pzs_real skew[3]; /* alpha_1, alpha_2 (1): the area varies as 1 + alpha_1 xi2 + alpha_2 xi1 over
-                         the element, both are 0 on parallelograms and on elements along lines of
-                         curvature; then L_2/L_1, the ratio of the element's lengths (1) */
+    pzs_real thickness; /* thickness of the element (m) */
+    /*
+     * factors of the strains that warp adds to the mean strain 12 of mode 00 (1): difference
+     * strains 12 of mode 00, 13 of 01, 23 of 10, 13 of 00, 23 of 00, and difference strains 11 of
+     * 00, 11 of 01, 22 of 00, 22 of 10
+     */
+    pzs_real warp[9];
+    /*
+     * alpha_1, alpha_2 and length ratio (1): the area varies as 1 + alpha_1 xi2 + alpha_2 xi1 over
+     * the element, so that both are 0 on a parallelogram; the ratio is the length along theta2 over
+     * that along theta1
+     */
+    pzs_real skew[3];
 } pzs_element_type;
 
-/* A structure. All arrays are const and stay in flash. */
+/*
+ * A shell structure: mesh, supports, element matrices, inputs and outputs. All arrays are const and
+ * may stay in flash.
+ */
 typedef struct pzs_structure {
-    uint32_t format; /* PZS_TABLE_FORMAT */
-    uint32_t scene;  /* hash of the scene that the tables were made from */
-    uint32_t crc;    /* checksum of everything below; see pzs_structure_seal */
+    uint32_t format; /* format number of the tables, PZS_TABLE_FORMAT */
+    uint32_t scene;  /* hash of the scene file from which the tables were generated */
+    uint32_t crc;    /* checksum of the following members and their arrays, computed by
+                        pzs_structure_seal */
     uint16_t nodes, elements, types;
-    uint16_t dof_per_node; /* dof per node, 7 or 6: mean u1 u2 u3, (u+ - u-)/h of u1 u2 u3, (u3M -
-                              mean u3)/h */
+    /*
+     * degrees of freedom of a node, 6 or 7: mean displacement u1 u2 u3 of the two faces (m),
+     * difference of outer and inner face over the thickness for u1 u2 u3 (1), and with 7 the excess
+     * of the middle surface's u3 over the mean, over the thickness (1)
+     */
+    uint16_t dof_per_node;
     uint16_t free_dof;
-    const uint16_t (*element)[4]; /* [elements] nodes of each element, in corner order */
-    const uint16_t *element_type; /* [elements] type of each element */
-    const uint16_t *node_dof;     /* [nodes][dof_per_node] free dof, or PZS_CONSTRAINED */
-    const uint16_t *first_column; /* [free_dof] first column of each row of the lower triangle */
-    const pzs_real *stiffness; /* [types][4u(4u+1)/2] element stiffness, packed lower triangle, u =
-                                  dof_per_node */
-    const pzs_element_type *type; /* [types] element types, or NULL: no refinement by strains and no
-                                     nonlinear solver */
-    pzs_rows input;               /* force of one unit of each input (N/V, N/K, N/Pa, 1) */
-    pzs_rows output;              /* output per unit of the displacement (m) */
+    const uint16_t (*element)[4]; /* [elements] node indices of each element, in the order of its
+                                     corners */
+    const uint16_t *element_type; /* [elements] index of the element type of each element */
+    const uint16_t *node_dof; /* [nodes][dof_per_node] index among the free degrees of freedom, or
+                                 PZS_CONSTRAINED */
+    const uint16_t *first_column; /* [free_dof] column of the first stored entry in each row of the
+                                     stiffness matrix */
+    const pzs_real *stiffness;    /* [types][rows * (rows + 1) / 2] stiffness matrix of each element
+                                     type, packed lower triangle of rows = 4 dof_per_node rows */
+    const pzs_element_type *type; /* [types] element types; NULL: solutions are not refined, and the
+                                     nonlinear solver cannot be used */
+    pzs_rows input;               /* force vector per unit of each input (N/V, N/K, N/Pa or 1) */
+    pzs_rows output;              /* coefficients of the displacement in each output (m) */
     pzs_rows spring; /* one row for each spring: its elongation per unit of the displacement (1);
                         count 0: no springs */
-    const pzs_real *spring_stiffness; /* [spring.count] stiffness of each spring (N/m), not negative
+    const pzs_real *spring_stiffness; /* [spring.count] stiffness of each spring (N/m), at least 0
                                        */
 } pzs_structure;
 
-/* Set format and checksum of tables that a firmware has built or changed itself. Errors: ARGUMENT.
+/*
+ * Write the format number and the checksum into a structure that a firmware has built or changed
+ * itself. Errors: PZS_E_ARGUMENT.
  */
 pzs_status pzs_structure_seal(pzs_structure *structure);
 
@@ -75,25 +101,31 @@ pzs_status pzs_structure_seal(pzs_structure *structure);
 
 /* Results of the model that a program may read. */
 typedef struct pzs_model_info {
-    pzs_real condition; /* 1-norm condition estimate of the scaled stiffness */
-    pzs_real residual; /* |K u - f| / |f| of the last solve, every row scaled as for the factor; K u
-                          is computed from the strains of the elements, so that the value is -1
-                          without element types */
-    pzs_real error_estimate;  /* relative error of u by the linear solver, in the energy norm; -1
-                                 without element types. The discretisation error of the mesh is not
-                                 included */
-    int32_t where;            /* index that belongs to the last status, or -1 */
-    uint16_t refinements;     /* refinement iterations of the last solve */
-    uint16_t negative_pivots; /* negative pivots of the last factorisation */
+    pzs_real condition; /* estimated condition number of the scaled stiffness matrix in the 1-norm
+                         */
+    /*
+     * norm of (stiffness times displacement - force) over the norm of the force in the last solve,
+     * in scaled rows and computed from the strains of the elements; -1 without element types
+     */
+    pzs_real residual;
+    pzs_real error_estimate;  /* estimated relative error of the last solution in the energy norm,
+                                 without the discretisation error of the mesh; -1 without element
+                                 types */
+    int32_t where;            /* index to which the last status refers, or -1 */
+    uint16_t refinements;     /* number of refinement iterations in the last solve */
+    uint16_t negative_pivots; /* number of negative pivots in the last factorisation */
 } pzs_model_info;
 
 typedef struct pzs_model_state {
     const pzs_structure *structure;
-    pzs_envelope stiffness;           /* scaled stiffness, then its factor */
-    pzs_real *scale;                  /* [free_dof] powers of two that scale the diagonal to one */
-    pzs_real *work;                   /* [6][free_dof] work */
-    const pzs_real *stiffness_factor; /* [types] stiffness factors of the last assembly, or NULL */
-    const uint8_t *constrained;       /* [free_dof] constrained dof of the last assembly, or NULL */
+    pzs_envelope stiffness; /* scaled stiffness matrix; after pzs_factor its factors */
+    pzs_real *scale; /* [free_dof] powers of two that scale the diagonal of the stiffness matrix to
+                        about one */
+    pzs_real *work;  /* [6][free_dof] work array */
+    const pzs_real *stiffness_factor; /* [types] stiffness factors passed to the last pzs_assemble,
+                                         or NULL */
+    const uint8_t *constrained;       /* [free_dof] additional constraints passed to the last
+                                         pzs_assemble, or NULL */
     uint8_t stage;
 } pzs_model_state;
 
@@ -103,103 +135,117 @@ typedef struct pzs_model {
 } pzs_model;
 
 /*
- * Bytes of workspace for a model. `envelope` is the padded number of entries of the factor;
- * generated headers contain it for each PZS_TILE.
+ * Size of the workspace of a model (bytes). `envelope` is the number of stored matrix entries,
+ * padding included; generated headers define it for each PZS_TILE.
  */
 #define PZS_MODEL_BYTES(free_dof, envelope)                                                        \
     (sizeof(pzs_real) * ((size_t)(envelope) + 8u * (size_t)(free_dof)) +                           \
      sizeof(uint32_t) * ((size_t)(free_dof) / PZS_TILE + 2u) + 2u * sizeof(pzs_real))
 
 /*
- * Check the tables and lay out a model in the workspace.
- *   model     out
+ * Check the tables of a structure and initialise a model in the workspace.
+ *   model     out  the model
  *   structure in   must outlive the model
- *   work      in   memory of the caller, aligned for pzs_real
- *   bytes     in   at least PZS_MODEL_BYTES
- * Errors: ARGUMENT (also an index out of range), FORMAT, CRC, WORKSPACE (where = bytes needed).
+ *   work      in   memory of the caller, aligned for pzs_real; the model uses it from now on
+ *   bytes     in   size of the workspace, at least PZS_MODEL_BYTES
+ * Errors: PZS_E_ARGUMENT (also for an index out of range), PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE
+ * (info.where = bytes needed).
  */
 pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void *work,
                           size_t bytes);
 
 /*
- * Sum the element matrices [P 10-16] and the springs in the envelope: K = sum_e P_e^T K_type(e) P_e
- * + sum_s k_s n_s n_s^T, with n_s the row of a spring and k_s its stiffness.
- *   stiffness_factor [types]    in  factor of the matrices of each element type; NULL: 1
- *   constrained      [free_dof] in  nonzero: this dof is held at zero in addition to the supports;
- *                                   NULL: none
- * Both arrays must outlive the following solves. Errors: ARGUMENT (also a negative factor), STAGE,
- * NONFINITE.
+ * Assemble the stiffness matrix of the structure from the element matrices [P 10-16] and the
+ * springs. stiffness_factor [types]    in  factor of the matrix of each element type; NULL: all 1
+ *   constrained      [free_dof] in  nonzero: this degree of freedom is held at zero in addition to
+ *                    the supports; NULL: none
+ * Both arrays must outlive the following solves. Errors: PZS_E_ARGUMENT (also for a negative
+ * factor), PZS_E_STAGE, PZS_E_NONFINITE.
  */
 pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
                         const uint8_t *constrained);
 
 /*
- * Scale the stiffness to unit diagonal by powers of two, factor it as L D L^T and estimate its
- * condition number. Errors: STAGE, LOOSE and NEGATIVE (where = free dof), CONDITION: the estimate
- * exceeds 1.2/epsilon, or 600/epsilon where the structure has element types and solves are refined,
- * or 1e14.
+ * Scale the stiffness matrix to unit diagonal by powers of two, factor it as L D L^T, and estimate
+ * its condition number. Errors: PZS_E_STAGE; PZS_E_LOOSE and PZS_E_NEGATIVE (info.where = free
+ * degree of freedom); PZS_E_CONDITION if the estimate exceeds 1.2/epsilon, or 600/epsilon where the
+ * structure has element types, or 1e14, with the machine epsilon.
  */
 pzs_status pzs_factor(pzs_model *model);
 
 /*
- * Displacement under the inputs: K u = sum_j value_j f_j, refined by strains where the structure
- * has element types.
- *   value [inputs]   in  (V, K, Pa or load factors)
- *   displacement     [free_dof] out (m and 1)
- * Errors: STAGE, NONFINITE, RESIDUAL (u is then the best result reached).
+ * Compute the displacement under given input values, refined iteratively where the structure has
+ * element types.
+ *   value        [inputs]   in   input values (V, K, Pa or load factors)
+ *   displacement [free_dof] out  displacement (m and 1)
+ * Errors: PZS_E_STAGE, PZS_E_NONFINITE, PZS_E_RESIDUAL (the displacement is then the best that was
+ * reached).
  */
 pzs_status pzs_solve(pzs_model *model, const pzs_real *value, pzs_real *displacement);
 
-/* Outputs of a displacement, y = output rows . u.  displacement [free_dof] in, output [outputs] out
- * (m) */
+/*
+ * Compute the outputs of a displacement.
+ *   displacement [free_dof] in   displacement (m and 1)
+ *   output       [outputs]  out  outputs (m)
+ */
 void pzs_observe(const pzs_structure *structure, const pzs_real *displacement, pzs_real *output);
 
 /*
- * Influence matrix: outputs per unit of each input, by one solve for each column.
- *   influence [outputs][inputs] out (m/V)
- * Errors: those of pzs_solve (the columns before the failing input `where` are written).
+ * Compute the influence matrix, the outputs per unit of each input, by one solve for each input.
+ *   influence [outputs][inputs] out  influence matrix (m/V)
+ * Errors: those of pzs_solve; the columns of the inputs before info.where are then written.
  */
 pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 
 /* ---- electrodes: charges, sensors, open circuits (lib/model/electrode.c) */
 
 /*
- * Electrodes whose charge is of interest. The charge of electrode k on its side towards +e3 is q_k
- * = f_k . u + sum_j direct(k, j) value_j, with f_k the force row of its input: sensing is the
- * transpose of actuation. All arrays are const, in flash.
+ * Tables of the electrodes whose charge matters. The charge of an electrode, on its side towards
+ * the normal e3, is the scalar product of the force vector of its input with the displacement, plus
+ * the charge that flows while the shell cannot deform: sensing is the transpose of actuation. All
+ * arrays are const and may stay in flash.
  */
 typedef struct pzs_electrodes {
-    uint32_t format, scene; /* format and scene of the structure */
-    uint32_t crc;           /* checksum of everything below; see pzs_electrodes_seal */
+    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
+                               that of the structure */
+    uint32_t crc;           /* checksum of the following members and their arrays, computed by
+                               pzs_electrodes_seal */
     uint16_t count;
-    const uint16_t *input; /* [count] the input whose value is the electrode's voltage */
-    const uint8_t *open;   /* [count] 1: open electrode, its charge is prescribed and its voltage
-                              unknown; 0: its voltage is prescribed */
-    pzs_rows direct; /* [count] rows: charge while the shell cannot deform, per unit of the input
-                        `dof` (C/V, C/K): the capacitance for the electrode's own voltage, the
-                        pyroelectric charge for a temperature */
+    const uint16_t *input; /* [count] index of the input whose value is the voltage of the electrode
+                            */
+    const uint8_t *open; /* [count] 1: open electrode, whose charge is prescribed and whose voltage
+                            is unknown; 0: electrode of prescribed voltage */
+    /*
+     * one row for each electrode: charge per unit of an input while the shell cannot deform (C/V or
+     * C/K), with the index of the input in the member dof; for the electrode's own voltage it is
+     * the capacitance, for a temperature the pyroelectric charge
+     */
+    pzs_rows direct;
 } pzs_electrodes;
 
-/* Set format and checksum of tables that a firmware has built or changed itself. Errors: ARGUMENT.
+/*
+ * Write the format number and the checksum into electrode tables that a firmware has built or
+ * changed itself. Errors: PZS_E_ARGUMENT.
  */
 pzs_status pzs_electrodes_seal(pzs_electrodes *tables, const pzs_structure *structure);
 
 /* Settings of the electrodes that a program may change after pzs_electric_init. */
 typedef struct pzs_electric_settings {
-    pzs_real *charge; /* [count] prescribed charge of the open electrodes (C); default 0 */
+    pzs_real *charge; /* [count] prescribed charge of each open electrode (C); default 0 */
 } pzs_electric_settings;
 
 typedef struct pzs_electric_info {
-    int32_t where; /* index that belongs to the last status, or -1 */
+    int32_t where; /* index to which the last status refers, or -1 */
 } pzs_electric_info;
 
 typedef struct pzs_electric_state {
     pzs_model *model;
     const pzs_electrodes *tables;
-    pzs_real *sensitivity; /* [count][inputs] charge per unit of each input, all voltages prescribed
-                              (C/V, C/K, C/N) */
-    pzs_real *value;       /* [inputs] work */
-    pzs_envelope open;     /* charge of the open electrodes per volt of one another, factored */
+    pzs_real *sensitivity; /* [count][inputs] charge of each electrode per unit of each input while
+                              all voltages are prescribed (C/V, C/K or C/N) */
+    pzs_real *value;       /* [inputs] work array */
+    pzs_envelope open; /* factors of the matrix of the charges of the open electrodes per volt on
+                          each other */
     uint8_t stage;
 } pzs_electric_state;
 
@@ -209,47 +255,49 @@ typedef struct pzs_electric {
     pzs_electric_state state;
 } pzs_electric;
 
-/* Bytes of workspace for electrodes. */
+/* Size of the workspace for the electrodes (bytes). */
 #define PZS_ELECTRIC_BYTES(electrodes, open, inputs)                                               \
     (sizeof(pzs_real) *                                                                            \
          (((size_t)(electrodes) + 1u) * ((size_t)(inputs) + 1u) + PZS_DENSE(open)) +               \
      sizeof(uint32_t) * ((size_t)(open) / PZS_TILE + 2u) + sizeof(uint16_t) * (size_t)(open))
 
 /*
- * Lay out electrodes in the workspace; model and tables must outlive them.
- * Errors: ARGUMENT, FORMAT, CRC, WORKSPACE (where = bytes needed).
+ * Initialise the electrodes of a model in the workspace; model and tables must outlive them.
+ * Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE (info.where = bytes needed).
  */
 pzs_status pzs_electric_init(pzs_electric *electric, pzs_model *model, const pzs_electrodes *tables,
                              void *work, size_t bytes);
 
 /*
- * Charge per unit of every input in the undeformed state [P 49-55], by one solve for each
- * electrode; to be called after each pzs_factor. Errors: ARGUMENT, STAGE, those of pzs_solve,
- * NEGATIVE: an open electrode without capacitance (where = electrode).
+ * Compute the charge of each electrode per unit of every input in the undeformed state [P 49-55],
+ * by one solve for each electrode. To be called after each pzs_factor. Errors: PZS_E_ARGUMENT,
+ * PZS_E_STAGE, those of pzs_solve, and PZS_E_NEGATIVE for an open electrode without capacitance
+ * (info.where = electrode).
  */
 pzs_status pzs_electric_factor(pzs_electric *electric);
 
 /*
- * Voltages of the open electrodes for which their charges are as prescribed, under the other input
- * values. All input values can then be passed to pzs_solve.
- *   value [inputs] in/out  the voltages of open electrodes are written, not read
- * Errors: ARGUMENT, STAGE, NONFINITE.
+ * Compute the voltages at which the open electrodes carry their prescribed charges, under the other
+ * input values. The completed input values may then be passed to pzs_solve.
+ *   value [inputs] in/out  input values; those of open electrodes are written, not read
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
  */
 pzs_status pzs_open_voltages(const pzs_electric *electric, pzs_real *value);
 
 /*
- * Charges of all electrodes under input values that include the voltages of open electrodes.
- *   value  [inputs] in
- *   charge [count]  out (C)
- * Errors: ARGUMENT, STAGE.
+ * Compute the charges of all electrodes under input values that include the voltages of the open
+ * electrodes.
+ *   value  [inputs] in   input values
+ *   charge [count]  out  charges of the electrodes (C)
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_charges(const pzs_electric *electric, const pzs_real *value, pzs_real *charge);
 
 /*
- * Transform the influence under prescribed voltages into the influence with open electrodes.
- *   influence [outputs][inputs] in/out  in: of pzs_influence; out: columns of open electrodes per
- *   unit charge (m/C)
- * Errors: ARGUMENT, STAGE.
+ * Transform the influence matrix under prescribed voltages into the one with open electrodes.
+ *   influence [outputs][inputs] in/out  in: result of pzs_influence (m/V); out: the columns of open
+ *                                       electrodes are per unit of charge (m/C)
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_influence_open(const pzs_electric *electric, pzs_real *influence);
 

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Checksums and tests for finite numbers (guard.h). */
+/* Checksums, search for numbers that are not finite, and majority of three copies (guard.h). */
 #include "guard.h"
 #include "unrolled.h"
 
 /*
- * CRC remainders of the eight groups of four bits in a word of 32 bits, the lowest bits first. They
- * take 512 bytes of flash instead of the 4 KB of tables of bytes.
+ * Remainders of the CRC-32 for the 16 values of each of the eight groups of four bits in a 32-bit
+ * word, the lowest bits first. The table takes 512 bytes of flash; a table for whole bytes would
+ * take 4 KB.
  */
 static const uint32_t nibble_crc[8][16] = {
     {0x00000000u, 0xB8BC6765u, 0xAA09C88Bu, 0x12B5AFEEu, 0x8F629757u, 0x37DEF032u, 0x256B5FDCu,
@@ -34,7 +35,7 @@ static const uint32_t nibble_crc[8][16] = {
      0xA00AE278u, 0xBDBDF21Cu},
 };
 
-/* Remainder of a word. */
+/* Return the CRC-32 remainder of one 32-bit word. */
 static inline uint32_t word_crc(uint32_t word)
 {
     uint32_t crc = 0;
@@ -60,7 +61,7 @@ uint32_t pzs_guard_crc(uint32_t crc, const void *data, size_t bytes)
     return crc;
 }
 
-/* x - x is 0 for a finite number, and NaN for NaN and the infinities. */
+/* The difference of a number with itself is 0 for a finite number and NaN for NaN and infinity. */
 int32_t pzs_guard_nonfinite(const pzs_real *value, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -81,7 +82,7 @@ bool pzs_guard_rows_fit(const pzs_rows *rows, uint32_t dof)
     return rows->start == NULL || rows->start[rows->count] <= (uint32_t)rows->count * dof;
 }
 
-/* The number of entries is part of the table itself, so `start` is hashed first. */
+/* The number of entries of sparse rows is the last entry of `start`, so `start` is hashed first. */
 uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof)
 {
     if (rows->start == NULL)

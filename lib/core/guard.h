@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Checks of data before use: checksums of tables, finite numbers, size of a workspace. */
+/*
+ * Checks of data before use: checksums of tables, search for NaN and infinity, size of a workspace,
+ * majority of three copies.
+ */
 #ifndef PZS_LIB_GUARD_H
 #define PZS_LIB_GUARD_H
 
@@ -9,18 +12,18 @@
 #define GUARD_CRC_START 0xFFFFFFFFu
 
 /*
- * CRC-32 (reflected, polynomial EDB88320) of `bytes` bytes of data, continued from crc. The final
- * checksum is ~crc.
+ * Continue a CRC-32 (reflected polynomial EDB88320) over `bytes` bytes of data. In the first call
+ * crc is GUARD_CRC_START; the bitwise complement of the last result is the checksum.
  */
 uint32_t pzs_guard_crc(uint32_t crc, const void *data, size_t bytes);
 
-/* Index of the first entry of value [n] that is NaN or infinite, or -1. */
+/* Return the index of the first of `count` values that is NaN or infinite, or -1. */
 int32_t pzs_guard_nonfinite(const pzs_real *value, uint32_t count);
 
 /*
- * Check that a workspace is aligned for pzs_real and has at least `need` bytes. Returns -1 if so.
- * Otherwise returns the value of `where` for PZS_E_WORKSPACE: the number of bytes needed, at most
- * INT32_MAX.
+ * Check that a workspace is aligned for pzs_real and has at least `need` bytes. Returns -1 if so,
+ * and otherwise the number of bytes needed (at most INT32_MAX), which PZS_E_WORKSPACE reports in
+ * info.where.
  */
 static inline int32_t guard_missing_bytes(const void *work, size_t bytes, size_t need)
 {
@@ -30,18 +33,20 @@ static inline int32_t guard_missing_bytes(const void *work, size_t bytes, size_t
 }
 
 /*
- * CRC of an array of `count` entries of `size` bytes, continued from crc. An absent array (NULL)
- * leaves crc unchanged.
+ * Continue a CRC-32 over an array of `count` entries of `size` bytes. For an absent array (NULL)
+ * the checksum is returned unchanged.
  */
 uint32_t pzs_guard_array_crc(uint32_t crc, const void *data, size_t count, size_t size);
 
 /*
- * Replace three copies of some data by what two of them agree on, bit by bit: a bit that has
- * flipped in one copy is restored. bytes in  length of each copy, a multiple of 4
+ * Replace each bit of three copies of some data by the value that at least two copies have, which
+ * restores a bit that has flipped in one copy. `bytes` is the length of each copy, a multiple of 4.
  */
 void pzs_guard_vote(void *one, void *two, void *three, size_t bytes);
 
-/* Make a truth value whose memory may be damaged true or false: any byte but 0 is true. */
+/*
+ * Restore a bool whose memory may be damaged to a valid value: any byte other than 0 becomes true.
+ */
 static inline void guard_repair_bool(bool *flag)
 {
     uint8_t byte;
@@ -49,7 +54,10 @@ static inline void guard_repair_bool(bool *flag)
     *flag = byte != 0;
 }
 
-/* Continue a checksum with a number: every single flipped bit changes it. Cheaper than a CRC. */
+/*
+ * Continue a checksum that changes with every single flipped bit of `number`. It costs less than a
+ * CRC-32.
+ */
 static inline uint32_t guard_add(uint32_t sum, pzs_real number)
 {
     uint32_t word[sizeof number / sizeof(uint32_t)];
@@ -60,12 +68,12 @@ static inline uint32_t guard_add(uint32_t sum, pzs_real number)
 }
 
 /*
- * Whether the number of entries of sparse rows is one that rows over `dof` columns can have.
- * Neither a checksum nor a check of indices may read rows of which this is not true.
+ * Return whether the number of entries of sparse rows is possible for rows over `dof` columns.
+ * Otherwise neither a checksum nor a check of indices may read the entries.
  */
 bool pzs_guard_rows_fit(const pzs_rows *rows, uint32_t dof);
 
-/* CRC of sparse rows over `dof` columns, continued from crc. */
+/* Continue a CRC-32 over the arrays of sparse rows over `dof` columns. */
 uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Vectors of the compiler (gcc and clang) for builds with wide tiles. Their entries are computed
- * like single numbers, so the bits do not depend on their width.
+ * Vector types of gcc and clang for builds with wide tiles. Each entry is computed like a single
+ * number, so that the bits of a result do not depend on the vector width.
  */
 #ifndef PZS_LIB_LANE_H
 #define PZS_LIB_LANE_H
@@ -10,7 +10,10 @@
 
 #if PZS_TILE > 4
 
-/* Entries that a vector register holds, or a tile if that is smaller. */
+/*
+ * LANE_BYTES: bytes of a vector, the smaller of a vector register and a row of a tile. IN_LANE:
+ * reals in a vector. IN_TILE: vectors in a tile row.
+ */
 #if defined(__AVX512F__)
 #define REGISTER 64u
 #elif defined(__AVX__)

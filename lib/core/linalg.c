@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Symmetric linear systems in envelope storage (linalg.h): left-looking L D L', tile by tile. */
+/*
+ * Factorisation and solution of symmetric linear equations in envelope storage (linalg.h). The
+ * factorisation L D L^T is left-looking and works on tiles of PZS_TILE x PZS_TILE entries.
+ */
 #include "linalg.h"
 #include "unrolled.h"
 
@@ -10,12 +13,15 @@
 #define REAL_MOST PZS_BY_BITS(FLT_MAX, DBL_MAX)
 
 /*
- * Columns of a tile that are computed together: STRIP x PZS_TILE sums fit into the registers. Only
- * the speed depends on it.
+ * Number of columns of a tile that are computed together, so that their STRIP x PZS_TILE sums fit
+ * into the registers. The number affects only the speed.
  */
 #define STRIP PZS_BY_TILE(4, 8, 8)
 
-/* Copies between memory and registers: entry by entry, or in whole vectors on wide hosts. */
+/*
+ * MOVE copies `count` numbers between memory and local variables: one by one, or with memcpy where
+ * the host has wide vector registers.
+ */
 #if PZS_TILE == 4
 #define MOVE(to, from, count) UNROLLED for (int m = 0; m < (count); m++)(to)[m] = (from)[m]
 #else
@@ -23,8 +29,9 @@
 #endif
 
 /*
- * 2^-23: a larger pivot never counts as zero. In float, n epsilon would refuse thin shells that
- * refinement still solves.
+ * A pivot counts as zero only below this part of its diagonal entry, 2^-23. In float the usual
+ * bound, number of rows times machine epsilon, would reject thin shells that iterative refinement
+ * still solves.
  */
 #define SMALL_PIVOT ((pzs_real)1.1920928955078125e-7)
 
@@ -46,8 +53,8 @@ static uint32_t panels_of(uint32_t rows)
 }
 
 /*
- * Entries of one panel: from its leftmost column, rounded down to a tile, to the end of its
- * diagonal tile.
+ * Return the number of stored entries of one panel (a group of PZS_TILE rows): its columns from the
+ * leftmost one, rounded down to a multiple of PZS_TILE, to the end of its diagonal tile.
  */
 static uint32_t panel_reals(const uint16_t *first, uint32_t rows, uint32_t panel)
 {
@@ -77,7 +84,8 @@ void pzs_linalg_layout(pzs_envelope *matrix)
 }
 
 /*
- * Rows beyond n in the last panel stay zero through all operations, and no result depends on them.
+ * The last panel may have rows beyond the matrix. They stay zero in all operations and affect no
+ * result.
  */
 void pzs_linalg_dense_layout(pzs_envelope *dense, uint32_t rows, pzs_real *work, void *index)
 {
@@ -97,13 +105,16 @@ void pzs_linalg_clear(pzs_envelope *matrix)
     memset(matrix->value, 0, matrix->start[panels_of(matrix->n)] * sizeof *matrix->value);
 }
 
-/* Leftmost column of a panel, from its number of entries. */
+/* Return the leftmost stored column of a panel, which follows from its number of entries. */
 static uint32_t left_of(const pzs_envelope *matrix, uint32_t panel)
 {
     return (panel + 1u) * PZS_TILE - (matrix->start[panel + 1u] - matrix->start[panel]) / PZS_TILE;
 }
 
-/* The PZS_TILE entries of column k in a panel; those of the next column follow directly. */
+/*
+ * Return the address of column k in a panel: PZS_TILE entries, one for each row, directly followed
+ * by those of the next column.
+ */
 static pzs_real *column(const pzs_envelope *matrix, uint32_t panel, uint32_t k)
 {
     return matrix->value + matrix->start[panel] + (size_t)(k - left_of(matrix, panel)) * PZS_TILE;
@@ -114,7 +125,7 @@ pzs_real *pzs_linalg_entry(const pzs_envelope *matrix, uint32_t i, uint32_t j)
     return column(matrix, i / PZS_TILE, j) + i % PZS_TILE;
 }
 
-/* Copy the rows of a panel that exist: all of them but in the last panel. */
+/* Copy the entries of those rows of a panel that exist: PZS_TILE, or fewer in the last panel. */
 static void copy_rows(pzs_real *restrict to, const pzs_real *restrict from, uint32_t rows)
 {
     if (rows == PZS_TILE)
@@ -127,8 +138,8 @@ static void copy_rows(pzs_real *restrict to, const pzs_real *restrict from, uint
 /* ---- scale and norm --------------------------------------------------- */
 
 /*
- * Power of two s with 1/2 <= s d s < 2, for positive finite d. At most 540 iterations; 2 or 3 for
- * usual d.
+ * Return the power of two s for which s * diagonal * s lies between 1/2 and 2. `diagonal` must be
+ * positive and finite. The loops take at most 540 iterations, 2 or 3 for usual numbers.
  */
 static pzs_real unit_scale(pzs_real diagonal)
 {
@@ -154,7 +165,8 @@ int32_t pzs_linalg_scale(pzs_envelope *matrix, pzs_real *scale)
 }
 
 /*
- * Scales panel by panel and column by column, in memory order. The padding is zero and stays zero.
+ * Scaling visits the entries in the order of memory, panel by panel and column by column. Padding
+ * entries are zero and stay zero.
  */
 void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale)
 {
@@ -197,11 +209,13 @@ pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 /* ---- factor ----------------------------------------------------------- */
 
 /*
- * STRIP columns of a panel left of its diagonal tile: W_ij = A_ij - sum_k W_ik L_jk, k < j, with W
- * = L D. strip [STRIP][T]         in A, out W: columns of T = PZS_TILE rows w     [count][T] in the
- * columns of W before the strip l     [count + STRIP][T] in columns of L in the rows j of the
- * strip's own columns; l[k][0] is the first The last STRIP terms continue the sum with the columns
- * of W just finished.
+ * Eliminate STRIP columns of a panel left of its diagonal tile. For A = L D L^T and W = L D, each
+ * entry is W_ij = A_ij - sum over k < j of W_ik L_jk. T stands for PZS_TILE.
+ *   strip  [STRIP][T]         in/out  in: columns of A; out: columns of W
+ *   scaled [count][T]         in      columns of W before the strip
+ *   lower  [count + STRIP][T] in      entries of L in the rows j, column by column; the entry of
+ *                                     the first of these rows comes first
+ * The last STRIP terms of each sum use the columns of the strip that have just been finished.
  */
 static void eliminate(pzs_real *restrict strip, const pzs_real *restrict scaled,
                       const pzs_real *restrict lower, uint32_t count)
@@ -226,10 +240,12 @@ static void eliminate(pzs_real *restrict strip, const pzs_real *restrict scaled,
 }
 
 /*
- * The diagonal tile of a panel before its own pivots: A - sum_k w_k l_k^T, with l_k = w_k
- * inverse_k. tile    [T][T]     in A, out; entries above the diagonal are not used scaled
- * [count][T] in columns of L D, out columns of L inverse [count]    in inverse pivots of these
- * columns
+ * Subtract all earlier columns from the diagonal tile of a panel: A - sum over k of W_k L_k^T,
+ * where W = L D has the columns W_k, and L_k is W_k times the inverse pivot k. T stands for
+ * PZS_TILE.
+ *   tile    [T][T]     in/out  diagonal tile of A; entries above the diagonal are not used
+ *   scaled  [count][T] in/out  in: columns of W = L D; out: columns of L
+ *   inverse [count]    in      reciprocals of the pivots of these columns
  */
 static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scaled,
                                const pzs_real *restrict inverse, uint32_t count)
@@ -245,8 +261,8 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scale
         UNROLLED
         for (int j = 0; j < PZS_TILE; j++)
             UNROLLED
-        for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++) /* with wide vectors, whole columns
-                                                                 are faster */
+        for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++) /* with wide vectors it is faster to
+                                                                 compute whole columns */
             sum[j * PZS_TILE + i] -= scaled[i] * lower[j];
         MOVE(scaled, lower, PZS_TILE);
     }
@@ -254,11 +270,12 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scale
 }
 
 /*
- * Factor the diagonal tile itself, of which `rows` rows are used.
- *   tile    [T][T] in result of eliminate_diagonal; out L, with the pivots on the diagonal
- *   least   [rows] in a pivot that is not larger counts as zero
- *   inverse [rows] out inverse pivots
- * Returns the number of usable pivots: rows, or the row of the first zero pivot.
+ * Factor the diagonal tile of a panel after eliminate_diagonal. T stands for PZS_TILE.
+ *   tile    [T][T] in/out  in: result of eliminate_diagonal; out: L, with the pivots on the
+ *                          diagonal
+ *   least   [rows] in      bound of each pivot: a pivot that is not larger counts as zero
+ *   inverse [rows] out     reciprocals of the pivots
+ * Returns the number of usable pivots: `rows`, or the row of the first zero pivot.
  */
 static uint32_t factor_tile(pzs_real *restrict tile, const pzs_real *restrict least,
                             pzs_real *restrict inverse, uint32_t rows)
@@ -280,8 +297,8 @@ static uint32_t factor_tile(pzs_real *restrict tile, const pzs_real *restrict le
 }
 
 /*
- * All of a panel except the pivots of its diagonal tile: left-looking, tile by tile from its
- * leftmost column.
+ * Eliminate all columns of a panel up to its diagonal tile, tile by tile from the leftmost one.
+ * Only the pivots of the diagonal tile remain to be computed.
  */
 static void eliminate_panel(const pzs_envelope *matrix, uint32_t panel)
 {
@@ -342,8 +359,9 @@ pzs_real pzs_linalg_inner(const pzs_real *left, const pzs_real *right, uint32_t 
 }
 
 /*
- * L x = b, first half of a panel: subtract the known x_k left of its diagonal tile, for all rows at
- * once.
+ * First half of the forward substitution L x = b for the rows of one panel: subtract the products
+ * with the known entries of x left of the diagonal tile, for all rows of the panel together.
+ *   vector [rows of the matrix] in/out  known entries of x, then entries of b
  */
 static void forward_known(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)
 {
@@ -364,8 +382,10 @@ static void forward_known(const pzs_envelope *matrix, uint32_t panel, pzs_real *
 }
 
 /*
- * L x = b, second half: the triangle of the diagonal tile. Separate from the first half, so that
- * vectors stay whole there.
+ * Second half of the forward substitution L x = b for the rows of one panel: solve with the
+ * triangle of the diagonal tile. It is separate from the first half, which thus uses whole vector
+ * registers.
+ *   vector [rows of the matrix] in/out  known entries of x, then entries of b
  */
 static void forward_triangle(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)
 {
@@ -384,8 +404,9 @@ static void forward_triangle(const pzs_envelope *matrix, uint32_t panel, pzs_rea
 }
 
 /*
- * L^T x = b, one panel: finish its rows, then subtract them from the x_k to its left, the last row
- * first.
+ * Backward substitution L^T x = b for one panel: finish the rows of the panel, the last one first,
+ * and subtract their products from all entries to the left of its diagonal tile.
+ *   vector [rows of the matrix] in/out  entries of b, then known entries of x
  */
 static void backward(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)
 {
@@ -409,7 +430,7 @@ static void backward(const pzs_envelope *matrix, uint32_t panel, pzs_real *vecto
         vector[k] -= lower[i] * part[i];
 }
 
-/* Each panel is applied to all right-hand sides while it is in cache. */
+/* Each panel is applied to all right-hand sides before the next panel, while it is in the cache. */
 void pzs_linalg_solve_many(const pzs_envelope *matrix, pzs_real *vector, uint32_t count,
                            size_t stride)
 {
@@ -446,8 +467,8 @@ static pzs_real norm1(const pzs_real *vector, uint32_t count)
 }
 
 /*
- * Replace y by the signs of its entries; `sign` holds the previous signs. Returns how many have
- * changed.
+ * Replace each entry of `vector` by its sign (1 for zero). `sign` holds the signs of the last call
+ * and receives the new ones. Returns the number of signs that have changed.
  */
 static uint32_t take_signs(pzs_real *vector, pzs_real *sign, uint32_t count)
 {
@@ -472,8 +493,9 @@ static uint32_t largest(const pzs_real *vector, uint32_t count)
 }
 
 /*
- * |A^-1 b| / |b| for the b of alternating signs and growing size that defeats cancellation (Higham
- * 1988, section 3).
+ * Return the ratio |A^-1 b| / |b| in the 1-norm for a vector b of alternating signs and growing
+ * size. This vector is immune to the cancellation that can mislead the estimate of the condition
+ * number (Higham 1988, section 3). `vector` [rows of the matrix] is a work array.
  */
 static pzs_real alternating(const pzs_envelope *matrix, pzs_real *vector)
 {
@@ -489,9 +511,9 @@ static pzs_real alternating(const pzs_envelope *matrix, pzs_real *vector)
 }
 
 /*
- * Maximise |A^-1 x| over the unit ball |x| = 1, whose corners are the unit vectors: the gradient z
- * = A^-1 sign(A^-1 x) shows the best corner to go to. Any x gives a lower bound; five corners are
- * enough in practice.
+ * Hager's method maximises |A^-1 x| in the 1-norm over the unit ball, whose corners are the unit
+ * vectors. The gradient at x, A^-1 sign(A^-1 x), shows the corner of the largest increase. Every
+ * vector x gives a lower bound, and five corners are enough in practice.
  */
 pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_real *work)
 {

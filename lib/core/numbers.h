@@ -10,14 +10,16 @@ static inline pzs_real number_absolute(pzs_real number)
     return PZS_ABS(number);
 }
 
-/* x inside [lower, upper]; upper if x is NaN and lower <= upper. */
+/* Return the number clamped to [lower, upper]; for NaN the result is NaN. */
 static inline pzs_real number_clamp(pzs_real number, pzs_real lower, pzs_real upper)
 {
     const pzs_real below_upper = number > upper ? upper : number;
     return number < lower ? lower : below_upper;
 }
 
-/* Neither NaN nor infinite: x - x is zero for finite numbers alone. */
+/*
+ * Return whether a number is neither NaN nor infinite: only a finite number minus itself is zero.
+ */
 static inline bool number_is_finite(pzs_real number)
 {
     const pzs_real zero = number - number;

@@ -1,27 +1,35 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Products of tables and vectors (product.h). */
+/*
+ * Products of matrices and vectors whose results have the same bits at any vector width
+ * (product.h).
+ */
 #include <string.h>
 #include "product.h"
 #include "lane.h"
 #include "unrolled.h"
 
 /*
- * Columns that one pass multiplies, in fours and in tiles: as many as the registers hold, then the
- * remainder.
+ * Numbers of matrix columns that one loop over the rows processes, chosen so that the partial sums
+ * fit into the registers: FOURS and FEW count groups of four columns, MANY and SOME count tiles.
  */
 #define FOURS PZS_BY_BITS(7, 3)
 #define FEW PZS_BY_BITS(3, 2)
 #define MANY PZS_BY_BITS(7, PZS_BY_TILE(3, 7, 7))
 #define SOME PZS_BY_TILE(PZS_BY_BITS(3, 2), 4, 4)
-#define LANES 8u /* sums side by side in a dot product */
+#define LANES 8u /* number of independent partial sums of a scalar product */
 
 /* ---- table times vector ----------------------------------------------------- */
 
-/* Whether column k exists: all but the last three of COUNT certainly do. */
+/*
+ * Whether column k of a group of COUNT columns exists. All but the last three certainly do, so that
+ * the compiler tests only those.
+ */
 #define IS_COLUMN(k, COUNT) ((k) < (COUNT)-3u || (k) < cols)
 
 /*
- * y_i = from_i + row i times x over `cols` columns, with x in registers. `from` advances by `step`.
+ * Define a function that computes, for each row i, product_i = from_i plus row i of the table times
+ * the vector, over at most COUNT columns. It keeps the vector in registers; `from` advances by
+ * `step` from row to row.
  */
 #define MULTIPLY(name, COUNT)                                                                      \
     static void name(pzs_real *product, const pzs_real *from, size_t step, const pzs_real *table,  \
@@ -45,7 +53,10 @@ MULTIPLY(multiply_many, 4u * FOURS)
 MULTIPLY(multiply_some, 4u * FEW)
 MULTIPLY(multiply_four, 4u)
 
-/* y = from + a x; `from` has the entries 0, step, 2 step ... */
+/*
+ * Compute product = from + table times vector, column group by column group; `from` advances by
+ * `step` (0 or 1) from row to row.
+ */
 static void multiply(pzs_real *product, const pzs_real *from, size_t step, const pzs_real *table,
                      const pzs_real *vector, size_t rows, size_t cols)
 {
@@ -69,8 +80,8 @@ static void multiply(pzs_real *product, const pzs_real *from, size_t step, const
 }
 
 /*
- * From this number of columns on, rows are too long to be read group by group of columns: each row
- * is read once, and its sum is that of pzs_product_dot.
+ * From this number of columns on, a row of the table is too long to be read column group by column
+ * group. Each row is then read at once, and its sum is that of pzs_product_dot.
  */
 #define LONG_ROW 128u
 
@@ -97,7 +108,10 @@ void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
 
 #if PZS_TILE == 4
 
-/* y = sum of x_i times row i, over `cols` columns, more than COUNT - 1 tiles. */
+/*
+ * Define a function that computes the sum over the rows of vector_i times row i of the table, for
+ * `cols` columns in COUNT tiles; only the last tile may be incomplete.
+ */
 #define SUM_TILES(name, COUNT)                                                                     \
     static void name(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,    \
                      const pzs_real *restrict vector, size_t rows, size_t cols)                    \
@@ -122,13 +136,16 @@ void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
 #else
 
 /*
- * First column of lane k of COUNT lanes. The last lane ends with the last column; where two lanes
- * overlap both compute the same sums.
+ * First column of vector register k among those of COUNT tiles. The last tile ends with the last
+ * column; where two tiles overlap, both compute the same sums.
  */
 #define LANE_AT(k, COUNT)                                                                          \
     ((k) / IN_TILE + 1u < (COUNT) ? (k)*IN_LANE : last + (k) % IN_TILE * IN_LANE)
 
-/* The same for whole tiles. */
+/*
+ * Define a function that computes the sum over the rows of vector_i times row i of the table, for
+ * `cols` columns in COUNT tiles, by vector registers.
+ */
 #define SUM_TILES(name, COUNT)                                                                     \
     static void name(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,    \
                      const pzs_real *restrict vector, size_t rows, size_t cols)                    \
@@ -154,7 +171,10 @@ SUM_TILES(sum_many, MANY)
 SUM_TILES(sum_some, SOME)
 SUM_TILES(sum_one, 1)
 
-/* The same for fewer columns than a tile. */
+/*
+ * Compute the sum over the rows of vector_i times row i of the table, for fewer columns than a
+ * tile.
+ */
 static void sum_few(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
                     const pzs_real *restrict vector, size_t rows, size_t cols)
 {
@@ -196,8 +216,9 @@ void pzs_product_sum_rows(pzs_real *restrict product, const pzs_real *restrict t
     (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])))
 
 /*
- * Sum over i of TERM. Entry i of a full group is summed in lane i: the chains are independent, and
- * the bits are the same at any vector width. Zeros that fill up a tile change nothing.
+ * Define a function that returns the sum of TERM over the entries of two vectors. Entry i of a
+ * group of LANES entries is added to partial sum i. The partial sums are independent, and the bits
+ * of the result are the same at any vector width. Zeros at the end of the vectors change nothing.
  */
 #define SUM_OF(name, TERM)                                                                         \
     pzs_real name(const pzs_real *left, const pzs_real *right, size_t count)                       \

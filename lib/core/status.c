@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Texts of the statuses and of the version. */
+/* Texts of the statuses, and version of the library. */
 #include "pzs_base.h"
 
 const char *pzs_version(void)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * UNROLLED before a loop of a small, constant count tells the compiler to unroll it, so that its
- * sums stay in registers. It changes only the speed.
+ * UNROLLED before a loop with a small constant number of iterations asks the compiler to unroll the
+ * loop, so that its sums stay in registers. It affects only the speed.
  */
 #ifndef PZS_LIB_UNROLLED_H
 #define PZS_LIB_UNROLLED_H
