@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Spectral radius and text of a control loop's certificate (certificate.h). */
+/*
+ * Spectral radius of a control loop on a structure with mass, and text of its certificate
+ * (certificate.h).
+ */
 #include "certificate.h"
 #include <math.h>
 #include <stdarg.h>
@@ -9,19 +12,23 @@
 #include "eigen.h"
 #include "modal.h"
 
-/* A mode whose vibration decays by more than exp(-20) = 2e-9 between two ticks counts as static. */
+/*
+ * Exponent of decay between two ticks above which a mode counts as static: its vibration decays by
+ * more than exp(-20) = 2e-9.
+ */
 static const double decayed = 20;
 
 /* ---- the loop --------------------------------------------------------- */
 
 /*
- * Matrix of the loop over one tick. Its states are the deviation e = q - eq and p = velocity / w of
- * each mode just before the tick, then the deviations measured 1 .. delay ticks before. With the
- * equilibrium eq = g v in force, a tick changes eq to -g F e(late):
- *   e' = R00 (e + eq - eq') + R01 p,     eq' = -(g F) e(t - delay)
- *   p' = R10 (e + eq - eq') + R11 p,     eq  = -(g F) e(t - delay - 1)
- * so that delay + 1 deviations of the past are kept.
- *   loop [modes][stride]  in  g F, of which the first `modes` columns count
+ * Transition matrix of the loop over one tick. Its states are, for each mode just before the tick,
+ * the deviation e of the modal coordinate from its equilibrium and the velocity p over the angular
+ * frequency, then the deviations measured 1 to `delay` ticks before. With loop matrix L and
+ * propagator r of a mode, a tick sets the equilibrium to eq' = -L e(t - delay), while the present
+ * one is eq = -L e(t - delay - 1), so that delay + 1 deviations of the past are kept:
+ *   e' = r[0] (e + eq - eq') + r[1] p
+ *   p' = r[2] (e + eq - eq') + r[3] p
+ *   loop [modes][stride] in  loop matrix L, of which the first `modes` columns are used
  */
 static void fill_loop(const double *loop, int stride, const double *square, int modes,
                       const double *damping, int delay, double interval, double *matrix)
@@ -47,8 +54,8 @@ static void fill_loop(const double *loop, int stride, const double *square, int 
 }
 
 /*
- * Number of modes whose vibration lasts from tick to tick; of the other modes only the static
- * response counts.
+ * Number of modes whose vibration lasts from tick to tick; the other modes enter with their static
+ * response only.
  */
 static int lasting(const double *square, int modes, const double *damping, double interval)
 {
@@ -93,7 +100,7 @@ double certificate_first(const certificate *certificate)
 
 /* ---- text -------------------------------------------------------------- */
 
-/* Text on the range of stable rates. */
+/* Write a text on the range of stable tick rates. */
 static void range_text(const certificate *certificate, char text[SCENE_ERROR])
 {
     if (!isfinite(certificate->stable_rate))
@@ -110,7 +117,7 @@ static void range_text(const certificate *certificate, char text[SCENE_ERROR])
                  certificate->stable_rate);
 }
 
-/* Text on the stability at the scene's rate. */
+/* Write a text on the stability at the scene's tick rate. */
 static void rate_text(const certificate *certificate, char text[SCENE_ERROR])
 {
     if (certificate_refuses(certificate))
@@ -130,7 +137,7 @@ static void rate_text(const certificate *certificate, char text[SCENE_ERROR])
             certificate->rate, certificate->radius);
 }
 
-/* Append formatted text. */
+/* Append formatted text to the text of a certificate. */
 static void append(char text[CERTIFICATE_TEXT], const char *format, ...)
 {
     const size_t length = strlen(text);
@@ -140,7 +147,9 @@ static void append(char text[CERTIFICATE_TEXT], const char *format, ...)
     va_end(values);
 }
 
-/* First sentence on a loop with a vibration model: whether it is stable, and what the tick damps.
+/*
+ * Append the first sentence on a loop with a vibration model: whether the loop is stable, and what
+ * the damped tick damps.
  */
 static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
@@ -155,7 +164,9 @@ static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEX
                "tick:\nit follows the static optimum so slowly that vibration decays by itself.");
 }
 
-/* Text on the storms of a loop with a vibration model. */
+/*
+ * Append the sentences on the storms (random jumps of the target) of a loop with a vibration model.
+ */
 static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     append(text, "\nStorms (targets jump faster than the voltages can follow, then the last one "
@@ -175,7 +186,7 @@ static const char *plural(int count)
     return count == 1 ? "" : "s";
 }
 
-/* Text on the error of the readings' age that a stable loop tolerates. */
+/* Append the sentences on the error of the readings' age that a stable loop tolerates. */
 static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     append(text,
@@ -189,7 +200,7 @@ static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
         append(text, "\nREADINGS ONE TICK OLDER CAN MAKE THE LOOP SWING WITHOUT END.");
 }
 
-/* Text on the margins and stable rates of a loop with a vibration model. */
+/* Append the sentences on the margins and stable tick rates of a loop with a vibration model. */
 static void margin_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     if (loop->has_margins)
@@ -204,7 +215,7 @@ static void margin_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT
                loop->rate_from, loop->rate_to);
 }
 
-/* Text on a loop with a vibration model. */
+/* Append all sentences on a loop with a vibration model. */
 static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     verdict_text(loop, text);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Computes the certificate of a scene's control loop. */
+/* Computation of the stability certificate of a scene's control loop. */
 #ifndef CERTIFICATE_MAKE_H
 #define CERTIFICATE_MAKE_H
 
@@ -7,10 +7,9 @@
 
 /*
  * Compute the modes of the scene and the stability of its control loop in the reference state. A
- * certificate that is already made is left as it is.
+ * certificate that is already computed is left as it is. A scene without modes or without a control
+ * loop is not an error; members of the certificate say what is unknown and why.
  *   analysis in  after analysis_influence where the scene has a target, and before simulate_tables
- * A scene without modes or without a control loop is not an error; members of the certificate say
- * what is unknown and why.
  */
 void certificate_make(certificate *certificate, const analysis *analysis);
 

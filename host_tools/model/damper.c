@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Tables of the damped tick of a scene (damper.h). */
+/*
+ * Tables of the damped tick of a scene: choice of the observed modes, mode shapes and readings
+ * (damper.h).
+ */
 #include "damper.h"
 #include <math.h>
 #include <stdio.h>
@@ -10,38 +13,50 @@
 #include "mass.h"
 #include "modal.h"
 
-/* Largest number of modes among which those to observe are chosen. */
+/* Largest number of modes from which the observed modes are chosen. */
 enum { MODE_LIMIT = 200 };
 
-/* A mode whose RMS displacement of the outputs is below this part of its largest displacement is
- * not observed. */
+/*
+ * Smallest root mean square displacement of the outputs in a mode, relative to the largest
+ * displacement of the mode shape, with which the mode is observed.
+ */
 static const double visible = 1e-3;
 
-/* Largest low-pass gain without modes, and this gain over damping ratio times angle of mode 1. */
+/*
+ * Largest gain of the low-pass filter without observed modes, and ratio of this gain to damping
+ * ratio times angle per tick of the first mode.
+ */
 static const double slow_limit = 0.02, slow_part = 0.5;
 
-/* Work of damper_open. */
+/* Intermediate results while the tables of a damped tick are made. */
 typedef struct builder {
     damper *damper;
     const analysis *analysis;
-    const estimator *estimator; /* NULL: every target node is measured */
+    const estimator *estimator; /* estimator of the controller; NULL: every target node is measured
+                                 */
     const vibration *vibration;
-    vibration more; /* modes computed here, where those of the certificate are too few */
+    vibration more; /* modes that are computed here, where the certificate has too few modes */
     damper_settings settings;
     damper_model model;
-    double interval; /* s */
-    int delay;       /* ticks */
+    double interval; /* time between ticks (s) */
+    int delay;       /* age of the readings (ticks) */
     size_t targets, sensors, amplifiers;
     size_t *mode; /* [modes] index of each observed mode in `vibration` */
-    double *angle, *ratio, *overlap, *lift, *square, *precision; /* as in damper_model */
-    double *column;                                              /* [targets] */
-    double *shape, *reading, *modal;                             /* C of outputs and sensors, g */
+    double *angle, *ratio, *overlap, *lift, *square, *precision; /* arrays of the modal model
+                                                                    (damper_model), and inverse
+                                                                    variance of each sensor */
+    double *column;                                              /* [targets] work vector */
+    double *shape, *reading, *modal; /* mode shapes at the outputs, readings of the sensors in each
+                                        mode, and static modal coordinate per volt */
     damper_gains gains;
 } builder;
 
 /* ---- choice of modes -------------------------------------------------- */
 
-/* Displacement of the target nodes in a mode of mass 1, without the free functions of the target.
+/*
+ * Displacement of the target nodes in a mode of unit modal mass, without its part along the free
+ * functions of the target.
+ *   shape [targets] out
  */
 static void mode_shape(const builder *builder, size_t mode, double *shape)
 {
@@ -70,7 +85,10 @@ static double angle_of(const builder *builder, size_t mode)
     return sqrt(builder->vibration->square[mode]) * builder->interval;
 }
 
-/* Largest number of observed modes: amplifiers that move, and sensors - 1. */
+/*
+ * Largest number of modes that may be observed: the number of amplifiers that are not held, and the
+ * number of sensors minus 1.
+ */
 static size_t mode_limit(const builder *builder)
 {
     const design *design = &builder->analysis->design;
@@ -80,7 +98,7 @@ static size_t mode_limit(const builder *builder)
     return moving < builder->sensors ? moving : builder->sensors - 1;
 }
 
-/* List the observed modes. Returns their number. */
+/* List the modes to observe. Returns their number. */
 static size_t list_modes(builder *builder)
 {
     const size_t limit = mode_limit(builder), count = (size_t)builder->vibration->count;
@@ -91,7 +109,7 @@ static size_t list_modes(builder *builder)
     return listed;
 }
 
-/* Whether modes beyond the known ones may have to be observed. */
+/* Whether modes beyond the computed ones may have to be observed. */
 static bool needs_more(const builder *builder, size_t found)
 {
     const int count = builder->vibration->count;
@@ -100,8 +118,8 @@ static bool needs_more(const builder *builder, size_t found)
 }
 
 /*
- * Choose the observed modes; compute more modes as long as some may be missing. Returns 0, or -1
- * with error filled.
+ * Choose the observed modes, and compute more modes as long as some may be missing. Returns 0, or
+ * -1 with error filled.
  */
 static int choose_modes(builder *builder, char *error)
 {
@@ -126,13 +144,13 @@ static int choose_modes(builder *builder, char *error)
 
 /* ---- arrays ----------------------------------------------------------- */
 
-/* An array of a table: its address and its number of entries. */
+/* One array of the tables: the address of its pointer and its number of entries. */
 typedef struct array {
     double **at;
     size_t count;
 } array;
 
-/* Take all arrays of the tables and of the work from one block of memory. */
+/* Allocate all arrays of the tables and of the intermediate results in one block of memory. */
 static int take_memory(builder *builder)
 {
     damper *damper = builder->damper;
@@ -172,7 +190,10 @@ static double damping_ratio(const builder *builder, size_t mode)
                          sqrt(builder->vibration->square[mode]));
 }
 
-/* Readings of the sensors in a mode of mass 1; column `k` of the table of readings. */
+/*
+ * Compute the readings of the sensors in a mode of unit modal mass, and store them as column `k` of
+ * the table of readings.
+ */
 static void fill_readings(builder *builder, size_t mode, size_t k, double scale)
 {
     const design *design = &builder->analysis->design;
@@ -188,7 +209,10 @@ static void fill_readings(builder *builder, size_t mode, size_t k, double scale)
     }
 }
 
-/* Shapes, readings and static coordinates of all observed modes, scaled to an RMS shape of 1. */
+/*
+ * Compute shapes, readings and static coordinates of all observed modes, scaled to a root mean
+ * square displacement of the outputs of 1.
+ */
 static void fill_modes(builder *builder)
 {
     const design *design = &builder->analysis->design;
@@ -210,7 +234,10 @@ static void fill_modes(builder *builder)
     }
 }
 
-/* Noise of each sensor of an estimate. noise [sensors] out */
+/*
+ * Standard deviation of the noise of each sensor of the scene's `estimate` section.
+ *   noise [sensors] out
+ */
 static void fill_noise(const builder *builder, double *noise)
 {
     const design *design = &builder->analysis->design;
@@ -224,9 +251,9 @@ static void fill_noise(const builder *builder, double *noise)
 }
 
 /*
- * Precision of the readings: their inverse variance, scaled so that the weighted readings of a mode
- * have an RMS value of about 1. Rows of a target with free functions count by their weight, so that
- * the free functions do not show in any mode.
+ * Compute the inverse variance of each reading, scaled so that the weighted readings of a mode have
+ * a root mean square of about 1. Rows of a target with free functions count by their weight, so
+ * that the free functions do not appear in any mode.
  */
 static void fill_precision(builder *builder)
 {
@@ -250,7 +277,10 @@ static void fill_precision(builder *builder)
         builder->precision[i] /= mean;
 }
 
-/* Products of the shapes with each other, with the influence, and of the readings. */
+/*
+ * Compute the products of the mode shapes with each other and with the influence columns, and the
+ * products of the readings.
+ */
 static void fill_products(builder *builder)
 {
     const design *design = &builder->analysis->design;
@@ -274,7 +304,9 @@ static void fill_products(builder *builder)
 
 /* ---- tables ----------------------------------------------------------- */
 
-/* Low-pass gain of the residual: smaller where the first mode is not observed and rings for long.
+/*
+ * Gain of the low-pass filter of the part of the readings that the observed modes do not explain.
+ * The gain is smaller where the first mode is not observed and its vibration decays slowly.
  */
 static double residual_gain(const builder *builder)
 {
@@ -348,7 +380,7 @@ static int build(builder *builder, char *error)
     return 0;
 }
 
-/* Whether every reading of the estimate is a displacement. */
+/* Whether every reading of the scene's `estimate` section is a displacement. */
 static bool reads_displacements(const scene *scene)
 {
     for (int i = 0; i < scene->estimate.readings; i++)
@@ -357,7 +389,10 @@ static bool reads_displacements(const scene *scene)
     return true;
 }
 
-/* Whether the damper can be made for a loop that needs it; if not, the reason is filled. */
+/*
+ * Whether the tables can be made for a loop that needs the damped tick; if not, the member `reason`
+ * is filled.
+ */
 static bool is_possible(damper *damper, const analysis *analysis, const estimator *estimator)
 {
     const scene *scene = analysis->design.scene;

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Tables of the damped tick (pzs_vibration) of a scene: which modes it observes, how the sensors
- * and the outputs move in them, and the gains (damper_gains.h).
- *
- * Observed are the modes that turn by at most 2 rad in a tick and that the outputs show, from the
- * lowest on; no more than there are amplifiers that move, and fewer than sensors. Coordinates are
- * scaled so that a mode moves the outputs by an RMS value of 1.
+ * and the outputs move in these modes, and the gains (damper_gains.h). The damped tick observes
+ * modes that turn by at most 2 rad in a tick and that move the outputs, from the lowest on: no more
+ * modes than there are amplifiers that are not held, and fewer modes than sensors. Modal
+ * coordinates are scaled so that a unit moves the outputs by a root mean square of 1.
  */
 #ifndef DAMPER_H
 #define DAMPER_H
@@ -15,45 +14,51 @@
 #include "estimator.h"
 
 typedef struct damper {
-    bool is_used; /* the control loop needs the damped tick; the members below are set */
-    char reason[SCENE_ERROR]; /* why a loop that needs the damped tick has none; else empty */
+    bool is_used; /* true where the control loop needs the damped tick; the following members are
+                     set only then */
+    char reason[SCENE_ERROR]; /* why a loop that needs the damped tick cannot have one; otherwise
+                                 empty */
     int modes;                /* number of observed modes */
-    double *frequency;        /* [modes] natural frequencies (Hz) */
-    double rate;              /* ticks per second */
-    double *memory;           /* memory of all arrays */
+    double *frequency;        /* [modes] natural frequencies of the observed modes (Hz) */
+    double rate;              /* tick rate (1/s) */
+    double *memory;           /* one allocation that holds all arrays of the damper */
     pzs_vibration tables;
 } damper;
 
-/* What the tables of a damped tick are made for. */
+/* Tick rate, age of the readings and settings for which the tables of a damped tick are made. */
 typedef struct damper_options {
-    double rate; /* ticks per second */
+    double rate; /* tick rate (1/s) */
     int delay;   /* age of the readings (ticks) */
     damper_settings settings;
 } damper_options;
 
-/* The scene's rate and delay, and the settings that its certificate has chosen. */
+/*
+ * Options from the tick rate and delay of the scene and from the settings that its certificate has
+ * chosen.
+ */
 damper_options damper_options_of(const analysis *analysis);
 
 /*
- * Make the tables for given options, whether the loop needs them or not. The arguments are those of
- * damper_open. Returns 0, or -1 with error filled and the damper unused.
+ * Make the tables of the damped tick for given options, whether the loop needs them or not. The
+ * other arguments are those of damper_open. Returns 0, or -1 with error filled and the damper
+ * unused.
  */
 int damper_make(damper *damper, const analysis *analysis, const estimator *estimator,
                 const damper_options *options, char *error);
 
 /*
- * Make the tables where the scene has a tick rate and densities and its control step alone would be
- * unstable (certificate_refuses); otherwise leave the damper unused. The option `quasi_static` of
- * the analysis leaves it unused too.
- *   analysis   in  after certificate_make and design_control; must outlive the damper
- *   estimator  in  sensors of the controller; must outlive the damper; NULL: every target node is
- *                  measured
+ * Make the tables of the damped tick where the scene has a tick rate and densities and its control
+ * step alone would be unstable (certificate_refuses). Otherwise, and with the option `quasi_static`
+ * of the analysis, leave the damper unused.
+ *   analysis  in  after certificate_make and design_control; must outlive the damper
+ *   estimator in  estimator of the controller; must outlive the damper; NULL: every target node is
+ *       measured
  * Returns 0, or -1 with error filled and the damper unused.
  */
 int damper_open(damper *damper, const analysis *analysis, const estimator *estimator, char *error);
 void damper_close(damper *damper);
 
-/* One sentence on the observed modes, the rate and the delay. */
+/* Write one sentence on the observed modes, the tick rate and the delay. */
 void damper_text(const damper *damper, char text[SCENE_ERROR]);
 
 #endif

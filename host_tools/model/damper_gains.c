@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Gains of the damper (damper_gains.h). */
+/*
+ * Gains of the damped tick: Riccati equation by structured doubling, observer, damping gradient
+ * (damper_gains.h).
+ */
 #include "damper_gains.h"
 #include <math.h>
 #include <stdlib.h>
@@ -8,14 +11,19 @@
 
 enum { DOUBLINGS = 60 };
 
-/* Relative change of the Riccati solution at which the doubling has converged. */
+/*
+ * Relative change of the solution of the Riccati equation at which the doubling iteration has
+ * converged.
+ */
 static const double converged = 1e-14;
 
-/* Variance of the position in a tick, which keeps the equation regular. */
+/* Variance of the position noise of a mode in a tick; it keeps the Riccati equation regular. */
 static const double position_noise = 1e-12;
 
-/* Regularisation of the least-squares fit of modes to readings, relative to the mean diagonal: what
- * float resolves. */
+/*
+ * Regularisation of the least-squares fit of modes to readings, relative to the mean diagonal
+ * entry: the resolution of single precision.
+ */
 static const double ridge = 1e-7;
 
 damper_settings damper_default_settings(void)
@@ -35,7 +43,10 @@ damper_settings damper_default_settings(void)
 
 /* ---- dense matrices --------------------------------------------------- */
 
-/* out = a b, or a' b where `transposed`; all [n][n], out different from a and b. */
+/*
+ * Product of two matrices: out = a b, or the transpose of a times b where `transposed`.
+ *   a, b, out [order][order], `out` different from a and b
+ */
 static void multiply(double *out, const double *a, const double *b, size_t order, bool transposed)
 {
     memset(out, 0, order * order * sizeof *out);
@@ -73,8 +84,10 @@ static size_t pivot_row(const double *a, size_t order, size_t column)
 }
 
 /*
- * x = a^-1 by Gauss-Jordan elimination with partial pivoting; a is overwritten. Returns 0, or -1
- * where a is singular.
+ * Invert a matrix by Gauss-Jordan elimination with partial pivoting: x = inverse of a.
+ *   a [order][order] in   overwritten
+ *   x [order][order] out
+ * Returns 0, or -1 where the matrix is singular.
  */
 static int invert(double *a, double *x, size_t order)
 {
@@ -105,11 +118,12 @@ static int invert(double *a, double *x, size_t order)
 
 /* ---- Riccati equation ------------------------------------------------- */
 
-/* Matrices of the doubling, all [n][n]. */
+/* Matrices [n][n] of the structured doubling iteration for the Riccati equation. */
 typedef struct doubling {
     size_t n;
-    double *a, *g, *h;             /* iterates; h converges to the solution */
-    double *w, *work, *aw, *other; /* inverse of 1 + g h, a w, and products */
+    double *a, *g, *h; /* [n][n] iterates of the doubling; h converges to the solution of the
+                          Riccati equation */
+    double *w, *work, *aw, *other; /* [n][n] inverse of 1 + g h, product a w, and work matrices */
     double *memory;
 } doubling;
 
@@ -125,7 +139,10 @@ static int doubling_open(doubling *doubling, size_t order)
     return doubling->memory ? 0 : -1;
 }
 
-/* h += next; returns the largest relative change of an entry. */
+/*
+ * Replace the iterate h by h + next. Returns the largest change of an entry relative to the largest
+ * entry.
+ */
 static double renew(doubling *doubling, const double *next)
 {
     double change = 0, size = 0;
@@ -141,8 +158,8 @@ static double renew(doubling *doubling, const double *next)
 }
 
 /*
- * One doubling: with w = (1 + g h)^-1, h += a' h w a, g += a w g a', a = a w a. Returns the
- * relative change of h, NAN where it fails.
+ * One iteration of the structured doubling: with w = (1 + g h)^-1, the iterates become h + a' h w
+ * a, g + a w g a' and a w a. Returns the relative change of h, or NAN where a matrix is singular.
  */
 static double advance(doubling *doubling)
 {
@@ -169,7 +186,10 @@ static double advance(doubling *doubling)
     return change;
 }
 
-/* Transposed transition matrix, measurement information and process noise of the modes. */
+/*
+ * Set the initial iterates of the doubling: transposed transition matrix, measurement information
+ * and process noise of the modes.
+ */
 static void fill(doubling *doubling, const damper_model *model, const damper_settings *settings)
 {
     const size_t modes = model->modes, all = 3 * modes;
@@ -193,7 +213,10 @@ static void fill(doubling *doubling, const damper_model *model, const damper_set
     }
 }
 
-/* observer [3 n][n] = P_q (1 + J P_qq)^-1, P_q the first n columns of P, J the overlap. */
+/*
+ * Compute the observer gains from the covariance of the observer's error.
+ *   observer [3 modes][modes] out
+ */
 static int fill_observer(double *observer, doubling *doubling, const damper_model *model)
 {
     const size_t modes = model->modes, all = 3 * modes;
@@ -233,7 +256,11 @@ static int solve_observer(damper_gains *gains, const damper_model *model,
     return failed;
 }
 
-/* explain = (C'C)^-1, slightly regularised. */
+/*
+ * Compute the slightly regularised inverse of the products of the modes' readings, which fits modal
+ * coordinates to readings.
+ *   explain [modes][modes] out
+ */
 static int fill_explain(double *explain, const damper_model *model)
 {
     const size_t modes = model->modes;
@@ -252,7 +279,10 @@ static int fill_explain(double *explain, const damper_model *model)
 
 /* ---- damping ---------------------------------------------------------- */
 
-/* Part of the deviation of a mode by which its equilibrium moves in a tick. */
+/*
+ * Part of a mode's deviation by which the damped tick moves the equilibrium of the mode.
+ *   angle in  angle by which the mode turns in a tick (rad)
+ */
 static double damping_of(double angle, const damper_settings *settings)
 {
     const double fade = fmin(fmax(2 - angle / settings->cut, 0), 1);

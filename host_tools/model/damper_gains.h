@@ -1,13 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Gains of the damper (pzs_vibration) from a modal model: propagators, observer, damping gradient.
+ * Gains of the damped tick (pzs_vibration) from a modal model: propagators, observer, damping
+ * gradient.
  *
- * The observer is the stationary Kalman filter of position q, velocity p over the angular frequency
- * and static position w under loads of each mode, with (d, p) := R (d, p) in a tick, d = q - g v -
- * w, for process noise of p and w and sensor noise of variance 1. Its Riccati equation P = A P A' -
- * A P C' (C P C' + 1)^-1 C P A' + Q is solved by structured doubling. All settings are free of
- * scale: they refer to the sensors' noise and to the angle th = angular frequency times tick that a
- * mode turns in a tick.
+ * The observer is a stationary Kalman filter. Its states are, for each mode, the position q, the
+ * velocity p over the angular frequency, and the static position w under the loads. Over one tick,
+ * the deviation d = q - g v - w from the equilibrium (g: static coordinate per volt, v: voltages)
+ * and p follow the propagator of free vibration. There is process noise of p and w, and sensor
+ * noise of variance 1. The covariance P solves the Riccati equation P = A P A' - A P C' (C P C' +
+ * 1)^-1 C P A' + Q, with transition matrix A, readings C per unit of each state and process noise
+ * Q, by structured doubling.
+ *
+ * All settings are free of units: they refer to the sensors' noise and to the angle by which a mode
+ * turns in a tick, its angular frequency times the tick interval.
  */
 #ifndef DAMPER_GAINS_H
 #define DAMPER_GAINS_H
@@ -15,53 +20,71 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Settings of the damped tick. */
+/*
+ * Settings of the damped tick. The angle of a mode is its angular frequency times the tick
+ * interval.
+ */
 typedef struct damper_settings {
-    double damping;  /* damping per radian: a mode is damped by damping * th * d in a tick */
-    double cut;      /* angle up to which modes are damped in full; from twice this angle on they
-                        are not damped (rad) */
-    double observed; /* largest angle of an observed mode (rad) */
-    double follow;   /* part of the way to the static optimum per radian of the first mode */
-    double follow_limit; /* largest part of the way in one tick */
-    double mix;          /* part of the deviation that comes from the change of the velocity */
-    double kick;  /* RMS change of the velocity of the first mode in a tick, for one sensor */
-    double drift; /* RMS change of the load on the first mode in a tick, for one sensor */
-    double slow;  /* gain of the low-pass filter of what the modes do not explain */
-    int later;    /* ticks by which the readings are taken to be older than the scene says; a damped
-                     tick tolerates readings that are newer better than older ones */
-    bool is_gradient; /* damping gradient g' k d, of which the energy decays at any limits, instead
-                         of the gradient B'W^2 C d of the wanted shape C d */
+    double damping; /* damping per radian: in a tick, the equilibrium of a mode moves by `damping`
+                       times angle times deviation */
+    double cut; /* angle of a mode in a tick up to which modes are damped in full (rad); modes with
+                   more than twice this angle are not damped */
+    double observed; /* largest angle by which an observed mode may turn in a tick (rad) */
+    double follow;   /* part of the way to the static optimum that a tick makes, per radian of the
+                        first mode's angle */
+    double follow_limit; /* largest part of the way to the static optimum that one tick may make */
+    double mix;  /* part of the deviation of a mode that is computed from the change of its velocity
+                  */
+    double kick; /* root mean square change of the first mode's velocity in a tick, relative to the
+                    noise of one sensor */
+    double drift; /* root mean square change of the load on the first mode in a tick, relative to
+                     the noise of one sensor */
+    double slow;  /* gain of the low-pass filter of the part of the readings that the modes do not
+                     explain */
+    int later;    /* number of ticks by which the readings are assumed to be older than the scene
+                     states; a damped tick tolerates newer readings better than older ones */
+    bool is_gradient; /* true: use a damping gradient whose energy decays at any limits; false: use
+                         the gradient of the squared error of the shape that damps */
 } damper_settings;
 
-/* Settings that settled on every structure of the storm tests (tests/unit/test_vibration_block.c).
+/*
+ * Default settings, with which all storms of tests/unit/test_vibration_block.c settle on every
+ * structure.
  */
 damper_settings damper_default_settings(void);
 
-/* A modal model. The coordinate of a mode is scaled so that its RMS displacement is 1. */
+/*
+ * Modal model of structure and sensors. Modal coordinates are scaled so that a unit moves the
+ * outputs by a root mean square of 1.
+ */
 typedef struct damper_model {
     size_t modes, inputs, sensors;
-    const double *angle;   /* [modes] angular frequency times tick, ascending (rad) */
-    const double *ratio;   /* [modes] damping ratio */
-    const double *modal;   /* g [modes][inputs] static coordinate per volt */
-    const double *overlap; /* [modes][modes] C' C of the sensors, weighted by inverse variances */
-    const double *lift;    /* B'W^2 C [inputs][modes] of the outputs */
-    const double *square;  /* [modes] diagonal of C'W^2 C of the outputs */
+    const double *angle; /* [modes] angle of each mode in a tick, ascending (rad): angular frequency
+                            times tick interval */
+    const double *ratio; /* [modes] damping ratios */
+    const double *modal; /* [modes][inputs] static modal coordinate per volt of each input */
+    const double *overlap; /* [modes][modes] products of the modes' readings, summed over the
+                              sensors with their inverse variances */
+    const double *lift; /* [inputs][modes] weighted products of the influence columns with the mode
+                           shapes at the outputs */
+    const double *square; /* [modes] weighted squared norm of each mode shape at the outputs */
 } damper_model;
 
-/* Gains in the layout of pzs_vibration; all arrays belong to the caller. */
+/* Gains of the damped tick in the layout of pzs_vibration. The caller owns all arrays. */
 typedef struct damper_gains {
-    double *turn;          /* [4][modes] */
-    double *observer;      /* [3][modes][modes] */
-    double *explain;       /* [modes][modes] */
-    double *damping;       /* [modes][inputs] */
-    double *inverse_angle; /* [modes] */
-    double *covariance;    /* [3 modes][3 modes] solution P of the Riccati equation, or NULL */
+    double *turn;     /* [4][modes] propagators of free vibration over one tick */
+    double *observer; /* [3][modes][modes] observer gains of position, velocity and static position
+                       */
+    double *explain;  /* [modes][modes] matrix that fits modal coordinates to readings */
+    double *damping;  /* [modes][inputs] damping gradient per unit of each mode's deviation */
+    double *inverse_angle; /* [modes] reciprocal of the angle of each mode in a tick (1/rad) */
+    double *covariance;    /* [3 modes][3 modes] covariance of the observer's error, or NULL */
     double share, mix, slow;
 } damper_gains;
 
 /*
- * Compute the gains. Returns 0, or -1 where memory runs out or the iteration does not converge,
- * as for numbers that are not finite.
+ * Compute the gains of the damped tick. Returns 0, or -1 where memory runs out or the iteration
+ * does not converge, for example because a number is not finite.
  */
 int damper_compute(damper_gains *gains, const damper_model *model, const damper_settings *settings);
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Plausibility rules (plausible.h). To add one: a function that measures, a row of the table
- * `rules`. */
+/*
+ * Plausibility rules and their table (plausible.h). A new rule is a function that measures a
+ * number, and a row of the table `rules`.
+ */
 #include "plausible.h"
 
 #include <math.h>
@@ -92,7 +94,7 @@ static const struct rule {
      "the two cannot be told apart; a column may have been written twice"},
 };
 
-/* Whether a number equals that of a warning: same rule, same place, same value. */
+/* Whether a measured number equals that of a stored warning: equal rule, position and value. */
 static int is_repeated(const plausible_warning *warning, const struct rule *rule,
                        const measured *found)
 {
@@ -101,8 +103,8 @@ static int is_repeated(const plausible_warning *warning, const struct rule *rule
 }
 
 /*
- * Entry for a warning: that of the same rule on an earlier result, or the next free one. NULL where
- * a worse or equal warning exists, or no entry is free.
+ * Entry of the list for a new warning: the warning of the same rule on an earlier result, or the
+ * next free entry. NULL where a worse or equal warning is stored, or the list is full.
  */
 static plausible_warning *place(plausible *warnings, const struct rule *rule, const measured *found)
 {
@@ -174,7 +176,7 @@ void plausible_result(plausible *warnings, const mesh *mesh, const double *displ
                       int is_linear, const char *name)
 {
     if (mesh->elements == 0)
-        return; /* points have no thickness and no strain */
+        return; /* the points of a measured matrix have no thickness and no strain */
     const subject of = {.scene = mesh->scene,
                         .mesh = mesh,
                         .u = displacement,

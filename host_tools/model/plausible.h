@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Plausibility of a scene and of its results: rules that compare a number with its usual range, or
- * with the range in which the theory holds. A number outside is a warning: the result is valid, but
- * the user should be told.
- *
- * Rules on numbers with units apply to scenes whose `units` are SI units. Rules on ratios apply to
- * every scene.
+ * with the range in which the theory is valid. A number outside the range leads to a warning: the
+ * result is valid, but the user should be told. Rules on numbers with units apply to scenes whose
+ * `units` are SI units; rules on ratios apply to every scene.
  */
 #ifndef PLAUSIBLE_H
 #define PLAUSIBLE_H
@@ -17,18 +15,18 @@
 enum { PLAUSIBLE_MOST = 24 };
 
 typedef struct plausible_warning {
-    const char *rule;    /* name of the rule */
-    double value, limit; /* the number and the end of the range that it exceeds; SI units or a ratio
-                          */
-    const char *unit;    /* unit of both */
+    const char *rule;    /* name of the rule that led to the warning */
+    double value, limit; /* number that was found, and end of the usual range that it exceeds; in SI
+                            units, or a ratio */
+    const char *unit;    /* unit of the number and of the end of the range */
     scene_at at;         /* position in the scene file; line 0: the scene as a whole */
-    char text[SCENE_ERROR]; /* "file:line:column: what was found; what to do" */
+    char text[SCENE_ERROR]; /* warning as text: "file:line:column: what was found; what to do" */
 } plausible_warning;
 
-/* Warnings; all members are 0 before the first use. */
+/* List of warnings. All members must be 0 before the first use. */
 typedef struct plausible {
     int count;
-    int dropped; /* number of warnings for which no entry was free */
+    int dropped; /* number of warnings that were not stored because the list was full */
     plausible_warning warning[PLAUSIBLE_MOST];
 } plausible;
 
@@ -39,54 +37,61 @@ void plausible_scene(plausible *warnings, const scene *scene);
 void plausible_mesh(plausible *warnings, const mesh *mesh);
 
 /*
- * Apply the rules on a displacement of a structure; of several displacements the worst is kept for
- * each rule. u [free_dof] in  displacement is_linear    in  whether it was computed with linear
- * kinematics name         in  name of the result in the text
+ * Apply the rules on a displacement of a structure. Where several displacements are examined, the
+ * worst result of each rule is kept.
+ *   displacement [free_dof] in
+ *   is_linear               in  1 where it was computed with linear kinematics
+ *   name                    in  name of the result in the text of a warning
  */
 void plausible_result(plausible *warnings, const mesh *mesh, const double *displacement,
                       int is_linear, const char *name);
 
-/* Apply the rules on computed voltages. voltage [amplifiers] in, V */
+/*
+ * Apply the rules on computed voltages.
+ *   voltage [amplifiers] in  (V)
+ */
 void plausible_voltages(plausible *warnings, const scene *scene, const double *voltage,
                         const char *name);
 
-/* What the rules on the optimum of a target compare. */
+/* Numbers of an optimum of the voltages that are compared with their usual ranges. */
 typedef struct plausible_optimum {
-    double target; /* root mean square of what the voltages are to correct, without the free
-                      functions, over the largest entry of the target; 0 where that is 0 */
-    double error;  /* shape error of the optimum within the limits, relative to the target */
-    double share;  /* largest absolute voltage of the optimum over the largest limit; NAN: no limit
-                    */
+    double target; /* root mean square of the displacements that the voltages are to cause, without
+                      the free functions, relative to the largest entry of the target; 0 where that
+                      entry is 0 */
+    double error;  /* relative shape error of the optimum within the voltage limits */
+    double share;  /* largest absolute voltage of the optimum relative to the largest limit; NAN
+                      without limits */
 } plausible_optimum;
 
-/* Apply the rules on the optimum of a target. */
+/* Apply the rules on the optimum of the voltages for a target. */
 void plausible_target(plausible *warnings, const scene *scene, const plausible_optimum *optimum);
 
 /*
- * Apply the rules on the way to an equilibrium.
- *   difference      in  of analysis_path_difference
- *   negative_pivots in  of the tangent at the equilibrium
+ * Apply the rules on the load path to an equilibrium.
+ *   difference      in  relative difference to the result with twice as many load steps
+ *       (analysis_path_difference)
+ *   negative_pivots in  number of negative pivots of the tangent stiffness at the equilibrium
  */
 void plausible_path(plausible *warnings, const scene *scene, double difference,
                     unsigned negative_pivots);
 
 /*
- * Apply the rule on a certified loop with a vibration model.
- *   older  in  ticks by which readings may be older than the scene says
+ * Apply the rule on a certified control loop with a vibration model.
+ *   older in  number of ticks by which readings may be older than the scene states
  */
 void plausible_loop(plausible *warnings, const scene *scene, int older);
 
-/* Print the warnings as a block of lines; nothing where there are none. */
+/* Print the warnings as a block of lines; print nothing where there are none. */
 void plausible_print(FILE *file, const plausible *warnings);
 
-/* Write the JSON list `warnings`, empty where there are none. */
+/* Write the warnings as the JSON list `warnings`, which is empty where there are none. */
 void plausible_json(json *json, const plausible *warnings);
 
 /*
- * Largest absolute principal strain at the centres of the elements, on both faces: linear strains
- * where the displacement is linear, else Green's strains. Rigid motions (linear: of first order)
- * cause none.
- *   where [2]  out  theta1, theta2 of the element's centre
+ * Largest absolute principal strain at the centres of the elements, on both faces: linear strain
+ * where the displacement is linear, otherwise Green's strain. Rigid motions cause no strain; with
+ * linear strain this holds to first order.
+ *   where out  index of the element with the largest strain
  * Returns the strain, or NAN where memory runs out.
  */
 double plausible_strain(const mesh *mesh, const double *displacement, int is_linear, int *where);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Plausibility of a mesh from a file (plausible_parts.h). */
+/* Plausibility rules on a mesh from a file (plausible_parts.h). */
 #include "plausible_parts.h"
 
 #include <stdio.h>

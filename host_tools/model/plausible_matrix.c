@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Plausibility of a measured influence matrix (plausible_parts.h). */
+/* Plausibility rules on a measured influence matrix (plausible_parts.h). */
 #include "plausible_parts.h"
 
 #include <math.h>
@@ -10,7 +10,10 @@
 /* Largest number of actuators whose columns are compared with each other. */
 enum { COMPARED = 512 };
 
-/* Whether there is a k-th actuator of a measured matrix; found->at is its place then. */
+/*
+ * Whether the measured matrix has a k-th actuator; if so, found->at is set to the position of the
+ * matrix in the scene file.
+ */
 static int has_column(const subject *of, int k, measured *found)
 {
     if (!of->scene->influence.given || k >= of->scene->amplifiers)
@@ -43,7 +46,7 @@ int measure_matrix_shape(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Whether the limits of the scene hold an amplifier at one voltage. */
+/* Whether the limits of the scene hold amplifier k at one voltage. */
 static int is_held(const scene *scene, int k)
 {
     int held = 0;
@@ -69,7 +72,7 @@ int measure_dead_column(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Cosine of the angle between two columns. */
+/* Cosine of the angle between columns j and k of the influence matrix. */
 static double cosine(const scene *scene, int j, int k)
 {
     const size_t amplifiers = (size_t)scene->amplifiers;

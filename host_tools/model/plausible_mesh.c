@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Plausibility of a general mesh, and of the transverse shear of a laminate (plausible_parts.h). */
+/*
+ * Plausibility rules on an irregular mesh, and on the transverse shear of a laminate
+ * (plausible_parts.h).
+ */
 #include "plausible_parts.h"
 #include <math.h>
 #include <stdio.h>
@@ -7,7 +10,10 @@
 
 /* ---- general meshes ----------------------------------------------------- */
 
-/* The numbers of a general mesh are one each; meshes along lines have none. */
+/*
+ * Whether a rule with a single number per irregular mesh is asked for its first number. Meshes
+ * along lines of curvature have no such number.
+ */
 static int is_first(const subject *of, int k, measured *found)
 {
     found->at = of->scene->at_surface;
@@ -60,7 +66,9 @@ int measure_narrow(const subject *of, int k, measured *found)
 
 /* ---- laminates ---------------------------------------------------------- */
 
-/* Second largest extent of the nodes along the axes: the shorter side of the structure. */
+/*
+ * Shorter side of the structure: the second largest extent of the nodes along the coordinate axes.
+ */
 static double shorter_side(const mesh *mesh)
 {
     double extent[3];
@@ -77,7 +85,10 @@ static double shorter_side(const mesh *mesh)
     return extent[0] + extent[1] + extent[2] - largest - smallest;
 }
 
-/* Stiffnesses of the laminate, and the square of the wave number of a half wave over its side. */
+/*
+ * Compute the bending and shear stiffnesses of the laminate, and the squared wave number of a half
+ * wave over the shorter side of the structure.
+ */
 static int bending_of(const subject *of, int k, measured *found, laminate_bending *bending,
                       double *wave)
 {
@@ -88,7 +99,10 @@ static int bending_of(const subject *of, int k, measured *found, laminate_bendin
     return k == 0 && side > 0 && laminate_bending_fill(&of->mesh->laminate, bending) == 0;
 }
 
-/* Relative change of the deflection by the shear from equilibrium. */
+/*
+ * Part of the deflection, relative to the bending deflection, that a transverse shear strain
+ * computed from equilibrium adds to that of a uniform shear strain.
+ */
 int measure_shear(const subject *of, int k, measured *found)
 {
     laminate_bending bending;

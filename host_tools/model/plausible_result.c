@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Plausibility of voltages and displacements (plausible_parts.h). */
+/* Plausibility rules on computed voltages, displacements and load paths (plausible_parts.h). */
 #include "plausible_parts.h"
 
 #include <math.h>
@@ -12,7 +12,10 @@
 
 /* ---- voltages --------------------------------------------------------- */
 
-/* This rule applies only where the rule on the scene's limits gives no warning already. */
+/*
+ * Electric field of the computed voltages. The rule applies only where the rule on the scene's
+ * voltage limits gives no warning.
+ */
 int measure_found_field(const subject *of, int k, measured *found)
 {
     const scene_actuator *actuator;
@@ -31,7 +34,7 @@ int measure_found_field(const subject *of, int k, measured *found)
 
 /* ---- displacement and strain ------------------------------------------ */
 
-/* One component of the displacement of a node. */
+/* One displacement component of a node. */
 static double displacement_of(const mesh *mesh, const double *displacement, int node,
                               scene_component component, scene_face face)
 {
@@ -62,12 +65,18 @@ int measure_displacement(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Edge vectors of an element along xi1 and xi2 on one face: undeformed, and of the displacement. */
+/*
+ * Edge vectors of an element along both directions on one face: in the undeformed state (x), and
+ * their change by the displacement (u).
+ */
 typedef struct cell {
     double x[2][3], u[2][3];
 } cell;
 
-/* Positions of both faces at all nodes. point, moved [nodes][2][3] out */
+/*
+ * Positions of both faces at all nodes, undeformed and displaced.
+ *   point, moved [nodes][2][3] out
+ */
 static void face_points(const mesh *mesh, const double *displacement, double (*point)[2][3],
                         double (*moved)[2][3])
 {
@@ -99,8 +108,8 @@ static cell cell_of(const mesh *mesh, int element, int face, double (*point)[2][
 }
 
 /*
- * Largest absolute principal strain: eigenvalues of the strain relative to the metric, both in the
- * basis of the edges.
+ * Largest absolute principal strain of one face of an element: eigenvalues of the strain relative
+ * to the metric, both in the basis of the edge vectors.
  */
 static double principal_strain(const cell *cell, int is_linear)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Plausibility of the numbers of a scene (plausible_parts.h). */
+/* Plausibility rules on the numbers of a scene (plausible_parts.h). */
 #include "plausible_parts.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 #include "../scene/scene_units.h"
 #include "../scene/surface.h"
 
-static const double quarter = 1.5707963267948966; /* a full turn in radians */
+static const double quarter = 1.5707963267948966; /* a quarter of a full turn (rad) */
 
 /* ---- units ------------------------------------------------------------ */
 
@@ -17,7 +17,7 @@ static const units_unit piezo_unit = {{1, 0, -1, 0, 0, 0}, 0, 0};
 static const units_unit field_unit = {{-1, 0, 1, 0, 0, 0}, 0, 0};
 static const units_unit length_unit = {{1, 0, 0, 0, 0, 0}, 0, 0};
 
-/* A number of the scene in SI units; NAN where the scene's units are unknown. */
+/* Convert a number of the scene to SI units; NAN where the units of the scene are unknown. */
 static double in_si(const scene *scene, double value, const units_unit *unit)
 {
     int ten;
@@ -36,7 +36,10 @@ static int is_isotropic(const scene_material *material)
     return is_cubic && material->g12 == material->e[0] / (2 * (1 + material->nu12));
 }
 
-/* In the isotropic case the shear modulus follows from Young's modulus and is not compared. */
+/*
+ * Young's moduli and shear moduli of a material. The shear modulus of an isotropic material follows
+ * from Young's modulus and is not compared.
+ */
 int measure_modulus(const subject *of, int k, measured *found)
 {
     static const char *const name[MODULI] = {"E1", "E2", "E3", "G12", "G13", "G23"};
@@ -72,7 +75,8 @@ int measure_density(const subject *of, int k, measured *found)
 }
 
 /*
- * Strain constants, or stress constants divided by the largest modulus, which are of similar size.
+ * Piezoelectric strain constants, or stress constants divided by the largest modulus, which are of
+ * similar size.
  */
 int measure_piezo(const subject *of, int k, measured *found)
 {
@@ -111,8 +115,8 @@ int measure_thickness(const subject *of, int k, measured *found)
 /* ---- electric fields -------------------------------------------------- */
 
 /*
- * The k-th pair of an actuator of voltages and a patch grid that it drives. Returns 0 where there
- * is none.
+ * Find the k-th pair of an actuator of voltages and a patch grid that it drives. Returns 0 where
+ * there is no such pair.
  */
 int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
                     const scene_drive **drive)
@@ -129,8 +133,8 @@ int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
 }
 
 /*
- * Largest absolute voltage that the scene's limits allow for an amplifier; its own limits take
- * precedence over the common ones.
+ * Largest absolute voltage that the scene's limits allow for an amplifier (V); the amplifier's own
+ * limits take precedence over the common ones.
  */
 static double allowed(const scene *scene, int amplifier)
 {
@@ -144,8 +148,8 @@ static double allowed(const scene *scene, int amplifier)
 }
 
 /*
- * Largest absolute voltage of an actuator's amplifiers: of `voltage`, or where that is NULL of the
- * voltages that the limits allow.
+ * Largest absolute voltage of an actuator's amplifiers (V): of the array `voltage`, or, where it is
+ * NULL, of the voltages that the limits allow.
  */
 double plausible_voltage(const scene *scene, const scene_actuator *actuator, const double *voltage)
 {
@@ -156,8 +160,8 @@ double plausible_voltage(const scene *scene, const scene_actuator *actuator, con
 }
 
 /*
- * Electric field of a voltage in the layer of a drive; NAN where the material has its own field
- * limit, which the design enforces.
+ * Store the electric field of a voltage in the layer of a drive in found->value; NAN where the
+ * material has its own field limit, which the design enforces.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found)
 {
@@ -197,7 +201,7 @@ int measure_applied_field(const subject *of, int k, measured *found)
 
 /* ---- mesh at local loads ---------------------------------------------- */
 
-/* The longer of the two elements next to a mesh line, along one direction. */
+/* Length of the longer of the two elements next to a mesh line, along one direction. */
 static double element_at(const scene_line *line, int i)
 {
     const double before = i > 0 ? line->point[i] - line->point[i - 1] : 0;
@@ -210,17 +214,18 @@ static double span_of(const scene_line *line)
     return line->point[line->elements] - line->point[0];
 }
 
-/* A shell near a local load, along one curved direction. */
+/* Dimensions of a curved shell near a local load, along one curved direction. */
 typedef struct bend {
-    double radius, thickness, length; /* length of the shell across the direction */
-    double size;                      /* size of an element along the direction, at the load */
+    double radius, thickness, length; /* radius of curvature, thickness, and length of the shell
+                                         across the curved direction */
+    double size; /* size of the element at the load, along the curved direction */
 } bend;
 
 /*
- * Elements that the dent under a point force needs on a quarter turn: two for each of the
- * (R/h)^(1/4) (R/L)^(1/2) waves of a shell of the length L, at most one for each bending length
- * sqrt(R h). A strip narrower than the bending length bends as a ring without a dent, and needs
- * none.
+ * Number of elements that the dent under a point force needs on a quarter turn: two for each of the
+ * (R/h)^(1/4) (R/L)^(1/2) waves of a shell of radius R, thickness h and length L, at most one for
+ * each bending length sqrt(R h). A strip narrower than the bending length bends like a ring without
+ * a dent and needs none.
  */
 static double elements_needed(const bend *bend)
 {
@@ -246,7 +251,10 @@ static bend bend_at(const scene *scene, const int node[2], int direction)
     return result;
 }
 
-/* Point force, along one direction: number of elements needed over the number present. */
+/*
+ * Measure a point force along one direction: number of elements that its dent needs over the number
+ * present.
+ */
 static void measure_point(const scene *scene, const scene_load *load, int direction,
                           measured *found)
 {
@@ -264,7 +272,8 @@ static void measure_point(const scene *scene, const scene_load *load, int direct
 }
 
 /*
- * Load on an edge: size of the elements across the edge over the shortest bending length along it.
+ * Measure a load on an edge: size of the elements across the edge over the shortest bending length
+ * along the edge.
  */
 static void measure_edge(const scene *scene, const scene_load *load, int direction, measured *found)
 {
