@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Electrodes in the undeformed state (pzs_model.h). The voltage of an open electrode is one more
- * unknown, coupled to the whole shell under it. It is eliminated by a Schur complement on the
- * existing factor: one solve for each electrode gives its charge per unit of every input. With this
- * small dense matrix all voltages and charges follow without further solves.
+ * Charges and open electrodes in the undeformed state (pzs_model.h). The voltage of an open
+ * electrode is one more unknown, coupled to all degrees of freedom under the electrode. A Schur
+ * complement on the factors of the stiffness matrix eliminates it: one solve for each electrode
+ * gives its charge per unit of every input. From this small dense matrix all voltages and charges
+ * follow without further solves.
  */
 #include "electrode.h"
 #include "../core/guard.h"
@@ -132,7 +133,10 @@ pzs_status pzs_electric_init(pzs_electric *electric, pzs_model *model, const pzs
     return PZS_OK;
 }
 
-/* Charge of an electrode per unit of an input (C/V, C/K, C/N), in the matrix of all of them. */
+/*
+ * Address of the charge of one electrode per unit of one input (C/V, C/K or C/N) in the matrix of
+ * all of them.
+ */
 static pzs_real *sensitivity(const pzs_electric *electric, uint32_t electrode, uint32_t input)
 {
     return electric->state.sensitivity +
@@ -140,8 +144,9 @@ static pzs_real *sensitivity(const pzs_electric *electric, uint32_t electrode, u
 }
 
 /*
- * Charge of electrode k per unit of every input. With u = K^-1 f_k, f_k . K^-1 f_j = f_j . u, so
- * one solve gives the whole row.
+ * Compute the charge of electrode k per unit of every input. With the stiffness matrix K, the force
+ * vectors f and the displacement u = K^-1 f_k, the charge per unit of input j is f_j . u, because K
+ * is symmetric. One solve thus gives the whole row.
  */
 static pzs_status charge_row(const pzs_electric *electric, uint32_t k)
 {
@@ -163,8 +168,8 @@ static pzs_status charge_row(const pzs_electric *electric, uint32_t k)
 }
 
 /*
- * Factor the matrix of the charges of the open electrodes per volt of one another. Returns the
- * first electrode without capacitance, or -1.
+ * Factor the matrix of the charges of the open electrodes per volt on each other. Returns the first
+ * electrode without capacitance, or -1.
  */
 static int32_t factor_open(pzs_electric *electric)
 {
@@ -252,9 +257,9 @@ pzs_status pzs_charges(const pzs_electric *electric, const pzs_real *value, pzs_
 }
 
 /*
- * For each output: w = the entries of the open electrodes, solved by their charge matrix, are the
- * new entries, per unit of charge. The entries of the other inputs are reduced by w times their
- * charges.
+ * In each row of the influence matrix, the entries of the open electrodes, solved with the charge
+ * matrix, become entries per unit of charge. The entries of the other inputs are then reduced by
+ * the new entries times the charges of these inputs.
  */
 pzs_status pzs_influence_open(const pzs_electric *electric, pzs_real *influence)
 {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The linear image: assemble, factor, solve, and the influence matrix (pzs_model.h). */
+/*
+ * The linear model: assembly and factorisation of the stiffness matrix, refined solution, and
+ * influence matrix (pzs_model.h).
+ */
 #include "model.h"
 #include "../core/guard.h"
 #include "../core/linalg.h"
@@ -8,8 +11,8 @@
 #include <string.h>
 
 /*
- * Most refinement iterations of a solve. Conjugate gradients preconditioned by the factor need 1 to
- * 8.
+ * Largest number of refinement iterations of a solve. Conjugate gradients that are preconditioned
+ * by the factors need 1 to 8.
  */
 enum { REFINEMENT_LIMIT = 16 };
 
@@ -27,8 +30,8 @@ static bool rows_complete(const pzs_rows *rows)
 }
 
 /*
- * Whether all arrays are present and the counts agree. A damaged count must not lead the checksum
- * beyond the tables.
+ * Whether all arrays of a structure are present and its counts agree. Otherwise a damaged count
+ * could lead the checksum beyond the tables.
  */
 static bool structure_complete(const pzs_structure *structure)
 {
@@ -44,7 +47,7 @@ static bool structure_complete(const pzs_structure *structure)
            (structure->spring.count == 0 || structure->spring_stiffness);
 }
 
-/* Whether the row starts ascend and every dof index is below `dof`. */
+/* Whether the row starts of sparse rows ascend and every column index is below `dof`. */
 static bool rows_in_range(const pzs_rows *rows, uint32_t dof)
 {
     for (uint32_t row = 0; row < rows->count; row++)
@@ -58,8 +61,9 @@ static bool rows_in_range(const pzs_rows *rows, uint32_t dof)
 }
 
 /*
- * Whether the dof of an element lie inside the envelope: the first column of each of their rows is
- * not right of the lowest of these dof.
+ * Whether the stiffness entries of an element lie inside the envelope: in the row of each of its
+ * free degrees of freedom, the first stored column is not right of the lowest of these degrees of
+ * freedom.
  */
 static bool element_in_envelope(const pzs_structure *structure, const uint16_t node[4])
 {
@@ -80,8 +84,8 @@ static bool element_in_envelope(const pzs_structure *structure, const uint16_t n
 }
 
 /*
- * Whether every index in the tables is in range. A correct checksum only says that the tables are
- * as they were generated.
+ * Whether every index in the tables of a structure is in range. A correct checksum shows only that
+ * the tables are as they were generated.
  */
 static bool indices_in_range(const pzs_structure *structure)
 {
@@ -148,7 +152,10 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
 
 /* ---- assemble --------------------------------------------------------- */
 
-/* The free dof itself, or PZS_CONSTRAINED if a support or the last assembly constrains it. */
+/*
+ * Return a free degree of freedom, or PZS_CONSTRAINED if a support or the last assembly constrains
+ * it.
+ */
 static uint16_t unconstrained_dof(const pzs_model *model, uint16_t dof)
 {
     return dof != PZS_CONSTRAINED && model->state.constrained && model->state.constrained[dof]
@@ -156,7 +163,7 @@ static uint16_t unconstrained_dof(const pzs_model *model, uint16_t dof)
                : dof;
 }
 
-/* Free dof of a node [dof_per_node]. */
+/* Free degrees of freedom of a node, [dof_per_node]. */
 static const uint16_t *node_dofs(const pzs_model *model, uint16_t node)
 {
     return model->state.structure->node_dof + (size_t)node * model->state.structure->dof_per_node;
@@ -170,9 +177,10 @@ pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element)
 }
 
 /*
- * Place of one dof of an element in the envelope. Entry (row, column) is at base of the row plus
- * step of the column, because the columns of a panel are PZS_TILE apart. The base wraps round where
- * column 0 is outside the panel; the sum does not.
+ * Place of one degree of freedom of an element in the envelope matrix. The entry in its row and in
+ * the column of another degree of freedom is at index base + step of the other one, because
+ * successive columns of a panel are PZS_TILE reals apart. The unsigned base may wrap round where
+ * column 0 is outside the panel; the sum is correct.
  */
 typedef struct add_place {
     uint16_t dof;
@@ -181,8 +189,9 @@ typedef struct add_place {
 } add_place;
 
 /*
- * Places of the unconstrained dof of `count` nodes.  place [count dof_per_node] out. Returns their
- * number.
+ * Find the places in the envelope matrix of the unconstrained degrees of freedom of `count` nodes.
+ *   place [count dof_per_node] out  places
+ * Returns the number of places.
  */
 static unsigned free_places(const pzs_model *model, const uint16_t *node, unsigned count,
                             add_place *place)
@@ -261,9 +270,9 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
 /* ---- factor ----------------------------------------------------------- */
 
 /*
- * Largest accepted condition number: the relative error of a solve is about condition times
- * epsilon. Where solves are refined by strains the factor is only a preconditioner, which in float
- * serves up to 5e9. No well-supported structure reaches 1e14.
+ * Largest condition number that pzs_factor accepts. The relative error of a solve is about the
+ * condition number times the machine epsilon. Where solutions are refined, the factors are only a
+ * preconditioner, which in float serves up to 5e9. No well-supported structure reaches 1e14.
  */
 static pzs_real condition_limit(const pzs_model *model)
 {
@@ -278,7 +287,8 @@ pzs_status pzs_factor(pzs_model *model)
         return PZS_E_ARGUMENT;
     if (model->state.stage != STAGE_ASSEMBLED)
         return fail(model, PZS_E_STAGE, -1);
-    model->state.stage = STAGE_READY; /* the envelope is overwritten, whatever follows */
+    model->state.stage = STAGE_READY; /* the matrix is overwritten from here on, even if an error
+                                         follows */
 
     const int32_t unsupported = pzs_linalg_scale(&model->state.stiffness, model->state.scale);
     if (unsupported >= 0)
@@ -320,12 +330,15 @@ void pzs_model_scatter(const pzs_model *model, const uint16_t *node, unsigned co
         }
 }
 
-/* f += K p, summed over the elements from strains, and over the springs */
+/*
+ * Add the product of the stiffness matrix with `vector` to `force`, both [free_dof], summed over
+ * the elements from their strains, and over the springs.
+ */
 static void add_force(const pzs_model *model, const pzs_real *vector, pzs_real *force)
 {
     const pzs_structure *structure = model->state.structure;
     for (uint32_t element = 0; element < structure->elements; element++) {
-        pzs_real element_vector[SHELL_MAX]; /* displacement, then force */
+        pzs_real element_vector[SHELL_MAX]; /* displacement of the element, then its force */
         pzs_model_gather(model, structure->element[element], SHELL_NODES, vector, element_vector);
         pzs_shell_force(&structure->type[structure->element_type[element]], structure->dof_per_node,
                         element_vector, element_vector);
@@ -353,13 +366,13 @@ pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *force)
 }
 
 /*
- * Conjugate gradients on the strain-based operator, preconditioned by the factor, from u = 0. The
- * first iteration is the plain solve; the others are refinement. The iteration ends when r.z, the
- * squared error in the energy norm, is below the rounding error of the energy of u, or after
- * REFINEMENT_LIMIT iterations.
- *   r [n] in  force; out the residual force
- *   u [n] out displacement
- * z, p and kp [n] are work.
+ * Solve K u = r by conjugate gradients that start at u = 0 and are preconditioned by the factors of
+ * K. The products with the stiffness matrix K are computed from strains. The first iteration is the
+ * plain solve by the factors, the others refine it. The iteration ends when the squared error in
+ * the energy norm is below the rounding error of the energy of u, or after REFINEMENT_LIMIT
+ * iterations.
+ *   r [free_dof] in/out  in: force; out: residual force
+ *   u [free_dof] out     displacement
  */
 static void refine(pzs_model *model, pzs_real *r, pzs_real *u)
 {
@@ -402,8 +415,9 @@ void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real value, pzs
 }
 
 /*
- * Residual f - K u, recomputed from strains, and the energy norm of the error relative to that of
- * u. r, correction [n] are work.
+ * Compute the residual (force minus stiffness times displacement) from strains, and the energy norm
+ * of the error relative to that of the displacement, into the info of the model.
+ *   residual, correction [free_dof] out  work arrays
  */
 static void estimate_error(pzs_model *model, const pzs_real *force, const pzs_real *displacement,
                            pzs_real *residual, pzs_real *correction)
@@ -417,15 +431,15 @@ static void estimate_error(pzs_model *model, const pzs_real *force, const pzs_re
         residual[i] = force[i] - residual[i];
     pzs_model_backsolve(model, residual, correction);
     const pzs_real error = pzs_linalg_inner(residual, correction, free_dof);
-    /* Rounding may make a tiny error negative; a NaN must stay NaN. */
+    /* A tiny error may be negative by rounding and then counts as 0; a NaN must stay NaN. */
     model->info.residual = load <= 0 ? 0 : PZS_SQRT(pzs_model_scaled_norm2(model, residual) / load);
     const pzs_real error2 = error < 0 ? 0 : error;
     model->info.error_estimate = load <= 0 ? 0 : PZS_SQRT(error2 / energy);
 }
 
 /*
- * Multiply the force by a power of two that brings its largest scaled entry near 1, so that its
- * squares neither overflow nor underflow. Returns this power.
+ * Multiply a force by a power of two that brings its largest scaled entry near 1, so that its
+ * squares neither overflow nor underflow. Returns the power of two.
  */
 static pzs_real scale_force(const pzs_model *model, pzs_real *force)
 {
@@ -448,8 +462,9 @@ static pzs_real scale_force(const pzs_model *model, pzs_real *force)
 }
 
 /*
- * Solve for the force in work[0] into displacement [n], with refinement where the structure has
+ * Solve for the force in the first row of the work array, with refinement where the structure has
  * element types.
+ *   displacement [free_dof] out  solution
  */
 static void solve_scaled(pzs_model *model, pzs_real *displacement)
 {
@@ -472,7 +487,7 @@ static pzs_status solve_force(pzs_model *model, pzs_real *displacement)
     solve_scaled(model, displacement);
     for (uint32_t i = 0; i < model->state.stiffness.n; i++)
         displacement[i] /= unit;
-    /* The comparison is written so that NaN fails. */
+    /* The comparison is written so that it fails for NaN. */
     return model->info.error_estimate < PZS_SQRT(PZS_EPSILON) &&
                    pzs_guard_nonfinite(displacement, model->state.stiffness.n) < 0
                ? PZS_OK

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Internals of the linear model that the electrodes and the nonlinear solver use: assembly,
- * gathering and solving over the free dof of a structure. In all functions `node` lists `count`
- * nodes, and P selects the dof of these nodes, node after node.
+ * Internals of the linear model that the electrodes and the nonlinear solver share: assembly,
+ * gathering and solving over the free degrees of freedom of a structure. In all functions `node`
+ * [count] lists nodes, whose degrees of freedom are taken node after node.
  */
 #ifndef PZS_LIB_MODEL_H
 #define PZS_LIB_MODEL_H
@@ -10,45 +10,68 @@
 #include "pzs_model.h"
 
 /*
- * Stages of a model. READY: laid out; ASSEMBLED, FACTORED: stiffness of the undeformed state;
- * AT_SHAPE: the factor is that of a tangent at a deformed shape.
+ * Stages of a model. STAGE_READY: initialised. STAGE_ASSEMBLED, STAGE_FACTORED: the matrix holds
+ * the stiffness of the undeformed state, or its factors. STAGE_AT_SHAPE: the matrix holds the
+ * factors of the tangent stiffness at a deformed shape.
  */
 enum { STAGE_READY = 1, STAGE_ASSEMBLED = 2, STAGE_FACTORED = 3, STAGE_AT_SHAPE = 4 };
 
-/* Checksum of the counts and arrays of a structure, as stored in its crc field. */
+/* Return the checksum of the counts and arrays of a structure, as stored in its member crc. */
 uint32_t pzs_structure_crc(const pzs_structure *structure);
 
-/* Whether the rows of inputs and outputs have no more entries than they can have. */
+/* Return whether the sparse rows of a structure have no more entries than their sizes allow. */
 bool pzs_structure_rows_fit(const pzs_structure *structure);
 
-/* Stiffness factor of the type of an element; 1 if no factors were passed to the assembly. */
+/*
+ * Return the stiffness factor of the type of an element, as passed to pzs_assemble; 1 without
+ * factors.
+ */
 pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element);
 
 /*
- * K += factor P' A P.
- *   entry [packed lower triangle of count dof_per_node rows] in A
+ * Add a matrix over the degrees of freedom of some nodes, times a factor, to the stiffness matrix
+ * of the model.
+ *   entry [SHELL_PACKED(count dof_per_node)] in  packed lower triangle
  */
 void pzs_model_add_matrix(pzs_model *model, const uint16_t *node, unsigned count, pzs_real factor,
                           const pzs_real *entry);
 
-/* gathered [count dof_per_node] = P p, zero at constrained dof.  vector [free_dof] in */
+/*
+ * Gather the entries of a vector at the degrees of freedom of some nodes.
+ *   vector   [free_dof]           in   vector over the free degrees of freedom
+ *   gathered [count dof_per_node] out  its entries; zero at constrained degrees of freedom
+ */
 void pzs_model_gather(const pzs_model *model, const uint16_t *node, unsigned count,
                       const pzs_real *vector, pzs_real *gathered);
 
-/* f += factor P' u, except at constrained dof.  vector [free_dof] in/out */
+/*
+ * Add a vector over the degrees of freedom of some nodes, times a factor, to a vector over the free
+ * degrees of freedom. Entries at constrained degrees of freedom are dropped.
+ *   gathered [count dof_per_node] in      entries to add
+ *   vector   [free_dof]           in/out  sum
+ */
 void pzs_model_scatter(const pzs_model *model, const uint16_t *node, unsigned count,
                        pzs_real factor, const pzs_real *gathered, pzs_real *vector);
 
-/* z = S (L D L')^-1 S r: apply the factor as inverse of the unscaled matrix. z may be r. */
+/*
+ * Compute the displacement under a force by the factors of the scaled stiffness matrix. Both arrays
+ * have [free_dof] entries and may be the same.
+ */
 void pzs_model_backsolve(const pzs_model *model, const pzs_real *force, pzs_real *displacement);
 
-/* Squared norm of a force force [free_dof] in scaled rows, which all have the same weight. */
+/*
+ * Return the squared norm of a force [free_dof] in scaled rows, in which all rows have the same
+ * weight.
+ */
 pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *force);
 
-/* force [free_dof] += value times the force of input j, except at constrained dof */
+/*
+ * Add the force vector of input j times `value` to a force [free_dof], except at constrained
+ * degrees of freedom.
+ */
 void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real value, pzs_real *force);
 
-/* Output number `row` of a displacement displacement [free_dof]. */
+/* Return the output with index `row` of a displacement [free_dof]. */
 pzs_real pzs_model_observe_row(const pzs_structure *structure, const pzs_real *displacement,
                                uint32_t row);
 

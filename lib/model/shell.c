@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The GEX7P4 element: undeformed state and resultants at a displacement (shell.h). */
+/*
+ * The four-node shell element GEX7P4: strains and forces in the undeformed state, and stress
+ * resultants at a displacement (shell.h).
+ */
 #include "shell.h"
 #include "shell_corner.h"
 #include "shell_skew.h"
 #include <string.h>
 
 /*
- * Base vectors at a corner, deformed by the displacement so far, to which strains refer. In the
- * undeformed state they are g_mean, g_diff, e3 and 0, directly from the tables.
+ * Base vectors at a corner of an element, from which strains are measured: mean and difference over
+ * the thickness of the two faces in both directions, director beta, and the excess q of the middle
+ * surface. In the undeformed state they come directly from the tables, with beta = e3 and q = 0.
  */
 typedef struct shape {
     const pzs_real (*mean)[3];
@@ -23,21 +27,21 @@ static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* y += M x, M [3][3] */
+/* y += matrix times x */
 static void add_product(pzs_real y[3], const pzs_real matrix[3][3], const pzs_real x[3])
 {
     for (int i = 0; i < 3; i++)
         y[i] += matrix[i][0] * x[0] + matrix[i][1] * x[1] + matrix[i][2] * x[2];
 }
 
-/* y += M' x, M [3][3] */
+/* y += transposed matrix times x */
 static void add_transposed(pzs_real y[3], const pzs_real matrix[3][3], const pzs_real x[3])
 {
     for (int j = 0; j < 3; j++)
         y[j] += matrix[0][j] * x[0] + matrix[1][j] * x[1] + matrix[2][j] * x[2];
 }
 
-/* y += factor x */
+/* y += factor times x */
 static void add_scaled(pzs_real y[3], pzs_real factor, const pzs_real x[3])
 {
     for (int i = 0; i < 3; i++)
@@ -51,8 +55,9 @@ static shape undeformed_shape(const pzs_element_type *type, int corner)
 }
 
 /*
- * Derivatives of a displacement at corner r:  lam_a = S_a u_r + T_a u_r', for the mean and the
- * difference of the faces.
+ * Derivatives of a displacement at one corner. In each direction the coupling matrices of the
+ * element type multiply the displacement of the corner itself and that of its neighbour, for the
+ * mean and for the difference of the two faces.
  */
 static shell_corner corner_derivatives(const pzs_element_type *type, unsigned dof_per_node,
                                        const pzs_real *displacement, int corner)
@@ -73,8 +78,8 @@ static shell_corner corner_derivatives(const pzs_element_type *type, unsigned do
 }
 
 /*
- * Transpose of corner_derivatives: add the forces c on the derivatives at corner r to the nodal
- * forces f.
+ * Transpose of corner_derivatives: add the forces that belong to the derivatives at one corner to
+ * the nodal forces [4 dof_per_node].
  */
 static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
                            const shell_corner *force, int corner, pzs_real *nodal_force)
@@ -93,9 +98,9 @@ static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * First variation of the ten strains at a corner with base vectors s, in the direction d. From e_aa
- * = g.lam + lam.lam/2 follows de = (g + lam).dlam on each face. Written in means and differences of
- * the faces, no terms cancel.
+ * First variation of the ten strains at a corner with the base vectors `base`, for derivatives that
+ * change by `change`. The strain e_aa = g.lambda + lambda.lambda/2 of each face has the variation
+ * (g + lambda).d lambda. Written in means and differences of the faces, no terms cancel.
  */
 static void corner_strains(const shape *base, const shell_corner *change, pzs_real thickness,
                            pzs_real strain[10])
@@ -122,7 +127,9 @@ static void corner_strains(const shape *base, const shell_corner *change, pzs_re
                      dot(base->mean[1], change->diff[0]) + dot(base->diff[1], change->mean[0]));
 }
 
-/* Transpose of corner_strains: forces f on the derivatives from the stresses t. */
+/*
+ * Transpose of corner_strains: forces on the derivatives at a corner from the ten stresses there.
+ */
 static void corner_stresses(const shape *base, const pzs_real stress[10], pzs_real thickness,
                             shell_corner *force)
 {
@@ -150,7 +157,10 @@ static void corner_stresses(const shape *base, const pzs_real stress[10], pzs_re
     force->q += 16 * stress[E33M] * base->q - 8 * stress[E33D] * base->beta[2];
 }
 
-/* Add the strains e of corner r to the modes:  e^m = 1/4 sum_r sign e_r. */
+/*
+ * Add the strains of one corner to the strain modes 00, 01, 10, 11: each mode is the mean over the
+ * corners of the strains times the sign of the mode.
+ */
 static void add_modes(pzs_real modes[4][10], const pzs_real strain[10], int corner)
 {
     for (int mode = 0; mode < SHELL_MODES; mode++)
@@ -158,7 +168,7 @@ static void add_modes(pzs_real modes[4][10], const pzs_real strain[10], int corn
             modes[mode][i] += (pzs_real)0.25 * mode_sign[mode][corner] * strain[i];
 }
 
-/* Stresses t at corner r from the resultants of the modes, the transpose of add_modes. */
+/* Stresses at one corner from the resultants of the strain modes, the transpose of add_modes. */
 static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real stress[10])
 {
     for (int i = 0; i < SHELL_STRAINS; i++) {
@@ -169,8 +179,8 @@ static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real st
 }
 
 /*
- * Strains that each mode keeps. Mode 00: all; 01: those of 11, 33 and 13; 10: those of 22, 33 and
- * 23; 11: those of 33.
+ * Strains that each mode keeps: all in mode 00; those of 11, 33 and 13 in mode 01; those of 22, 33
+ * and 23 in mode 10; those of 33 in mode 11.
  */
 static const uint8_t kept_strains[4] = {10, 5, 5, 2};
 static const uint8_t kept_strain[4][10] = {
@@ -180,7 +190,10 @@ static const uint8_t kept_strain[4][10] = {
     {E33M, E33D},
 };
 
-/* Replace the strains of one mode by its resultants D e.  d: packed lower triangle of 10 rows */
+/*
+ * Replace the strains of one mode by its resultants. `stiffness` is a packed lower triangle of 10
+ * rows.
+ */
 static void multiply_mode(const pzs_real *stiffness, int mode, pzs_real strain[10])
 {
     pzs_real resultant[10] = {0};
@@ -198,8 +211,8 @@ static void multiply_mode(const pzs_real *stiffness, int mode, pzs_real strain[1
 }
 
 /*
- * Add the warp to the mean strain 12 of mode 00: a fixed combination of other strains
- * (pzs_element_type).
+ * Add the effect of warp to the mean strain 12 of mode 00: a linear combination of other strains,
+ * with the factors pzs_element_type.warp.
  */
 static void add_warp(const pzs_element_type *type, pzs_real strain[4][10])
 {
@@ -209,7 +222,7 @@ static void add_warp(const pzs_element_type *type, pzs_real strain[4][10])
                        w[6] * strain[1][E11D] + w[7] * strain[0][E22D] + w[8] * strain[2][E22D];
 }
 
-/* Transpose of add_warp: add the part of the mean resultant 12 to the other resultants. */
+/* Transpose of add_warp: distribute the mean resultant 12 of mode 00 to other resultants. */
 static void distribute_warp(const pzs_element_type *type, pzs_real resultant[4][10])
 {
     const pzs_real *w = type->warp, mean = resultant[0][E12M];
@@ -224,7 +237,7 @@ static void distribute_warp(const pzs_element_type *type, pzs_real resultant[4][
     resultant[2][E22D] += w[8] * mean;
 }
 
-/* Turn the strains of the plain modes into those that the resultants belong to. */
+/* Correct the strains of all modes for warp and skew of the element. */
 static void correct_modes(const pzs_element_type *type, pzs_real strain[4][10])
 {
     add_warp(type, strain);
@@ -232,7 +245,10 @@ static void correct_modes(const pzs_element_type *type, pzs_real strain[4][10])
         pzs_shell_skew_strains(type->skew, strain);
 }
 
-/* Transpose of correct_modes: resultants of the plain modes. */
+/*
+ * Transpose of correct_modes: turn resultants of the corrected strains into resultants of the
+ * strain modes.
+ */
 static void distribute_modes(const pzs_element_type *type, pzs_real resultant[4][10])
 {
     if (shell_is_skewed(type))
@@ -240,14 +256,17 @@ static void distribute_modes(const pzs_element_type *type, pzs_real resultant[4]
     distribute_warp(type, resultant);
 }
 
-/* Replace the corrected strains of all modes by their resultants. distribute_modes must follow. */
+/*
+ * Replace the corrected strains of all modes by their resultants, to which distribute_modes is then
+ * to be applied.
+ */
 static void multiply_modes(const pzs_element_type *type, pzs_real strain[4][10])
 {
     for (int mode = 0; mode < SHELL_MODES; mode++)
         multiply_mode(type->d[mode], mode, strain[mode]);
 }
 
-/* Strains of each mode in the undeformed state, linear in u. */
+/* Strains of each mode in the undeformed state, which are linear in the displacement. */
 static void small_strains(const pzs_element_type *type, unsigned dof_per_node,
                           const pzs_real *displacement, pzs_real modes[4][10])
 {
@@ -263,7 +282,10 @@ static void small_strains(const pzs_element_type *type, unsigned dof_per_node,
     correct_modes(type, modes);
 }
 
-/* f = sum of L' h in the undeformed state */
+/*
+ * Nodal forces [4 dof_per_node] of the resultants of all modes in the undeformed state. The
+ * resultants are overwritten.
+ */
 static void small_force(const pzs_element_type *type, unsigned dof_per_node,
                         pzs_real resultant[4][10], pzs_real *nodal_force)
 {
@@ -312,14 +334,17 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
 
 #if PZS_NONLINEAR
 
-/* The members of a shell_corner as a shape. */
+/* Convert base vectors at a deformed corner from shell_corner to shape. */
 static shape shape_of(const shell_corner *corner)
 {
     const shape base = {corner->mean, corner->diff, corner->beta, corner->q};
     return base;
 }
 
-/* Base vectors at corner r plus `part` of the derivatives d. */
+/*
+ * Base vectors at one corner, deformed by the factor `part` times the derivatives of a
+ * displacement.
+ */
 static shell_corner deformed_corner(const pzs_element_type *type, const shell_corner *derivative,
                                     pzs_real part, int at_corner)
 {
@@ -344,8 +369,10 @@ static void derivatives(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * e += L(part u) v, the first variation of the strains of the plain modes.
- *   d, variation [4] in  derivatives of u and of v at the corners
+ * Add the first variation of the strains of all modes, at a fraction `part` of a displacement u and
+ * for a displacement increment v.
+ *   derivative [4] in  derivatives of u at the corners
+ *   variation  [4] in  derivatives of v at the corners
  */
 static void add_variation(const pzs_element_type *type, const shell_corner derivative[4],
                           pzs_real part, const shell_corner variation[4], pzs_real strain[4][10])
@@ -360,8 +387,9 @@ static void add_variation(const pzs_element_type *type, const shell_corner deriv
 }
 
 /*
- * Strains e(u) + L(u) du of each mode; du may be NULL. The strains are quadratic in u, so half of
- * their variation is exact: e(u) = L(u/2) u.
+ * Strains of all modes at a displacement, plus their first variation for the increment du (NULL: no
+ * increment). Strains are quadratic in the displacement u, so they equal their first variation at
+ * u/2 for the increment u.
  */
 static void extrapolated_strains(const pzs_element_type *type, unsigned dof_per_node,
                                  const pzs_real *displacement, const pzs_real *du,

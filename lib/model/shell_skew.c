@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Strain modes of a quadrilateral that is not a parallelogram (shell_skew.h). */
+/* Correction of the strain modes of a quadrilateral that is not a parallelogram (shell_skew.h). */
 #include "shell_skew.h"
 #include "shell_corner.h"
 
 /*
- * In-plane strains, means (face = 0) or differences (face = 1). The average over the corners
- * exceeds the value at the centre by c in 11 and by c/r^2 in 22, c = [alpha_1 (e01_11 - alpha_1
- * e00_11) + alpha_2 r (r (e10_22 - alpha_2 e00_22)
- *        - alpha_1 e00_12)] / (1 - alpha_1^2 - alpha_2^2).
+ * Correct the in-plane strains of the modes, means (face = 0) or differences (face = 1) of the two
+ * faces. With the skew alpha_1, alpha_2 and the length ratio r, the average over the corners
+ * exceeds the value at the centre by c in strain 11 and by c/r^2 in strain 22:
+ *   c = [alpha_1 (e01_11 - alpha_1 e00_11) + alpha_2 r (r (e10_22 - alpha_2 e00_22) - alpha_1
+ *     e00_12)]
+ *       / (1 - alpha_1^2 - alpha_2^2)
+ * where e01_11 is strain 11 of mode 01, and so on.
  */
 static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
 {
@@ -23,7 +26,7 @@ static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
     *along2 -= 2 * a2 * *e22 + a1 / ratio * e12;
 }
 
-/* Transpose of skew_plane. */
+/* Transpose of skew_plane, for the resultants of the modes. */
 static void skew_plane_back(const pzs_real skew[3], pzs_real resultant[4][10], int face)
 {
     const pzs_real a1 = skew[0], a2 = skew[1], ratio = skew[2];

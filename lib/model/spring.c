@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Springs of a structure (spring.h). */
+/* Springs of a structure: checks, stiffness and forces (spring.h). */
 #include "spring.h"
 #include "../core/guard.h"
 #include "../core/linalg.h"
 
-/* Whether entry `other` of a spring is in the envelope row of entry `own`, or right of its
- * diagonal.
+/*
+ * Whether the stiffness entry for two degrees of freedom of a spring is inside the envelope of the
+ * matrix, or above its diagonal.
  */
 static bool in_envelope(const pzs_structure *structure, uint32_t own, uint32_t other)
 {
@@ -29,7 +30,7 @@ bool pzs_springs_in_range(const pzs_structure *structure)
     return true;
 }
 
-/* Weight of an entry in the elongation of its spring; 0 at a constrained dof. */
+/* Coefficient of an entry in the elongation of its spring; 0 at a constrained degree of freedom. */
 static pzs_real weight(const pzs_model *model, uint32_t entry)
 {
     const pzs_rows *rows = &model->state.structure->spring;

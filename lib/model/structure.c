@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Checksum of a structure (model.h). */
+/* Checksum of the tables of a structure (pzs_structure_crc and pzs_structure_seal). */
 #include "model.h"
 #include "../core/guard.h"
 
