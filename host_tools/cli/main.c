@@ -241,7 +241,7 @@ static int solved(const options *options, analysis *analysis, const double *disp
     int status = solve_error(options, analysis, value);
     progress_stop();
     if (status == 0)
-        (options->as_json ? print_solve_json : print_solve)(analysis, value);
+        (options->as_json ? print_solve_json : print_solve)(analysis, displacement, value);
     if (status == 0 && options->vtu)
         status = write_vtu(analysis, displacement, options->vtu);
     if (status == 0)

@@ -10,6 +10,7 @@
 #include "print_matrix.h"
 #include "print_outputs.h"
 #include "print_path.h"
+#include "print_springs.h"
 #include "print_vibration.h"
 #include "../model/tick_work.h"
 #include "../text/words.h"
@@ -289,7 +290,7 @@ static void print_discretisation(void)
     puts("  discretisation error: not part of these figures; --error estimates it\n");
 }
 
-void print_solve(analysis *analysis, const double *value)
+void print_solve(analysis *analysis, const double *displacement, const double *value)
 {
     print_head(analysis, "at rest");
     if (analysis->design.scene->kinematics == KINEMATICS_AUTO && isfinite(analysis->linear_error))
@@ -308,6 +309,7 @@ void print_solve(analysis *analysis, const double *value)
     print_discretisation();
     for (int k = 0; k < analysis->design.scene->outputs; k++)
         print_output(analysis, k, value);
+    print_springs(analysis, displacement);
     print_electrodes(analysis);
     print_mesh_error(&analysis->mesh_error);
 }
@@ -354,7 +356,7 @@ static void json_seconds(json *json, const analysis *analysis)
     json_close(json, '}');
 }
 
-void print_solve_json(analysis *analysis, const double *value)
+void print_solve_json(analysis *analysis, const double *displacement, const double *value)
 {
     const design *design = &analysis->design;
     json json = {.file = stdout};
@@ -374,6 +376,7 @@ void print_solve_json(analysis *analysis, const double *value)
                         analysis_output(analysis, k, 0, value) /
                             design->scene->output[k].reference);
     json_close(&json, '}');
+    print_springs_json(&json, analysis, displacement);
     if (design->electrodes.count > 0)
         print_electrodes_json(&json, analysis);
     if (analysis->load_path.points > 0)

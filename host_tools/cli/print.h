@@ -34,9 +34,13 @@ void print_estimate_json(json *json, const estimator *estimator);
 void print_check(const analysis *analysis);
 void print_check_json(const analysis *analysis);
 
-/* Print the outputs of a displacement, then the electrodes. value [output rows] in */
-void print_solve(analysis *analysis, const double *value);
-void print_solve_json(analysis *analysis, const double *value);
+/*
+ * Print the outputs of a displacement, then springs and electrodes.
+ *   displacement [free_dof]    in
+ *   value        [output rows] in
+ */
+void print_solve(analysis *analysis, const double *displacement, const double *value);
+void print_solve_json(analysis *analysis, const double *displacement, const double *value);
 
 /*
  * Print voltage, charge and capacitance of each electrode, and how much open-circuit electrodes

@@ -57,6 +57,10 @@ static const struct rule {
     {"faces", SUBJECT_MESH, measure_faces, 0, 0.05, "",
      "the faces of the sandwich bend by themselves, which the element cannot represent; the "
      "displacement comes out too large"},
+    {"held_spring", SUBJECT_MESH, measure_held_spring, 0, 0, "springs",
+     "supports hold their ends, so that they carry nothing; remove one of the two"},
+    {"long_spring", SUBJECT_MESH, measure_long_spring, 0, 2, "times the numbers without them",
+     "the factor takes more memory and time; join nearer nodes"},
     {"path", SUBJECT_PATH, measure_path, 0, 0.01, "of the displacement",
      "which equilibrium a structure takes depends on the way of loading; follow it with --path"},
     {"stability", SUBJECT_PATH, measure_stability, 0, 0, "negative pivots",

@@ -124,3 +124,40 @@ int measure_faces(const subject *of, int k, measured *found)
     snprintf(found->what, WHAT, "bending of the stiff plies by themselves over the shear");
     return 1;
 }
+
+/* ---- springs ------------------------------------------------------------ */
+
+/* Name and place in the file of an item of springs or stacks. */
+static scene_at at_of_item(const scene *scene, int item)
+{
+    return item < scene->springs ? scene->spring[item].at
+                                 : scene->actuator[item - scene->springs].at;
+}
+
+/* Springs of an item that no free dof elongates. */
+int measure_held_spring(const subject *of, int k, measured *found)
+{
+    const mesh_springs *springs = &of->mesh->springs;
+    if (springs->count == 0 || k >= of->scene->springs + of->scene->actuators)
+        return 0;
+    found->value = 0;
+    for (int row = springs->first[k]; row < springs->first[k + 1]; row++)
+        found->value += springs->start[row + 1] == springs->start[row];
+    found->at = at_of_item(of->scene, k);
+    snprintf(found->what, WHAT, "springs or stacks on held displacements, of %d in this item",
+             springs->first[k + 1] - springs->first[k]);
+    return 1;
+}
+
+/* Numbers of the stiffness factor relative to those without springs. */
+int measure_long_spring(const subject *of, int k, measured *found)
+{
+    const mesh_springs *springs = &of->mesh->springs;
+    if (springs->count == 0 || k > 0)
+        return 0;
+    found->value = mesh_envelope(of->mesh) / springs->envelope_without;
+    found->at = of->scene->at_surface;
+    snprintf(found->what, WHAT, "stiffness factor with springs between distant nodes, %.0f numbers",
+             mesh_envelope(of->mesh));
+    return 1;
+}

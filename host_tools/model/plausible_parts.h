@@ -47,6 +47,7 @@ measure measure_limit_field, measure_applied_field, measure_resolution;
 /* Functions for the rules on a mesh and its laminate (plausible_mesh.c). */
 measure measure_locking, measure_coarse, measure_strips, measure_narrow;
 measure measure_shear, measure_faces;
+measure measure_held_spring, measure_long_spring;
 
 /* Functions for the rules on a mesh from a file (plausible_file.c). */
 measure measure_sharp_edge, measure_slit;

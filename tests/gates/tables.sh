@@ -123,6 +123,9 @@ for table in 'follower_pressure_0 torus-pressure' 'contact_area torus-contact'; 
     attached $table
     tap $? "$table: accepted in either precision, refused where damaged"
 done
+same 'springs and stacks' tests/rigs/scenes/spring-plate.yaml --set kinematics=nonlinear --set 'springs=[{at: nodes, along: z, stiffness: 1e6, per: area},
+    {at: nodes, along: [1, 1, 0], stiffness: 1e6, per: area}, {at: nodes, along: [1, -1, 0], stiffness: 1e6, per: area}]' --set 'actuators=[{name: s,
+    stacks: {points: [[0.3, 0.3], [0.8, 0.1]], along: z, stiffness: 1e6, stroke: 1e-6}, applied: 50}]'
 same 'open electrodes' bimorph-sensor --set kinematics=nonlinear
 "$PZS" tables annular-plate --image nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" && ! compile 32 &&
     grep -q 'the equilibrium solver needs double' "$scratch/found"

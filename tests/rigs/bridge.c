@@ -51,6 +51,8 @@ static int fill(bridge *tables, inside *in, char *error)
     tables->kind_reals = sizeof *mesh->type / sizeof(double);
     tables->input = rows_of(&design->structure.input);
     tables->output = rows_of(&design->structure.output);
+    tables->spring = rows_of(&design->structure.spring);
+    tables->spring_stiffness = mesh->springs.stiffness;
     tables->electrodes = design->electrodes.count;
     tables->electrode_input = design->electrodes.input;
     tables->pzs_electrode_open = design->electrodes.open;

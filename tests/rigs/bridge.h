@@ -24,10 +24,11 @@ typedef struct bridge {
     const uint16_t *element, *element_kind, *node_dof, *first;
     const double *stiffness, *kind; /* kind: the reals of pzs_element_type, one after the other */
     size_t kind_reals;              /* per kind */
-    bridge_rows input, output;
-    const double *influence; /* [outputs][inputs], refined, NULL without a target */
-    const double *target;    /* [targets] */
-    double *u;               /* [dof] displacement under the scene's loads, refined in double */
+    bridge_rows input, output, spring;
+    const double *spring_stiffness; /* [springs] */
+    const double *influence;        /* [outputs][inputs], refined, NULL without a target */
+    const double *target;           /* [targets] */
+    double *u;          /* [dof] displacement under the scene's loads, refined in double */
     const double *full; /* [inputs] the scene's loads and volts; these seven NULL or 0 where it is
                            linear */
     int given_values;

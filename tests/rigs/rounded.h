@@ -32,7 +32,15 @@ static inline pzs_real *round_rows(const bridge_rows *from, pzs_rows *to)
 }
 
 /* Reals of a structure, to be freed. */
-enum { ROUNDED_STIFFNESS, ROUNDED_KIND, ROUNDED_INPUT, ROUNDED_OUTPUT, ROUNDED_ARRAYS };
+enum {
+    ROUNDED_STIFFNESS,
+    ROUNDED_KIND,
+    ROUNDED_INPUT,
+    ROUNDED_OUTPUT,
+    ROUNDED_SPRING,
+    ROUNDED_SPRING_STIFFNESS,
+    ROUNDED_ARRAYS
+};
 
 static inline void round_structure(const bridge *b, pzs_structure *structure,
                                    pzs_real *owned[ROUNDED_ARRAYS])
@@ -56,6 +64,9 @@ static inline void round_structure(const bridge *b, pzs_structure *structure,
     structure->type = (const pzs_element_type *)(const void *)owned[ROUNDED_KIND];
     owned[ROUNDED_INPUT] = round_rows(&b->input, &structure->input);
     owned[ROUNDED_OUTPUT] = round_rows(&b->output, &structure->output);
+    owned[ROUNDED_SPRING] = round_rows(&b->spring, &structure->spring);
+    owned[ROUNDED_SPRING_STIFFNESS] = rounded(b->spring_stiffness, (size_t)b->spring.count);
+    structure->spring_stiffness = owned[ROUNDED_SPRING_STIFFNESS];
     structure->crc = pzs_structure_crc(structure);
 }
 

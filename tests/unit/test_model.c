@@ -259,6 +259,81 @@ static void test_held_unknown(void **state)
     device_close(&d);
 }
 
+/* ---- springs ---------------------------------------------------------- */
+
+/* A free plate on springs between nodes and to another node, pushed by two stacks. */
+static const char *const on_springs[] = {
+    "springs=[{points: [[0.1, 0.1], [0.9, 0.1], [0.5, 0.93]], along: [0.1, 0.2, 1], stiffness: 1e7}, "
+    "{at: {theta1: 0, theta2: 0}, to: {theta1: 1, theta2: 1}, along: z, stiffness: 1e6}, {edge: "
+    "theta1-, along: x, stiffness: 1e8, per: length}, {edge: theta1-, along: y, stiffness: 1e8, per: "
+    "length}]",
+    "actuators=[{name: s, stacks: {points: [[0.3, 0.3], [0.6, 0.6]], along: z, stiffness: 1e7, "
+    "stroke: 1e-6}, applied: [10, -20]}]",
+    "loads=[{point: {theta1: 0.5, theta2: 0.5}, z: -10}]"};
+
+/*
+ * Law: a device computes the displacement on springs as the host does, in either precision, and a
+ * dof that is held in the field elongates no spring.
+ */
+static void test_springs(void **state)
+{
+    (void)state;
+    device d;
+    device_open(&d, "tests/rigs/scenes/spring-plate.yaml", on_springs, 3);
+    for (int i = 0; i < d.bridge.input.count; i++)
+        d.amount[i] = (pzs_real)d.bridge.amount[i];
+    assert_int_equal(start(&d), PZS_OK);
+    assert_int_equal(pzs_solve(&d.model, d.amount, d.u), PZS_OK);
+    const double error = solution_error(&d);
+    print_message("  plate on springs: %.1e from the host, condition %.1e\n", error,
+                  (double)d.model.info.condition);
+    assert_true(error < 64 * EPS);
+    uint8_t *held = calloc((size_t)d.bridge.dof, 1);
+    const uint16_t dof = d.bridge.spring.dof[0];
+    held[dof] = 1;
+    assert_int_equal(pzs_assemble(&d.model, NULL, held), PZS_OK);
+    assert_int_equal(pzs_factor(&d.model), PZS_OK);
+    assert_int_equal(pzs_solve(&d.model, d.amount, d.u), PZS_OK);
+    assert_true(d.u[dof] == 0);
+    free(held);
+    device_close(&d);
+}
+
+/*
+ * Law: a stiffness that is negative or not a number, and a spring outside the envelope, are refused
+ * where the checksum is right, and any change where it is not.
+ */
+static void test_bad_springs(void **state)
+{
+    (void)state;
+    static const double bad[3] = {-1, (double)NAN, (double)INFINITY};
+    device d;
+    device_open(&d, "tests/rigs/scenes/spring-plate.yaml", on_springs, 3);
+    pzs_real *stiffness = d.owned[ROUNDED_SPRING_STIFFNESS];
+    const pzs_real kept = stiffness[1];
+    stiffness[1] *= 2;
+    assert_int_equal(start(&d), PZS_E_CRC);
+    for (int i = 0; i < 3; i++) {
+        stiffness[1] = (pzs_real)bad[i];
+        d.structure.crc = pzs_structure_crc(&d.structure);
+        assert_int_equal(start(&d), PZS_E_ARGUMENT);
+    }
+    stiffness[1] = kept;
+    const uint32_t begin = d.bridge.spring.start[3], end = d.bridge.spring.start[4];
+    uint16_t last = 0; /* of the spring between two corners, which alone needs its first column */
+    for (uint32_t i = begin; i < end; i++)
+        last = d.bridge.spring.dof[i] > last ? d.bridge.spring.dof[i] : last;
+    ((uint16_t *)(uintptr_t)d.bridge.first)[last]++;
+    d.structure.crc = pzs_structure_crc(&d.structure);
+    assert_int_equal(start(&d), PZS_E_ARGUMENT);
+    ((uint16_t *)(uintptr_t)d.bridge.first)[last]--;
+    d.structure.crc = pzs_structure_crc(&d.structure);
+    assert_int_equal(start(&d), PZS_OK);
+    d.structure.spring_stiffness = NULL;
+    assert_int_equal(start(&d), PZS_E_ARGUMENT);
+    device_close(&d);
+}
+
 /* Law: a load on an unknown that is held moves nothing there, and what remains is the answer of the
  * held structure. */
 static void test_load_on_held_unknown(void **state)
@@ -457,6 +532,8 @@ int main(void)
         cmocka_unit_test(test_influence),
         cmocka_unit_test(test_stiffness_factor),
         cmocka_unit_test(test_held_unknown),
+        cmocka_unit_test(test_springs),
+        cmocka_unit_test(test_bad_springs),
         cmocka_unit_test(test_misuse),
         cmocka_unit_test(test_load_on_held_unknown),
         cmocka_unit_test(test_load_scaling),

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Forces of springs and stacks on standard output. */
+#ifndef PRINT_SPRINGS_H
+#define PRINT_SPRINGS_H
+
+#include "../model/analysis.h"
+#include "../text/json.h"
+
+/*
+ * Print the forces of springs and stacks on the structure, along their directions; nothing without
+ * springs. The JSON member is `springs`, with the forces of all springs of an item. displacement
+ * [free_dof] in
+ */
+void print_springs(const analysis *analysis, const double *displacement);
+void print_springs_json(json *json, const analysis *analysis, const double *displacement);
+
+#endif
