@@ -263,10 +263,11 @@ static void test_held_unknown(void **state)
 
 /* A free plate on springs between nodes and to another node, pushed by two stacks. */
 static const char *const on_springs[] = {
-    "springs=[{points: [[0.1, 0.1], [0.9, 0.1], [0.5, 0.93]], along: [0.1, 0.2, 1], stiffness: 1e7}, "
+    "springs=[{points: [[0.1, 0.1], [0.9, 0.1], [0.5, 0.93]], along: [0.1, 0.2, 1], "
+    "stiffness: 1e7}, "
     "{at: {theta1: 0, theta2: 0}, to: {theta1: 1, theta2: 1}, along: z, stiffness: 1e6}, {edge: "
-    "theta1-, along: x, stiffness: 1e8, per: length}, {edge: theta1-, along: y, stiffness: 1e8, per: "
-    "length}]",
+    "theta1-, along: x, stiffness: 1e8, per: length}, "
+    "{edge: theta1-, along: y, stiffness: 1e8, per: length}]",
     "actuators=[{name: s, stacks: {points: [[0.3, 0.3], [0.6, 0.6]], along: z, stiffness: 1e7, "
     "stroke: 1e-6}, applied: [10, -20]}]",
     "loads=[{point: {theta1: 0.5, theta2: 0.5}, z: -10}]"};
