@@ -38,16 +38,18 @@ typedef enum scene_surface_type {
 
 typedef struct scene_surface {
     scene_surface_type type;
-    double radius; /* radius of a cylinder or sphere, of a cone at theta1 = 0, of the centre circle
-                      of a torus */
+    double radius; /* radius of a cylinder or sphere, radius of a cone at theta1 = 0, or major
+                      radius of a torus (scene unit of length) */
     double angle;  /* half angle of a cone (degrees) */
-    int axial; /* coordinate along the axis of a cylinder or spiral: 1 for theta1, 2 for theta2 */
+    int axial;     /* surface coordinate along the axis of a cylinder or spiral: 1 for theta1, 2 for
+                      theta2 */
     double waist, height; /* constants of a hyperboloid of radius waist sqrt(1 + (z/height)^2) */
-    double tube;          /* radius of the tube of a torus */
-    double inner, outer, turns; /* spiral: radius at angle 0, radius at its end, and number of turns
-                                   between them */
+    double tube;          /* minor radius of a torus (scene unit of length) */
+    double inner, outer, turns; /* radius of a spiral at angle 0, its radius at its end, and the
+                                   number of turns between both */
     double focal_length;        /* distance of the focus of a paraboloid from its vertex */
-    expr *formula[3];           /* x, y, z of theta1 and theta2; NULL: theta1, theta2, 0 */
+    expr *formula[3]; /* formulas of the coordinates x, y and z of a surface in the variables theta1
+                         and theta2; a coordinate whose formula is NULL is theta1, theta2 or 0 */
     spline *meridian; /* meridian (r, z) of a surface of revolution over its chord length */
 } scene_surface;
 
@@ -59,70 +61,79 @@ typedef enum scene_kinematics {
 
 /* Settings of the solver of the nonlinear equilibrium equations. */
 typedef struct scene_equilibrium {
-    int load_steps;   /* number of load steps tried first */
+    int load_steps;   /* number of load steps of the first attempt */
     double tolerance; /* convergence tolerance: largest norm of the last increment relative to the
                       displacement of the load step */
     int extrapolated_iterations; /* number of iterations of a load step with extrapolated resultants
                     before the true resultants are used; 0: plain Newton method */
-    int linear_solves;           /* largest number of linear solves */
+    int linear_solves;           /* largest number of linear solves of one nonlinear solution */
     scene_at at;
 } scene_equilibrium;
 
 /*
  * Formulation of the finite element, selected in the scene by `element: published`, `element:
- * improved`, or a map of the members below.
+ * improved`, or a map of single options.
  */
 typedef struct scene_element {
-    int cartesian; /* 1: strains from Cartesian differences of the displacement vectors of the
-                      corners; 0: from derivatives in the local triad */
-    double tau;    /* factor of the warping correction of the membrane shear strain */
+    int cartesian; /* 1: strains from differences of the displacement vectors of an element's
+                      corners; 0: strains from derivatives of displacement components in the local
+                      triad of the surface */
+    double tau;    /* factor of the warping correction in the membrane shear strain of an element */
     double rho;    /* factor of the bending flexibility that is added to the transverse shear
-                      compliance */
-    int hr, lin33; /* hr: condense the compliance in the strain modes 01, 10 and 11; lin33: condense
-                      the linear part of the normal strain e33 */
-    int metric;    /* 1: exact variation of the surface metric through the thickness */
-    int exact_area;   /* 1: exact element area; 0: area from the metric at the element centre */
-    int dof_per_node; /* 7 or 6 */
-    int equilibrium_shear; /* 1: transverse shear stiffness of a laminate from equilibrium; 0: shear
-                              strain constant through the thickness */
+                      compliance of an element */
+    int hr, lin33; /* hr: 1 condenses the compliance in the strain modes 01, 10 and 11
+                      (Hellinger-Reissner); lin33: 1 condenses the linear part of the normal strain
+                      e33 through the thickness */
+    int metric; /* 1: strains take the exact variation of the surface metric through the thickness;
+                   0: metric of the reference surface */
+    int exact_area;   /* 1: exact area of an element; 0: area from the metric at the centre of the
+                         element */
+    int dof_per_node; /* number of dof per node, 7 or 6 */
+    int equilibrium_shear; /* 1: transverse shear stiffness of a laminate from equilibrium of its
+                              layers; 0: from a shear strain that is constant through the thickness
+                            */
 } scene_element;
 
-typedef struct scene_line { /* mesh lines along theta1 or theta2 */
+typedef struct scene_line { /* Mesh lines of one surface coordinate, theta1 or theta2. */
     int elements;
-    double *point; /* coordinates of the mesh lines, ascending [elements + 1] */
-    int slit;      /* 1: the ends of a full turn are not joined */
+    double *point; /* [elements + 1] coordinates of the mesh lines, ascending (length or rad) */
+    int slit;      /* 1: the two ends of a mesh direction that covers a full turn are not joined */
     scene_at at;
 } scene_line;
 
 /*
- * Mesh from a file, in place of mesh lines on a surface. Regions, constrained dof and axes of the
- * mesh are those of the scene's layers, patches and supports.
+ * Mesh that is read from a file, in place of mesh lines on a surface. The regions, constrained dof
+ * and axes of the mesh follow from the layers, patches and supports of the scene.
  */
 typedef struct scene_quads {
     quad_mesh mesh;
     quad_warnings warnings;
-    char *file;          /* name of the mesh file as the scene gives it */
-    double direction[3]; /* vector from which ply angles are measured, projected on each element; 0:
-                            the direction from corner 1 to corner 2 of each element */
-    int accept_irregular; /* 1: elements that are too thin for an irregular mesh are reported, not
-                             refused */
+    char *file;           /* name of the mesh file as it is written in the scene */
+    double direction[3];  /* vector from which ply angles are measured, projected on each element;
+                             zero vector: the direction from corner 1 to corner 2 of each element */
+    int accept_irregular; /* 1: elements that are too thin for an irregular mesh are reported; 0:
+                             they are refused */
     scene_at at;
 } scene_quads;
 
 typedef struct scene_material {
     char name[SCENE_NAME];
-    double e[3], g23, g13, g12, nu12, nu13, nu23; /* engineering constants; those of an isotropic
-                                                     material follow from E and nu */
+    double e[3], g23, g13, g12, nu12, nu13, nu23; /* engineering constants of a material: Young's
+                                                     moduli e, shear moduli g and Poisson's ratios
+                                                     nu of the directions 1, 2 and 3; those of an
+                                                     isotropic material follow from E and nu */
     double d31, d32, d33, d24, d15; /* piezoelectric constants (m/V): strain per electric field
                                        along the poling */
-    double piezo_e[5]; /* piezoelectric constants e31, e32, e33, e24, e15 (C/m2), valid if has_e */
+    double piezo_e[5]; /* piezoelectric constants e31, e32, e33, e24, e15 (C/m2): stress per
+                          electric field; valid if has_e is 1 */
     int has_d, has_e;
     double permittivity; /* permittivity at constant strain (F/m); 0 if not given */
-    double pyroelectric; /* pyroelectric constant along the poling at constant strain (C/(m2 K)) */
-    double alpha[3];     /* thermal expansion coefficients (1/K) */
-    double density;      /* mass per volume; the weight per volume is density * gravity */
+    double pyroelectric; /* pyroelectric constant along the poling direction at constant strain
+                            (C/(m2 K)) */
+    double alpha[3];     /* thermal expansion coefficients in the directions 1, 2 and 3 (1/K) */
+    double density;      /* mass per volume; the weight per volume is density times gravity */
     double field_limit;  /* depolarisation field (V/m); 0: no limit */
-    int poling;          /* direction of the poling, +3 or -3 */
+    int poling; /* poling direction of a material relative to e3 of the surface: +3 or -3 */
     scene_at at;
 } scene_material;
 
@@ -131,20 +142,23 @@ typedef struct scene_layer {
     int material;
     double thickness, angle;
     int patched; /* 1: the layer consists of patches with no material between them */
-    int poling;  /* direction of the poling, +3 or -3, given by the layer or else by its material */
-    unsigned char *present; /* mesh from a file: 1 in the elements of the layer's sets [elements];
-                               NULL: the layer has no sets */
+    int poling;  /* poling direction of a layer relative to e3 of the surface: +3 or -3, from the
+                    layer or else from its material */
+    unsigned char *present; /* [elements] 1 in the elements of the layer's element sets, on a mesh
+                               from a file; NULL: the layer has no sets */
     scene_at at;
 } scene_layer;
 
-typedef struct scene_patches { /* rectangular grid of patches on one layer */
+typedef struct scene_patches { /* Rectangular grid of piezoelectric patches on one layer. */
     char name[SCENE_NAME];
     int layer;
-    double theta1[2], theta2[2]; /* range of the grid, which must end on mesh lines; the whole mesh
-                                    if not given */
-    int grid[2]; /* number of patches along theta1 and theta2, 1 x 1 if not given; all patches must
-                    end on mesh lines; mesh from a file: number of sets and 1 */
-    int *patch;  /* mesh from a file: patch in each element, or -1 [elements]; else NULL */
+    double theta1[2], theta2[2]; /* ranges of theta1 and theta2 that a grid of patches covers, both
+                                    ends on mesh lines; default the whole mesh */
+    int grid[2]; /* number of patches along theta1 and theta2, default 1 and 1; every edge of a
+                    patch must be a mesh line; on a mesh from a file: number of element sets and 1
+                  */
+    int *patch;  /* [elements] number of the patch in each element of a mesh from a file, or -1
+                    without a patch; NULL on other meshes */
     scene_at at;
 } scene_patches;
 
@@ -176,12 +190,13 @@ typedef enum scene_where_type {
 typedef struct scene_where {
     scene_where_type type;
     scene_edge edge;
-    double theta[2];      /* coordinates of a point, equal to those of its mesh node */
-    double span[2][2];    /* region: start and end along theta1 and theta2, infinite if not given */
-    int node[2];          /* point: indices of its coordinates in line[0].point and line[1].point;
-                             place: node[0] is the nearest node */
-    char set[SCENE_NAME]; /* name of a set of the mesh file */
-    double x[3];          /* place in space */
+    double theta[2]; /* coordinates theta1 and theta2 of a point, equal to those of its mesh node */
+    double span[2][2]; /* start and end of a region along theta1 and along theta2; infinite where
+                          the scene gives no limit */
+    int node[2]; /* indices of a point's mesh lines in line[0].point and line[1].point; on a mesh
+                    from a file, node[0] is the node nearest to a place */
+    char set[SCENE_NAME]; /* name of a node, edge or element set of the mesh file */
+    double x[3]; /* coordinates x, y, z of a place on a mesh from a file (scene unit of length) */
     scene_at at;
 } scene_where;
 
@@ -257,20 +272,24 @@ typedef struct scene_actuator {
 } scene_actuator;
 
 /*
- * Conditions of a support on a mesh from a file whose dof depend on the edge or on the node, beside
- * the bits of the seven dof: along an edge, across it, and along x, y, z.
+ * Bits of a support on a mesh from a file whose constrained dof depend on the edge or on the node:
+ * simply supported edge, symmetry plane, and displacements along x, y and z. The lower seven bits
+ * stand for the seven dof of a node.
  */
 enum { FIX_SIMPLE = 128, FIX_SYMMETRIC = 256, FIX_X = 512, FIX_Y = 1024, FIX_Z = 2048 };
 
 typedef struct scene_support {
     scene_where where;
-    double direction[3]; /* mesh from a file: unit vector whose projection is e1 of the nodes; 0:
-                            not given */
-    unsigned fix;  /* bit i set: dof i of the nodes, in the order of the library's conventions, is
-                      prescribed; on a mesh from a file also FIX_SIMPLE ... FIX_Z */
-    expr *value;   /* prescribed displacement at full load; NULL: 0 */
-    unsigned move; /* bit i set: prescribed dof i takes the value, while the other prescribed dof
-                      are 0, so that a prescribed u3 moves both faces alike */
+    double direction[3]; /* unit vector whose projection on the surface is axis e1 of the support's
+                            nodes, on a mesh from a file; zero vector: not given */
+    unsigned fix; /* bit i set: dof i of the support's nodes is prescribed, in the order means of u1
+                     u2 u3, differences of u1 u2 u3, middle surface; higher bits are FIX_SIMPLE to
+                     FIX_Z */
+    expr *value;  /* formula of the prescribed displacement at full load (scene unit of length);
+                     NULL: 0 */
+    unsigned move; /* bit i set: the prescribed dof i takes the value of the support; the other
+                      prescribed dof are 0, so that a prescribed u3 moves both faces by the same
+                      distance */
     scene_at at;
 } scene_support;
 
@@ -289,17 +308,18 @@ typedef enum scene_follower { FOLLOWER_NONE, FOLLOWER_NORMAL, FOLLOWER_PRESSURE 
 
 typedef struct scene_load {
     scene_load_type type;
-    scene_where where; /* nodes on which a point load or line load acts; face load on a mesh from a
-                          file: WHERE_SET limits it to an element set */
+    scene_where where; /* nodes on which a point load or line load acts; for a face load on a mesh
+                          from a file, the element set that it is limited to (WHERE_SET) */
     scene_face face;
-    scene_component component; /* direction of the load; a pressure has the direction u3 */
-    expr *value;   /* load per point, length or area; temperature (K); acceleration of gravity for a
-                      weight */
-    expr *outer;   /* temperature at the outer face, with value at the inner face; NULL: uniform
-                      temperature */
-    int true_area; /* face load: 1 per area of the loaded face, 0 of the reference surface */
-    scene_follower follower; /* face load: pressure that follows the deformation; FOLLOWER_PRESSURE
-                                implies true_area */
+    scene_component component; /* direction of the load; a pressure acts along u3 */
+    expr *value; /* formula of the load per point, length or area, of the temperature (K), or of the
+                    acceleration of gravity for a weight */
+    expr *outer; /* formula of the temperature at the outer face (K), where `value` is that at the
+                    inner face; NULL: uniform temperature */
+    int true_area; /* face load: 1: load per area of the loaded face; 0: load per area of the
+                      reference surface */
+    scene_follower follower; /* face load: law by which a pressure follows the deformation;
+                                FOLLOWER_PRESSURE implies true_area = 1 */
     scene_at at;
 } scene_load;
 
@@ -307,19 +327,20 @@ typedef struct scene_load {
 typedef enum scene_body_type { BODY_PLANE, BODY_CYLINDER, BODY_SPHERE, BODY_PSI } scene_body_type;
 typedef struct scene_body {
     scene_body_type type;
-    double point[3];  /* point on a plane, on the axis of a cylinder, or the centre of a sphere */
-    double normal[3]; /* unit normal of a plane, pointing out of the body */
+    double point[3];  /* coordinates of a point on a plane, of a point on the axis of a cylinder, or
+                         of the centre of a sphere */
+    double normal[3]; /* unit normal of a plane, pointing out of the rigid body */
     double axis[3];   /* unit vector along the axis of a cylinder */
-    double radius;    /* radius of a cylinder or sphere */
-    expr *value;      /* level-set function psi(x, y, z), positive outside the body */
+    double radius;    /* radius of a rigid cylinder or sphere (scene unit of length) */
+    expr *value; /* level-set function psi(x, y, z) of a rigid body, positive outside the body */
 } scene_body;
 
 typedef struct scene_contact {
     int given;
-    scene_face face; /* face of the shell that touches the body, inner or outer */
+    scene_face face; /* face of the shell that touches the rigid body, inner or outer */
     scene_body body;
-    double move[3];   /* displacement of the body at full load */
-    double stiffness; /* contact: penalty factor kappa relative to the stiffness of the structure */
+    double move[3]; /* displacement x, y, z of the rigid body at full load (scene unit of length) */
+    double stiffness; /* penalty factor of contact, relative to the stiffness of the structure */
     scene_at at;
 } scene_contact;
 
@@ -336,7 +357,9 @@ typedef enum scene_contact_output {
     CONTACT_PRESSURE
 } scene_contact_output;
 
-/* Output of electrodes: their voltages, or the charge on the side that faces +e3. */
+/*
+ * Output of electrodes: their voltages, or the electric charge on the face that points along +e3.
+ */
 typedef enum scene_electric_output {
     ELECTRIC_NONE,
     ELECTRIC_VOLTAGE,
@@ -345,20 +368,22 @@ typedef enum scene_electric_output {
 
 typedef struct scene_output {
     char name[SCENE_NAME];
-    scene_contact_output contact;   /* if not CONTACT_NONE, the output is no displacement, and only
-                                       CONTACT_PRESSURE has a place */
-    scene_electric_output electric; /* if not ELECTRIC_NONE, the output is neither a displacement
-                                       nor of contact and has no place */
-    int of_sensor, first, count;    /* electric output: electrodes [first, first + count) of the
-                                       sensors if of_sensor, else of the amplifiers */
+    scene_contact_output contact;   /* quantity of contact; if it is not CONTACT_NONE, the output is
+                                       no displacement, and only CONTACT_PRESSURE has a place */
+    scene_electric_output electric; /* electric quantity; if it is not ELECTRIC_NONE, the output is
+                                       neither a displacement nor a quantity of contact, and has no
+                                       place */
+    int of_sensor, first, count; /* electrodes of an electric output, numbers first to first + count
+                                    - 1: those of the sensors if of_sensor is 1, else those of the
+                                    amplifiers */
     scene_where where;
     scene_component component;
     scene_face face;
-    double reference; /* reference value printed beside the result; NAN if not given */
+    double reference; /* reference value that is printed beside the result; NAN if not given */
     scene_at at;
 } scene_output;
 
-/* Named shape with the component, place and weight of the target. */
+/* Named target shape, for the component, place and weight of the scene's target. */
 typedef struct scene_mode {
     char name[SCENE_NAME];
     expr *value;
@@ -367,13 +392,16 @@ typedef struct scene_mode {
 
 typedef struct scene_target {
     int given;
-    scene_output what; /* component, face and place of the controlled displacement */
-    expr *value;       /* desired displacement as a function of the coordinates */
+    scene_output what; /* component, face and place of the displacement that is controlled */
+    expr *value; /* formula of the desired displacement in the coordinates of the nodes (scene unit
+                    of length) */
     int modes;
-    scene_mode *mode; /* alternative target shapes, each evaluated separately */
-    int weight_area;  /* weight of the nodes in the error: 1 by area, 0 equal */
+    scene_mode *mode; /* [modes] alternative target shapes, each solved for separately */
+    int weight_area;  /* weights of the nodes in the target error: 1: by the area of each node; 0:
+                         equal */
     int frees;
-    scene_mode *free; /* functions whose best fit is removed from the target and from the error */
+    scene_mode *free; /* [frees] functions whose best fit is removed from the target and from the
+                         target error */
 } scene_target;
 
 typedef struct scene_compare {
@@ -383,27 +411,28 @@ typedef struct scene_compare {
     scene_at at;
 } scene_compare;
 
-typedef struct scene_limit { /* voltage limits of the amplifiers [first, first + count); equal
-                                limits hold the voltage */
+typedef struct scene_limit { /* Voltage limits of the amplifiers first to first + count - 1; equal
+                                limits fix the voltage. */
     int first, count;
     double lower, upper;
     scene_at at;
 } scene_limit;
 
 typedef struct scene_limits {
-    double lower, upper, step_limit; /* voltage limits (V) and step limit (V a tick); infinite if
-                                        not given */
-    double regularisation;           /* weight of the squared voltages: absolute, or relative if
-                                        regularisation_is_relative */
+    double lower, upper, step_limit; /* lower and upper voltage limit (V) and step limit (V a tick)
+                                        of all amplifiers; infinite if not given */
+    double regularisation; /* weight of the sum of squared voltages in the optimisation: absolute,
+                              or relative if regularisation_is_relative is 1 */
     int regularisation_is_relative;
     int each_count;
-    scene_limit *each; /* limits of individual amplifiers, which override the common ones */
+    scene_limit *each; /* [each_count] voltage limits of single amplifiers, which override the
+                          common limits */
     scene_at at;
 } scene_limits;
 
 /*
- * Measurement available to the firmware: all values of an output, with noise of the given standard
- * deviation.
+ * Measurement that the firmware receives: all values of one output, with noise of the given
+ * standard deviation.
  */
 typedef struct scene_reading {
     int output;
@@ -412,86 +441,100 @@ typedef struct scene_reading {
 } scene_reading;
 
 /*
- * Measurements from which the firmware estimates the shape, and standard deviations of the
- * disturbances.
+ * Measurements from which the firmware estimates the shape, and the standard deviations of the
+ * disturbances that the estimator assumes.
  */
 typedef struct scene_estimate {
     int given;
     int readings;
     scene_reading *reading;
-    double loads;     /* standard deviation of the amount of every load, relative to the load of the
-                         scene */
-    double voltages;  /* standard deviation of the voltage error of an electrode (V); -1: a tenth of
-                         half its voltage range */
+    double loads; /* standard deviation of the unknown factor of every load, relative to the load of
+                     the scene */
+    double voltages; /* standard deviation of the voltage error of an electrode (V); -1: a twentieth
+                        of its voltage range */
     double tolerance; /* largest fraction of the disturbance that the estimate may leave unobserved;
-                         the readings are refused if more remains */
+                         readings that leave more are refused */
     scene_at at;
 } scene_estimate;
 
 /* Change that takes place at a tick of a simulation. */
 typedef enum scene_event_type {
     EVENT_TARGET,
-    EVENT_VALUE, /* EVENT_TARGET scales the target by a factor, EVENT_VALUE replaces the target */
+    EVENT_VALUE, /* EVENT_TARGET multiplies the target by a factor; EVENT_VALUE replaces the target
+                  */
     EVENT_LOAD,
-    EVENT_TEMPERATURE, /* EVENT_LOAD scales a load and EVENT_TEMPERATURE heats the structure; the
-                          controller is informed only of known loads */
+    EVENT_TEMPERATURE, /* EVENT_LOAD multiplies a load by a factor and EVENT_TEMPERATURE heats the
+                          structure; the controller is informed of load events that are marked as
+                          known */
     EVENT_DEAD,
     EVENT_STUCK,
-    EVENT_ALIVE, /* electrodes at 0 V (EVENT_DEAD), held at their last voltage (EVENT_STUCK), or
-                    working again (EVENT_ALIVE) */
+    EVENT_ALIVE, /* electrodes fall to 0 V (EVENT_DEAD), keep their last voltage (EVENT_STUCK), or
+                    work again (EVENT_ALIVE) */
     EVENT_NAN,
     EVENT_FROZEN,  /* a fraction of the sensors reads NaN (EVENT_NAN) or keeps its last value
                       (EVENT_FROZEN) */
     EVENT_LOST,    /* the controller does not run for some ticks */
-    EVENT_IMPULSE, /* a load acts like a hammer: its force during `amount` seconds, at one instant
-                    */
-    EVENT_SINE,    /* a load varies by amount sin(2 pi frequency t) for some ticks */
-    EVENT_LATE,    /* for some ticks the voltages act a random part of the interval late, up to
-                      `amount` */
-    EVENT_JITTER,  /* for some ticks the interval is longer or shorter by a random part, up to
-                      `amount` */
-    EVENT_DELAY    /* for some ticks the readings arrive `amount` ticks later than the controller
-                      believes */
+    EVENT_IMPULSE, /* a load acts like a hammer: the impulse of its force during `amount` seconds is
+                      applied in one instant */
+    EVENT_SINE,    /* a load is multiplied by amount * sin(2 pi frequency time) for some ticks */
+    EVENT_LATE, /* for some ticks the voltages act late by a random part of the tick interval, up to
+                   the fraction `amount` */
+    EVENT_JITTER, /* for some ticks the tick interval is longer or shorter by a random part of it,
+                     up to the fraction `amount` */
+    EVENT_DELAY   /* for some ticks the readings arrive `amount` ticks later than the controller
+                     assumes */
 } scene_event_type;
 
-/* Whether the controller is never informed of an electrode fault or detects the fault itself. */
+/*
+ * Special values of the delay after which the controller learns of an electrode fault: it is never
+ * informed, or it detects the fault itself.
+ */
 enum { TOLD_NEVER = -1, TOLD_FOUND = -2 };
 
 typedef struct scene_event {
     scene_event_type type;
-    int tick;         /* tick of the event; the events are in ascending order */
-    double amount;    /* factor of the target or load, temperature, or probability that a sensor is
-                         affected */
-    int ticks;        /* duration in ticks of EVENT_NAN, EVENT_FROZEN, EVENT_LOST and of those from
-                         EVENT_SINE on */
-    int load;         /* index of the load of EVENT_LOAD, EVENT_IMPULSE and EVENT_SINE */
-    double frequency; /* frequency of EVENT_SINE (Hz) */
-    int known; /* EVENT_LOAD: 1 if the controller is given the load factor one tick in advance */
-    int amplifiers, *amplifier; /* amplifiers of EVENT_DEAD, EVENT_STUCK and EVENT_ALIVE
-                                   [amplifiers] */
-    int told; /* EVENT_DEAD, EVENT_STUCK: ticks until the controller is informed, or TOLD_NEVER or
-                 TOLD_FOUND */
-    expr *value; /* new target of EVENT_VALUE */
+    int tick;      /* tick of the event; the events are in ascending order */
+    double amount; /* size of an event: factor of the target or of a load, temperature (K), or
+                      probability that a sensor is affected */
+    int ticks;     /* duration (ticks) of EVENT_NAN, EVENT_FROZEN, EVENT_LOST and of the event types
+                      from EVENT_SINE on */
+    int load;      /* index of the load that EVENT_LOAD, EVENT_IMPULSE and EVENT_SINE change */
+    double frequency; /* frequency of the load variation of EVENT_SINE (Hz) */
+    int known;        /* EVENT_LOAD: 1 if the controller is given the factor of the load one tick in
+                         advance */
+    int amplifiers, *amplifier; /* [amplifiers] numbers of the amplifiers that EVENT_DEAD,
+                                   EVENT_STUCK or EVENT_ALIVE changes */
+    int told; /* ticks until the controller is informed of EVENT_DEAD or EVENT_STUCK, or TOLD_NEVER
+                 or TOLD_FOUND */
+    expr *value; /* formula of the new target of EVENT_VALUE */
     scene_at at;
 } scene_event;
 
 /*
- * Source of the measured shape. SIGHT_SCENE: the readings of the scene's estimate if there is one,
- * else one sensor for each target node; SIGHT_ESTIMATED and SIGHT_MEASURED select one of the two.
+ * Source of the measured shape in a simulation. SIGHT_SCENE: the readings of the scene's estimate
+ * if there is one, else one sensor for each target node; SIGHT_ESTIMATED and SIGHT_MEASURED select
+ * one of the two.
  */
 typedef enum scene_sight { SIGHT_SCENE, SIGHT_ESTIMATED, SIGHT_MEASURED } scene_sight;
 
-/* Imperfections of sensors and amplifiers of the plant that the controller does not know. */
+/*
+ * Imperfections of sensors and amplifiers in the simulated plant, which the controller does not
+ * know.
+ */
 typedef struct scene_imperfections {
-    double bandwidth;      /* corner frequency of the amplifiers, first order (Hz); 0: no limit */
-    double creep;          /* creep of the ceramic a decade of time, relative to the voltage */
-    double drift;          /* drift of every sensor, of random sign (reading a second) */
-    double quantum;        /* step of the sensors' converters (unit of the reading) */
-    double outlier_chance; /* probability that a reading is an outlier */
-    double outlier_size;   /* largest error of an outlier (unit of the reading) */
-    int reversals, *reversed; /* amplifiers whose wires are reversed [reversals] */
-    int swaps, *swapped;      /* amplifiers whose cables are swapped, the first with the second, the
-                                 third with the fourth, ... [swaps] */
+    double bandwidth; /* corner frequency of the amplifiers, which are first-order low-pass filters
+                         (Hz); 0: unlimited */
+    double creep; /* creep of the ceramic: change of strain a decade of time, relative to the strain
+                     of the voltage */
+    double drift; /* drift of every sensor, of random sign (unit of the reading per second) */
+    double quantum; /* quantisation step of the sensors' analogue-to-digital converters (unit of the
+                       reading) */
+    double outlier_chance;    /* probability that a single reading is an outlier */
+    double outlier_size;      /* largest error of an outlier (unit of the reading) */
+    int reversals, *reversed; /* [reversals] numbers of the amplifiers whose two wires are exchanged
+                               */
+    int swaps, *swapped; /* [swaps] numbers of the amplifiers whose cables are exchanged in pairs:
+                            the first with the second, the third with the fourth, and so on */
 } scene_imperfections;
 
 /*
@@ -501,61 +544,70 @@ typedef struct scene_imperfections {
 typedef struct scene_simulate {
     int given;
     int ticks, seed;
-    int at_target; /* 1: the controller's influence matrix is that at the nonlinear optimum; 0: in
-                      the undeformed state */
-    scene_kinematics kinematics; /* kinematics of the plant, linear or nonlinear */
-    double *stiffness, *d; /* factors of the plant's stiffness and piezoelectric constants that the
-                              controller does not know [materials] */
-    double *gain;          /* factors of the columns of a measured matrix in the plant, which the
-                              controller does not know [amplifiers] */
-    double scatter;        /* standard deviation of the relative error of its entries */
-    double hysteresis;     /* width of the largest hysteresis loop relative to the voltage range */
+    int at_target; /* 1: the controller uses the influence matrix at the nonlinear optimum; 0: that
+                      of the undeformed state */
+    scene_kinematics kinematics; /* kinematics of the simulated plant, linear or nonlinear */
+    double *stiffness, *d;       /* [materials] factors by which the stiffness and the piezoelectric
+                                    constants of the plant differ from those that the controller knows */
+    double *gain; /* [amplifiers] factors by which the columns of a measured influence matrix differ
+                     in the plant, unknown to the controller */
+    double scatter;    /* standard deviation of the relative error of each entry of a measured
+                          influence matrix */
+    double hysteresis; /* width of the largest hysteresis loop of an actuator, relative to the
+                          voltage range */
     scene_sight sight;
-    double noise; /* standard deviation of the noise of measured shapes; the readings of an estimate
-                     have their own */
+    double noise; /* standard deviation of the noise of a measured shape (scene unit of length); the
+                     readings of an estimate have their own noise */
     int delay;    /* delay of the sensors (ticks) */
-    double step, dead_band; /* voltage resolution of the converters and dead band of the amplifiers
-                               (V) */
+    double step, dead_band; /* quantisation step of the digital-to-analogue converters and dead band
+                               of the amplifiers (V) */
     double fault_chance;    /* probability of a random fault in a tick */
     int fault_until;        /* tick from which no random faults occur */
-    int inertia_given, inertia; /* whether the scene says that the plant has inertia or has none */
-    int modes;                  /* largest number of modes of a plant with inertia */
-    int hysteresis_given;       /* whether the scene gives the hysteresis */
+    int inertia_given, inertia; /* inertia_given: 1 if the scene says whether the plant has inertia;
+                                   inertia: 1 if the plant has inertia */
+    int modes;                  /* largest number of vibration modes of a plant with inertia */
+    int hysteresis_given;       /* 1 if the scene gives the width of the hysteresis loop */
     scene_imperfections imperfections;
-    int finds; /* 1: the fault of some electrode is TOLD_FOUND */
-    int feeds; /* 1: some load event is known to the controller */
+    int finds; /* 1 if the controller has to detect the fault of some electrode itself (TOLD_FOUND)
+                */
+    int feeds; /* 1 if some load event is known to the controller in advance */
     int events;
     scene_event *event;
     scene_at at;
 } scene_simulate;
 
 /*
- * Measured influence matrix in the place of a structure. Its columns are the actuators of the
- * scene, one amplifier each. Outputs that the scene ignores are left out of every array but
+ * Measured influence matrix in place of a structural model. Its columns are the actuators of the
+ * scene, with one amplifier each. Outputs that the scene ignores are left out of every array except
  * output_name.
  */
 typedef struct scene_influence {
     int given;
-    char file[256];     /* file of the matrix, as the scene names it */
-    int outputs;        /* rows that are used */
-    int file_outputs;   /* rows of the file */
-    int *row;           /* [outputs] number of each row in the file, from 0 */
-    double *matrix;     /* [outputs][amplifiers] displacement per volt */
-    double (*place)[3]; /* [outputs] coordinates x, y, z; NULL where the scene gives none */
-    char (*output_name)[SCENE_NAME]; /* [file_outputs] names, or NULL */
+    char file[256]; /* name of the file of the influence matrix as it is written in the scene */
+    int outputs;    /* number of rows of the influence matrix that are used, one for each output */
+    int file_outputs;   /* number of rows of the file of the influence matrix */
+    int *row;           /* [outputs] number of each used output's row in the file, counted from 0 */
+    double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt */
+    double (*place)[3]; /* [outputs] coordinates x, y, z of the output points; NULL where the scene
+                           gives none */
+    char (*output_name)[SCENE_NAME]; /* [file_outputs] names of the rows of the file, or NULL where
+                                        it has none */
     scene_at at;
 } scene_influence;
 
 /* Data for vibration in addition to the densities of the materials. */
 typedef struct scene_dynamics {
-    double damping; /* damping ratio of every mode relative to critical damping */
-    int dampings;   /* number of entries of damping_of_mode; 0: `damping` holds for every mode */
-    double *damping_of_mode; /* damping ratios of the first modes; the last entry holds for all
-                                later modes [dampings] */
-    int is_rayleigh;         /* damping ratios follow from Rayleigh's coefficients */
-    double rayleigh[2]; /* coefficients of mass (rad/s) and stiffness (s/rad): damping ratio a/(2 w)
-                           + b w/2 */
-    int damping_given;  /* 1: the damping ratio is given by the scene; 0: it is an assumed value */
+    double damping; /* damping ratio of every vibration mode, relative to critical damping */
+    int dampings;   /* number of entries of damping_of_mode; 0: the ratio `damping` holds for every
+                       mode */
+    double *damping_of_mode; /* [dampings] damping ratios of the first vibration modes; the last
+                                entry holds for all later modes */
+    int is_rayleigh;         /* 1 if the damping ratios follow from Rayleigh's coefficients */
+    double rayleigh[2];      /* Rayleigh coefficients a of the mass (rad/s) and b of the stiffness
+                                (s/rad): a mode of angular frequency w has the damping ratio a/(2 w) + b
+                                w/2 */
+    int damping_given; /* 1 if the damping ratio is given by the scene; 0 if it is an assumed value
+                        */
     int modes; /* number of vibration modes used to assess the stability of the control loop */
     double mass_per_area; /* mass per area that belongs to no layer, located at the middle of the
                              laminate */
@@ -563,37 +615,42 @@ typedef struct scene_dynamics {
 
 /* Data of the control loop on the device. */
 typedef struct scene_control {
-    double rate; /* tick rate (ticks per second); 0 if neither given nor needed by a simulation */
-    int moving_target; /* 1: a governor lets the damped tick follow a moving target */
-    double clock;      /* clock of the device's processor (Hz); 0 if not given */
+    double rate; /* tick rate of the control loop (ticks per second); 0 if neither given nor needed
+                    by a simulation */
+    int moving_target; /* 1: a reference governor lets the vibration-damping tick follow a moving
+                          target */
+    double clock;      /* clock frequency of the device's processor (Hz); 0 if not given */
 } scene_control;
 
-/* Supervisor of the control loop. */
+/* Settings of the supervisor, which brings the amplifiers to safe voltages when control is lost. */
 typedef struct scene_safety {
     int given;
-    double park;    /* park voltage of all amplifiers, clamped to the limits of each */
-    int timeout;    /* ticks without usable readings until control is taken away; 0: never */
-    int ramp_ticks; /* shortest ramp to the park voltages (ticks) */
-    int waits;      /* 1: the loop waits for the command to arm; 0: it arms itself */
+    double park; /* park voltage of all amplifiers (V), clamped to the limits of each amplifier */
+    int timeout; /* number of ticks without usable readings after which the supervisor takes control
+                    away; 0: never */
+    int ramp_ticks; /* shortest duration of the voltage ramp to the park voltages (ticks) */
+    int waits; /* 1: the control loop waits for a command before it starts; 0: it starts by itself
+                */
 } scene_safety;
 
 typedef struct scene {
     char *path; /* path of the scene file */
-    char **set; /* changes applied to the scene file [sets] */
+    char **set; /* [sets] changes of the form key=value that are applied to the scene file */
     int sets;
     char name[SCENE_NAME];
     char *about;
     char unit_length[SCENE_NAME], unit_force[SCENE_NAME], unit_voltage[SCENE_NAME],
         unit_temperature[SCENE_NAME];
-    uint32_t hash; /* hash of the text of the scene and of its --set changes */
+    uint32_t hash; /* hash of the text of the scene file and of the changes of --set */
     scene_element element;
     scene_kinematics kinematics;
-    double tolerance; /* largest relative error that simpler kinematics may cause under
-                         KINEMATICS_AUTO */
+    double tolerance; /* largest relative error that simpler kinematics may cause where the scene
+                         says kinematics: auto */
     scene_equilibrium equilibrium;
     scene_surface surface;
-    scene_line line[2]; /* mesh lines; without points where the mesh comes from a file */
-    scene_quads *quads; /* mesh from a file, or NULL */
+    scene_line line[2]; /* mesh lines of theta1 and theta2; without points where the mesh comes from
+                           a file */
+    scene_quads *quads; /* mesh from a file, or NULL where the scene has mesh lines on a surface */
     int reference_is_middle;
     double reference; /* z coordinate of the reference surface, measured from the inner face */
     int materials, layers, patch_grids, actuators, sensors, supports, springs, loads, outputs,
@@ -616,8 +673,10 @@ typedef struct scene {
     scene_control control;
     scene_safety safety;
     scene_influence influence;
-    int amplifiers; /* number of amplifiers of all actuators, in the order of the actuators */
-    int electrodes; /* number of electrodes of all sensors, in the order of the sensors */
+    int amplifiers; /* number of amplifiers of all actuators together, numbered in the order of the
+                       actuators */
+    int electrodes; /* number of electrodes of all sensors together, numbered in the order of the
+                       sensors */
     scene_at at_surface, at_layers;
 } scene;
 
@@ -637,12 +696,15 @@ int scene_read_text(scene *scene, const char *path, const char *text, size_t byt
 void scene_free(scene *scene);
 
 /*
- * Write the name of amplifier k: the name of its actuator, followed by _i_j (indices from 1) if the
- * grid has more than one patch.
+ * Write the name of amplifier number k: the name of its actuator, followed by _i_j (position in the
+ * grid, counted from 1) if the grid has more than one patch.
  */
 void scene_amplifier_name(const scene *scene, int k, char name[SCENE_LABEL]);
 
-/* Write the name of electrode k of the sensors, formed like the name of an amplifier. */
+/*
+ * Write the name of sensor electrode number k: the name of its sensor, followed by _i_j (position
+ * in the grid, counted from 1) if the grid has more than one patch.
+ */
 void scene_sensor_name(const scene *scene, int k, char name[SCENE_LABEL]);
 
 /*
@@ -658,13 +720,17 @@ int scene_find_amplifier(const scene *scene, const char *name, int *first, int *
 int scene_find_sensor(const scene *scene, const char *name, int *first, int *count);
 
 /*
- * Mark the nodes of a place on a mesh from a file; a set is looked for among the node sets, the
- * edge sets and the element sets, in this order. in_set [nodes] out  1 for the nodes of the place,
- * else 0 Returns their number.
+ * Mark the nodes of a place on a mesh from a file. A named set is looked for among the node sets,
+ * then the edge sets, then the element sets.
+ *   in_set  [nodes]  out  1 for the nodes of the place, else 0
+ * Returns the number of nodes that are marked.
  */
 size_t scene_mark_nodes(const scene *scene, const scene_where *where, unsigned char *in_set);
 
-/* Write an error message "file:line:column: ..." for a fault found after reading; returns -1. */
+/*
+ * Write an error message of the form file:line:column: text for a fault that is found after reading
+ * the scene. Returns -1.
+ */
 int scene_fault(const scene *scene, scene_at at, char *error, const char *format, ...);
 
 #endif
