@@ -20,61 +20,64 @@ typedef struct expr_point {
 } expr_point;
 
 /*
- * Compile a text to an expression.
- *   column  out  column of the fault, counted from 1
+ * Compile the text of a formula.
+ *   column  out  position of the fault in the text, counted from 1
  *   error   out  description of the fault, a constant string
- * Returns NULL on a fault or when memory runs out.
+ * Returns NULL on a fault or when memory runs out, else the expression, which expr_free releases.
  */
 expr *expr_compile(const char *text, int *column, const char **error);
 
-/* Coordinates by number, in the order of expr_point: x, y, z, theta1, theta2. */
+/* Number of coordinates in expr_point; their indices follow its order x, y, z, theta1, theta2. */
 enum { EXPR_AXES = 5 };
 
 /*
- * Function through values at scattered points (scatter.h in host_tools/data).
- *   text                   in  description for reports
- *   axes, axis [axes]      in  number of coordinates of a point, 1 to 3, and which they are
- *   point [count][axes]    in  finite
- *   value [count]          in  finite
+ * Build a function that interpolates values given at scattered points (scatter.h in
+ * host_tools/data).
+ *   text   in                 description for reports
+ *   axes   in                 number of coordinates of a point, 1 to 3
+ *   axis   [axes]         in  index of each coordinate in the order x, y, z, theta1, theta2
+ *   point  [count][axes]  in  coordinates of the points, finite
+ *   value  [count]        in  values at the points, finite
  * Returns NULL when memory runs out.
  */
 expr *expr_from_points(const char *text, int axes, const int *axis, size_t count,
                        const double *point, const double *value);
 
 /*
- * Function given by a list of values, one for each row of a target. value [count] in. Returns NULL
- * when memory runs out.
+ * Build a function from a list of values, one for each row of a target (value [count] in). Returns
+ * NULL when memory runs out.
  */
 expr *expr_from_list(const char *text, size_t count, const double *value);
 
 /*
- * Return the value at a row of a target, whose coordinates are `at`. Lists need the row; their
- * value is NAN for a row that they do not have.
+ * Return the value of a function at one row of a target, whose coordinates are `at`. A list of
+ * values is looked up by the row, and is NAN for a row that it does not have; all other functions
+ * use the coordinates.
  */
 double expr_row_value(const expr *expression, const expr_point *at, int row);
 
-/* Return the number of values of a list, or -1 for other functions. */
+/* Return the number of values of a function that is a list, or -1 for any other function. */
 int expr_rows(const expr *expression);
 
 /*
- * Return the distance from a point to the nearest of the scattered points, in multiples of their
- * usual spacing; 0 for other functions.
+ * Return the distance from a point to the nearest scattered point of an interpolated function, in
+ * multiples of the usual spacing of those points; 0 for any other function.
  */
 double expr_gap(const expr *expression, const expr_point *at);
 
 /*
- * Return the value of an expression at a point. The value is not finite where the expression is
- * undefined, as in 1/0 or sqrt(-1); the caller must check.
+ * Return the value of a function at a point. The value is not finite where the function is
+ * undefined, as 1/0 or sqrt(-1); the caller must check.
  */
 double expr_value(const expr *expression, const expr_point *at);
 
-/* Return the text from which an expression was compiled. */
+/* Return the text that a function was compiled from, or its description for reports. */
 const char *expr_text(const expr *expression);
 
-/* Return 1 if an expression uses none of x, y, z, theta1 and theta2, otherwise 0. */
+/* Return 1 if a function depends on none of x, y, z, theta1 and theta2, else 0. */
 int expr_is_constant(const expr *expression);
 
-/* Return 1 if an expression uses theta1 or theta2, otherwise 0. */
+/* Return 1 if a function depends on theta1 or theta2, else 0. */
 int expr_uses_theta(const expr *expression);
 
 void expr_free(expr *expression);

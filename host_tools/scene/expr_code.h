@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Code of a compiled expression: reverse Polish notation on a stack of EXPR_STACK values. Shared by
- * the evaluation of values (expr.c) and of derivatives (expr_jet.c).
+ * Code of a compiled formula: reverse Polish notation for a stack of EXPR_STACK values. It is
+ * shared by the evaluation of values (expr.c) and of derivatives (expr_jet.c).
  */
 #ifndef EXPR_CODE_H
 #define EXPR_CODE_H
@@ -48,24 +48,28 @@ typedef struct instruction {
 } instruction;
 
 struct expr {
-    const char *text; /* copy of the source text, stored after the code */
+    const char *text; /* copy of the source text, stored behind the code */
     int length, constant;
-    scatter *scatter;             /* function through scattered points, or NULL */
-    int axes, axis[SCATTER_AXES]; /* its coordinates */
-    double spacing;               /* usual distance of its points */
-    double *list;                 /* [rows] values of a list, or NULL */
+    scatter *scatter;             /* interpolated function through scattered points, or NULL */
+    int axes, axis[SCATTER_AXES]; /* number and indices of the coordinates that the scattered points
+                                     have */
+    double spacing;               /* usual distance between neighbouring scattered points */
+    double *list;                 /* [rows] values of a function that is a list, or NULL */
     int rows;
     instruction code[];
 };
 
-/* Number of values that an operation takes from the stack. */
+/* Return the number of values that an operation takes from the stack. */
 int expr_arity(operation op);
 
-/* Orders n and m of the Zernike polynomial of Noll index j, m >= 0. */
+/*
+ * Find the radial order n and the azimuthal order m >= 0 of the Zernike polynomial with Noll index
+ * j.
+ */
 void expr_zernike_orders(int j, int *n, int *m);
 
 /*
- * Coefficient of rho^(n - 2 k) in the radial Zernike polynomial:
+ * Return the coefficient of rho^(n - 2 k) in the radial Zernike polynomial of orders n and m:
  * (-1)^k (n-k)! / (k! ((n+m)/2-k)! ((n-m)/2-k)!).
  */
 double expr_zernike_coefficient(int n, int m, int k);

@@ -1,21 +1,25 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Derivatives of expressions by automatic differentiation. */
+/* Derivatives of formulas by automatic differentiation. */
 #ifndef EXPR_JET_H
 #define EXPR_JET_H
 
 #include "expr.h"
 
-/* Value of a function of two parameters, with its first and second derivatives. */
+/*
+ * Value of a function of the two surface parameters theta1 and theta2, with its first and second
+ * derivatives.
+ */
 typedef struct expr_jet {
     double value;
-    double first[2];  /* by theta1, by theta2 */
-    double second[3]; /* by theta1 twice, by theta2 twice, by both */
+    double first[2];  /* derivatives with respect to theta1 and theta2 */
+    double second[3]; /* second derivatives: twice with respect to theta1, twice to theta2, and
+                         mixed */
 } expr_jet;
 
 /*
- * Return value and derivatives of an expression of theta1 and theta2. In it x is another name of
- * theta1 and y of theta2; z, and values from a file, are not numbers. Results are not finite where
- * the expression or its derivatives are undefined; the caller must check.
+ * Return the value and the derivatives of a formula in theta1 and theta2, for which x and y are
+ * other names here. The result is NAN for a formula that uses z or values from a file, and not
+ * finite where the formula or its derivatives are undefined; the caller must check.
  */
 expr_jet expr_jet_at(const expr *expression, double theta1, double theta2);
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Physical dimensions of the numbers of a scene, one for each row of a table of keys. */
+/* Physical dimensions of the numbers in a scene. Every row of a table of keys states one. */
 #ifndef SCENE_DIMENSION_H
 #define SCENE_DIMENSION_H
 
 /*
- * Physical dimension of the numbers of a key. OF_NOTHING is the dimension of a key without numbers
- * of its own. Values from DIMENSIONS on stand for dimensions that follow from neighbouring keys or
- * from other sections of the scene.
+ * Physical dimension of the numbers in the value of a key. OF_NOTHING is the dimension of a key
+ * without numbers of its own. Values from DIMENSIONS on stand for dimensions that follow from
+ * neighbouring keys or from other sections of the scene.
  */
 typedef enum dimension {
     OF_NOTHING,

@@ -7,8 +7,8 @@
 enum { SCENE_ERROR = 400 };
 
 /*
- * Position of a value in the scene file for error messages, with line and column counted from 1.
- * Line -(k+1) refers to the change set[k] of the command line, and line 0 to the file as a whole.
+ * Position of a value in the scene file for error messages: line and column, counted from 1. Line
+ * -(k + 1) stands for change number k of the option --set, and line 0 for the file as a whole.
  */
 typedef struct scene_at {
     int line, column;

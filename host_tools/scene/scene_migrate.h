@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Migration of a scene file: retired keys and words (scene_retired.h) are replaced in the text, and
- * everything else, comments and layout included, stays as it is.
+ * Migration of a scene file to the present scene language: retired keys and words (scene_retired.h)
+ * are replaced in the text, and everything else, comments and layout included, is kept.
  */
 #ifndef SCENE_MIGRATE_H
 #define SCENE_MIGRATE_H
@@ -9,10 +9,11 @@
 #include <stddef.h>
 
 /*
- * Rewrite the scene file at a path. A step limit that was called slew becomes a rate limit where
- * the scene gives a tick rate and the quotient of the two is exactly the step limit.
- *   text, bytes  out  the new text, to be released with free; NULL after an error
- *   error        out  [SCENE_ERROR] as scene_read
+ * Rewrite the scene file at a path. A step limit that was called slew becomes a rate limit if the
+ * scene gives a tick rate and the quotient of both is exactly the step limit.
+ *   text, bytes  out                new text and its length, to be released with free; NULL after
+ *   an error
+ *   error        [SCENE_ERROR] out  one line with the position of the fault
  * Returns 0, or -1 with error filled: the file cannot be read, a name cannot be replaced in the
  * text, or the new text is no valid scene.
  */

@@ -1,36 +1,48 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Functions that read the sections of a scene, one function for each section, and the check of the
- * complete scene.
+ * Functions that read the sections of a scene, one for each section, and that check the complete
+ * scene.
  */
 #ifndef SCENE_PARTS_H
 #define SCENE_PARTS_H
 
 #include "scene_fields.h"
 
-/* Geometry (scene_shape.c). The argument `to` of every section reader is the scene. */
+/*
+ * Readers of the sections for the surface and the mesh lines (scene_shape.c). The argument `to` of
+ * the reader of every section is the scene.
+ */
 field_read read_surface, read_mesh;
 
 /*
- * Mesh from a file (scene_quads.c): the section `mesh` with `file`; the sets of a layer, to =
- * scene_layer, and of patches, to = scene_patches; a set as a place, to = scene_where; three
- * numbers, and a unit vector, to = double[3].
+ * Readers for meshes from a file (scene_quads.c, scene_disc.c). The argument `to` is
+ *   read_mesh_file, read_mesh_disc      the scene
+ *   read_layer_sets, read_patch_sets    the scene_layer or scene_patches whose element sets are
+ *   read
+ *   read_set                            the scene_where of a place that is a named set
+ *   read_vector, read_unit              double[3]: a vector, and a vector scaled to length 1
  */
 field_read read_mesh_file, read_mesh_disc, read_layer_sets, read_patch_sets, read_set, read_vector,
     read_unit;
 
-/* Read a place in space, as a mapping of x, y, z, and find its nearest node (scene_quads.c). */
+/*
+ * Read a place on a mesh from a file, a mapping of x, y and z, and find the mesh node nearest to it
+ * (scene_quads.c). Returns 0, or -1 after writing the error message of the YAML tree.
+ */
 int read_place(reader *reader, int node, scene_where *where);
 
 /*
- * Give the elements of a mesh from a file their regions, and apply the supports to its directors,
- * axes and constrained dof (scene_regions.c, scene_triads.c). Each returns 0, or -1 with error
- * filled.
+ * Assign the elements of a mesh from a file to regions of equal layers (check_regions), and let the
+ * supports determine its directors, axes and constrained dof (check_triads). Each returns 0, or -1
+ * with error filled.
  */
 int check_regions(scene *scene, char *error);
 int check_triads(scene *scene, char *error);
 
-/* Materials, layers and element formulation (scene_model.c). */
+/*
+ * Readers of the sections for materials, layers, patches and the element formulation
+ * (scene_model.c).
+ */
 field_read read_element, read_materials, read_layers, read_reference, read_patches;
 
 /*
@@ -42,42 +54,65 @@ field_read read_springs, read_stacks, read_any_direction;
 /* Supports, loads and contact (scene_load.c). */
 field_read read_supports, read_loads, read_contact;
 
-/* A measured influence matrix in the place of a structure (scene_influence.c). */
+/*
+ * Reader of the section for a measured influence matrix in place of a structural model
+ * (scene_influence.c).
+ */
 field_read read_influence;
 
-/* Target of a scene with a measured matrix, whose rows are the outputs of the matrix. */
+/*
+ * Reader of the target of a scene with a measured influence matrix; the target has one value for
+ * each output of the matrix.
+ */
 field_read read_measured_target;
 
 /*
- * Check the functions of a scene with a measured matrix. Returns 0, or -1 with error filled.
+ * Check that the functions of a scene with a measured influence matrix use only coordinates that
+ * its outputs have. Returns 0, or -1 with error filled.
  */
 int scene_check_influence(const scene *scene, char *error);
 
-/* Solver settings, actuators, sensors, limits and outputs (scene_task.c). */
+/*
+ * Readers of the sections for the equilibrium solver, actuators, sensors, limits, outputs, target
+ * and reference values (scene_task.c).
+ */
 field_read read_equilibrium, read_actuators, read_sensors, read_limits, read_outputs, read_target,
     read_compare;
 
-/* Measurements from which the firmware estimates the shape (scene_estimate.c). */
+/*
+ * Reader of the section for the measurements from which the firmware estimates the shape
+ * (scene_estimate.c).
+ */
 field_read read_estimate;
 
-/* Data for vibration, and of the control loop on the device (scene_dynamics.c). */
+/*
+ * Readers of the sections for vibration data and for the control loop on the device
+ * (scene_dynamics.c).
+ */
 field_read read_dynamics, read_control;
 
-/* Supervisor of the control loop (scene_safety.c). */
+/* Reader of the section for the supervisor of the control loop (scene_safety.c). */
 field_read read_safety;
 
-/* Wrong wires of amplifiers (scene_imperfections.c); `to` is the scene_simulate. */
+/*
+ * Readers of the simulated wiring faults of amplifiers (scene_imperfections.c); the argument `to`
+ * is the scene_simulate.
+ */
 field_read read_reversed, read_swapped;
 
-/* Append the amplifiers that a list of names of amplifiers or actuators denotes. */
+/*
+ * Read a YAML list of names of actuators or single amplifiers, and append the numbers of their
+ * amplifiers to an allocated list. Returns 0, or -1 after writing the error message of the YAML
+ * tree.
+ */
 int read_amplifier_names(reader *reader, int node, int **list, int *count);
 
-/* Closed-loop simulation (scene_simulate.c). */
+/* Reader of the section for the closed-loop simulation (scene_simulate.c). */
 field_read read_simulate;
 
 /*
- * Places, faces and directions (scene_place.c); the argument `to` of the place readers is a
- * scene_where.
+ * Readers of places, faces and directions (scene_place.c); the argument `to` of the readers of
+ * places is a scene_where.
  */
 field_read read_edge, read_point, read_at;
 int require_place(reader *reader, int node, const scene_where *where);
@@ -88,8 +123,9 @@ extern const choice place_axes[], place_faces[];
 extern const int place_components[];
 
 /*
- * Table rows for the six directions, read by one function whose rule is the component, and for the
- * place of an edge or a set of nodes, at an offset in a structure.
+ * DIRECTIONS are six rows of a table of keys, one for each displacement component; one function
+ * reads all six, and its rule is the component. PLACE(offset) are the rows of the keys that
+ * describe a set of nodes, read into the scene_where at an offset (bytes) in a structure.
  */
 #define DIRECTION(key, read, i, of, form, help)                                                    \
     {                                                                                              \
@@ -119,28 +155,26 @@ extern const int place_components[];
             "nodes for all; mesh from a file: the node nearest to {x, y, z}, or {set: name}."      \
     }
 
-/* Forms of the sections. */
+/* Forms of the values of the sections of a scene. */
 extern const form element_form, surface_form, mesh_form, materials_form, layers_form,
     reference_form, patches_form, actuators_form, sensors_form, control_form, safety_form,
     limits_form, supports_form, springs_form, loads_form, contact_form, outputs_form, target_form,
     compare_form, estimate_form, dynamics_form, simulate_form, equilibrium_form, influence_form,
     measured_target_form;
 
-/* Default element formulation of a scene. */
+/* Element formulation of a scene that does not choose one. */
 extern const scene_element element_improved;
 
-/*
- * Check the names of a scene. Returns 0, or -1 with error filled.
- */
+/* Check that every name of a scene is used only once. Returns 0, or -1 with error filled. */
 int scene_check_names(const scene *scene, char *error);
 
 /*
- * Check what involves several sections of a scene, and move points and patch edges exactly onto
- * mesh lines (scene_check.c). Returns 0, or -1 with error filled.
+ * Check the rules that concern several sections of a scene, and move points and patch edges exactly
+ * onto mesh lines (scene_check.c). Returns 0, or -1 with error filled.
  */
 int scene_check(scene *scene, char *error);
 
-/* Return 1 if the material of some layer has thermal expansion, otherwise 0. */
+/* Return 1 if the material of some layer has a thermal expansion other than 0, else 0. */
 int scene_expands(const scene *scene);
 
 #endif

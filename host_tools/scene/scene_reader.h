@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Input of every function that reads a section of a scene: the tree of the file and the scene read
- * so far.
+ * Input of every function that reads a section of a scene: the YAML tree of the file, and the scene
+ * as it has been read so far.
  */
 #ifndef SCENE_READER_H
 #define SCENE_READER_H
@@ -13,18 +13,18 @@
 typedef struct reader {
     tree *t;
     scene *s;
-    dimension of; /* dimension of the key whose value is being read */
+    dimension of; /* physical dimension of the key whose value is being read */
 } reader;
 
-/* Return the text of a scalar node. */
+/* Return the text of a YAML node that is a scalar, or NULL for a list or mapping. */
 const char *node_text(const reader *reader, int node);
 
-/* Return the line and column of a node in the scene file. */
+/* Return the line and column of a YAML node in the scene file. */
 scene_at node_at(const reader *reader, int node);
 
 /*
- * Return the index of the item with the given name, or -1 if there is none. The array has count
- * items of size bytes, and the first member of each item is its name.
+ * Return the index of the item with a given name, or -1 if there is none. The array has count items
+ * of size bytes each, and the first member of every item is its name.
  */
 int find_named(const void *items, int count, size_t size, const char *name);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Numbers of a scene that are written with a unit, as "0.3 mm": the physical dimension of each key,
- * and the conversion to the units of the scene. Times are in seconds, and angles are in the unit of
- * their key; the unit of mass follows from the units of force and length.
+ * Numbers of a scene that are written with a unit, such as "0.3 mm": their physical dimension is
+ * checked, and they are converted to the units of the scene. Times are in seconds, angles in the
+ * unit of their key; the unit of mass follows from the units of force and length.
  */
 #ifndef SCENE_UNITS_H
 #define SCENE_UNITS_H
@@ -14,21 +14,24 @@ enum { SCENE_UNITS_TEXT = UNITS_NUMBER + 8 };
 
 /*
  * Convert the text of a number or formula to the units of the scene and remove its unit.
- *   node   in   a scalar
- *   text   out  used where the number has a unit
- *   plain  out  text, or the text of the node where the number has no unit
- * Returns 0, or -1 with the error of the tree filled: an unknown unit, a unit of another dimension,
- * or a scene without units.
+ *   node   in   YAML node, a scalar
+ *   text   out  memory for the converted number, used if the number has a unit
+ *   plain  out  text without a unit: that of the node if its number has no unit
+ * Returns 0, or -1 after writing the error message of the YAML tree: the unit is unknown, has
+ * another dimension than the key, or the scene has no units.
  */
 int scene_units_text(reader *reader, int node, char text[SCENE_UNITS_TEXT], const char **plain);
 
 /*
- * Find the power of ten that converts a value in the given unit to the units of the scene. Returns
- * -1, or the index in units_base of the base unit for which the scene has no SI unit.
+ * Find the power of ten that converts a value from the given unit to the units of the scene.
+ * Returns -1 on success; otherwise the index in units_base of the base unit for which the scene has
+ * no SI unit.
  */
 int scene_units_ten(const scene *scene, const units_unit *unit, int *ten);
 
-/* Return a unit of a dimension as an example for help texts, or NULL where there is none. */
+/*
+ * Return a unit of a physical dimension as an example for help texts, or NULL where there is none.
+ */
 const char *scene_units_example(dimension of);
 
 #endif

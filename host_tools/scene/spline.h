@@ -1,16 +1,21 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Cubic splines of a plane curve over the chord length between its points, interpolating or
- * smoothing. */
+/*
+ * Cubic splines of a plane curve over the chord length between its points: interpolating or
+ * smoothing.
+ */
 #ifndef SPLINE_H
 #define SPLINE_H
 
 typedef struct spline spline;
 
 /*
- * Fit a curve to points.
- *   point     [n][2] in  in order, neighbours distinct; n >= 4, or n >= 2 with tangents
- *   tangent   [2][2] in  directions at the first and last point (any length); NULL: not-a-knot ends
- *   smoothing        in  lambda >= 0 (length^3); 0 interpolates
+ * Fit a cubic spline curve s(t) to the points p_i, where t is the chord length from the first
+ * point.
+ *   point      [knots][2] in  points in order, neighbours distinct; at least 4, or 2 with tangents
+ *   tangent    [2][2]     in  directions at the first and the last point, of any length; NULL: the
+ *                             third derivative is continuous at the second and the last but one
+ *                             point (not-a-knot)
+ *   smoothing  in             weight lambda >= 0 (length^3); 0: the curve interpolates the points
  * The curve minimises sum |p_i - s(t_i)|^2 + lambda integral |s''|^2 dt. Returns NULL when memory
  * runs out, two neighbours coincide or the numbers leave the range of a double. spline_free
  * releases the result.
@@ -19,18 +24,21 @@ spline *spline_fit(int knots, const double (*point)[2], const double (*tangent)[
                    double smoothing);
 void spline_free(spline *spline);
 
-/* Return the parameter of the last point of a spline; the parameter of the first point is 0. */
+/*
+ * Return the parameter of the last point of a spline, its total chord length; the parameter of the
+ * first point is 0.
+ */
 double spline_length(const spline *spline);
 
 /*
- * Return the first knot above the parameter t, at which the third derivative may be discontinuous,
- * or infinity after the last knot.
+ * Return the first knot above a parameter, or infinity behind the last knot. The third derivative
+ * of the spline may jump at a knot.
  */
 double spline_next_knot(const spline *spline, double parameter);
 
 /*
- * Compute the position and the first and second derivatives at the parameter t. Outside [0, length]
- * the first and last pieces are extrapolated.
+ * Compute the position x and the first and second derivatives d1 and d2 of a spline at a parameter.
+ * Outside the range of the knots the first and the last piece are extrapolated.
  *   x, d1, d2  [2] out
  */
 void spline_at(const spline *spline, double parameter, double x[2], double d1[2], double d2[2]);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reference surfaces with coordinates along orthogonal lines of curvature: position, local triad,
- * metric and curvatures.
+ * Reference surfaces of shells: position, local triad, metric and curvatures at the coordinates
+ * theta1 and theta2.
  */
 #ifndef SURFACE_H
 #define SURFACE_H
@@ -11,8 +11,8 @@
 surface_point surface_at(const scene_surface *surface, double theta1, double theta2);
 
 /*
- * Return the area of the reference surface over a rectangle of the coordinates, to rounding
- * accuracy where the surface is piecewise smooth.
+ * Return the area of the reference surface over the rectangle theta1[0] to theta1[1], theta2[0] to
+ * theta2[1], to rounding accuracy where the surface is piecewise smooth.
  */
 double surface_area(const scene_surface *surface, const double theta1[2], const double theta2[2]);
 
@@ -26,15 +26,16 @@ int surface_closes(const scene_surface *surface, int direction);
 int surface_is_angle(const scene_surface *surface, int direction);
 
 /*
- * Return whether the surface is a surface of revolution: theta2 is the azimuth and A2 the radius.
+ * Return whether a surface is a surface of revolution; its coordinate theta2 is then the azimuth,
+ * and its Lame parameter A2 the radius.
  */
 int surface_revolves(const scene_surface *surface);
 
 /*
- * Find the natural range of theta1 (direction 1) or theta2 (direction 2): the chord length of a
- * meridian, or the angle of a spiral.
+ * Find the range of theta1 (direction 1) or theta2 (direction 2) that the surface itself has: the
+ * chord length of a meridian through points, or the angle of a spiral.
  *   range  [2] out
- * Returns 0 if the surface has no natural range in this direction.
+ * Returns 1, or 0 if the surface limits this coordinate in no way.
  */
 int surface_range(const scene_surface *surface, int direction, double range[2]);
 

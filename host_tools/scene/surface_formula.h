@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reference surface given by formulas x, y, z of theta1 and theta2. Its coordinate lines need not
- * be lines of curvature, nor meet at right angles.
+ * Reference surface given by formulas of x, y and z in theta1 and theta2. Its coordinate lines need
+ * not be lines of curvature and need not meet at right angles.
  */
 #ifndef SURFACE_FORMULA_H
 #define SURFACE_FORMULA_H
@@ -9,17 +9,23 @@
 #include "surface_point.h"
 
 /*
- * Whether a surface is given by formulas; the functions below are for such surfaces alone. Points
- * (formula_at of surface_types.h): e1 lies along theta1, e3 = x,1 x x,2 normalised, e2 = e3 x e1; a
- * and k are the lengths and the normal curvatures of the coordinate lines; b is 0.
+ * Return whether a surface is given by formulas. The other functions of this file are for such
+ * surfaces alone. At a point of such a surface (formula_at), e1 is tangent to the theta1 line, e3
+ * is the unit normal along the cross product of the tangents, and e2 = e3 x e1; a and k are the
+ * lengths and the normal curvatures of the coordinate lines, and b is 0.
  */
 int surface_is_general(const scene_surface *surface);
 
-/* Turn the triad of a point so that e2 lies along theta2. theta [2] in */
+/*
+ * Turn the triad of a surface point about its normal so that e2 is tangent to the theta2 line
+ * (theta [2] in: coordinates of the point).
+ */
 void surface_formula_turn(const scene_surface *surface, const double theta[2],
                           surface_point *point);
 
-/* Cosine of the angle between the coordinate lines at a point; NAN where the surface has no normal.
+/*
+ * Return the cosine of the angle between the coordinate lines of a surface at a point, or NAN where
+ * the surface has no normal.
  */
 double surface_formula_cosine(const scene_surface *surface, double theta1, double theta2);
 

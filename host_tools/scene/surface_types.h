@@ -1,38 +1,49 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The reference surfaces, a row each. Reader, schema, help, points, areas and checks of a surface
- * are made from its row.
+ * The types of reference surfaces, one row of a table each. Reader, schema, help, points, areas and
+ * checks of a surface are made from its row.
  */
 #ifndef SURFACE_TYPES_H
 #define SURFACE_TYPES_H
 
 #include "surface_point.h"
 
-/* Coordinates of a surface as a set: theta1, theta2, and the one around its axis (not `axial`). */
+/*
+ * Bits of a set of coordinates: theta1, theta2, and the angle around the axis of a cylinder or
+ * spiral, which may be either of them.
+ */
 enum { ALONG_THETA1 = 1, ALONG_THETA2 = 2, AROUND_AXIS = 4 };
 
-/* Point of a meridian at theta1: (radius, height), and its first and second derivatives. */
+/*
+ * Point (radius, height) of the meridian of a surface of revolution at theta1, and its first and
+ * second derivatives with respect to theta1.
+ */
 typedef struct surface_meridian {
     double x[2], d1[2], d2[2];
 } surface_meridian;
 
-/* Point of a surface at (theta1, theta2). */
+/* Function that returns the point of a surface at the coordinates theta1 and theta2. */
 typedef surface_point surface_at_function(const scene_surface *surface, double theta1,
                                           double theta2);
 
-/* Point of the meridian of a surface of revolution. */
+/* Function that returns the point of the meridian of a surface of revolution at theta1. */
 typedef surface_meridian surface_meridian_function(const scene_surface *surface, double theta1);
 
-/* Area over the rectangle of the coordinates from t1[0] to t1[1] and from t2[0] to t2[1]. */
+/*
+ * Function that returns the area of a surface over the rectangle t1[0] to t1[1] of theta1 and t2[0]
+ * to t2[1] of theta2.
+ */
 typedef double surface_area_function(const scene_surface *surface, const double t1[2],
                                      const double t2[2]);
 
 /*
- * Rows: type in scene_surface, word and keys in the scene ("?a" is optional; SURFACE_NUMBERS
- * defines the keys that are numbers), functions, coordinates that come back to their start after 2
- * pi, coordinates that are angles, the cure for a mesh that reaches a pole, and a help sentence.
- * Functions: of points; of the meridian, 0 unless the surface is one of revolution, whose points
- * are revolution_at; of the area, 0 for a numerical integral.
+ * Table of surface types. A row holds
+ *   the type, the word for it in a scene, and its keys in a scene (?a is optional; SURFACE_NUMBERS
+ *   defines the keys that are numbers);
+ *   the function of its points, of its meridian (0 unless it is a surface of revolution, whose
+ *   points are revolution_at) and of its area (0: numerical integral);
+ *   the set of coordinates with the period 2 pi, the set of coordinates that are angles, the advice
+ *   for a mesh that reaches a pole, and a sentence of help.
  */
 #define SURFACE_TYPES(ROW)                                                                         \
     ROW(SURFACE_PLATE, "plate", "", plate_at, 0, plate_area, 0, 0, "",                             \
@@ -82,8 +93,9 @@ typedef double surface_area_function(const scene_surface *surface, const double 
         "theta1, e3 normal, with theta2 to the left of theta1.")
 
 /*
- * Rows: number of a surface, which is a key in the scene and a member of scene_surface, its range
- * and dimension (scene_fields.h), and its help sentence.
+ * Table of the numbers that describe surfaces. A row holds the name, which is a key in the scene
+ * and a member of scene_surface, the permitted range and the dimension (scene_fields.h), and a
+ * sentence of help.
  */
 #define SURFACE_NUMBERS(ROW)                                                                       \
     ROW(radius, above_zero, OF_LENGTH,                                                             \
@@ -101,8 +113,8 @@ typedef double surface_area_function(const scene_surface *surface, const double 
         "Distance of the focus of a paraboloid from its vertex.")
 
 /*
- * Functions of the surfaces (surface_plate.c, surface_cylinder.c, surface_revolution.c,
- * surface_formula.c).
+ * Functions of the points, meridians and areas of the surface types (surface_plate.c,
+ * surface_cylinder.c, surface_revolution.c, surface_paraboloid.c, surface_formula.c).
  */
 surface_at_function plate_at, cylinder_at, spiral_at, revolution_at, formula_at;
 surface_meridian_function polar_meridian, cone_meridian, sphere_meridian, hyperboloid_meridian,
@@ -110,12 +122,15 @@ surface_meridian_function polar_meridian, cone_meridian, sphere_meridian, hyperb
 surface_area_function plate_area, polar_area, cylinder_area, cone_area, sphere_area, torus_area,
     formula_area;
 
-/* What the row of a surface says (surface.c). */
+/* Row of the table of surface types without its texts for the scene (surface.c). */
 typedef struct surface_type {
     surface_at_function *at;
-    surface_meridian_function *meridian; /* NULL: no surface of revolution */
-    surface_area_function *area;         /* NULL: by numerical integration */
-    int closed, angles;                  /* sets of coordinates */
+    surface_meridian_function *meridian; /* function of the meridian; NULL: no surface of revolution
+                                          */
+    surface_area_function *area; /* function of the area; NULL: the area is integrated numerically
+                                  */
+    int closed, angles; /* sets of coordinates with the period 2 pi, and of coordinates that are
+                           angles */
     const char *pole_cure;
 } surface_type;
 

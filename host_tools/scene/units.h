@@ -3,8 +3,8 @@
  * Units of measurement: conversion of a text such as "mm", "N/m2", "C/(m2 K)" or "1/K" to powers of
  * six base units and a power of ten.
  *
- * Base units: m, N, V, K, s, rad. Derived units: Pa = N/m2, C = N m/V, F = C/V, Hz = 1/s,
- * kg = N s2/m, t = 1000 kg.
+ * Base units: m, N, V, K, s, rad. Derived units: Pa = N/m2, C = N m/V, F = C/V, Hz = 1/s, kg = N
+ * s2/m, t = 1000 kg.
  *
  * Grammar: factors joined by a blank, '*' or '.', followed by any number of divisors, each a '/'
  * and a factor or a product in parentheses. A factor is a unit with an optional SI prefix (f p n u
@@ -25,12 +25,15 @@ typedef enum units_base {
     UNITS_BASES
 } units_base;
 
-/* Size in bytes of a number whose decimal exponent has been changed, with a factor after it. */
+/*
+ * Size of the text of a number whose decimal exponent has been changed and that is followed by a
+ * factor (bytes).
+ */
 enum { UNITS_NUMBER = 128 };
 
 /*
- * Unit: the product of the base units raised to the given powers, times 10^ten, times
- * (pi/180)^degrees.
+ * Unit of measurement: the product of the base units raised to the given powers, times 10^ten,
+ * times (pi/180)^degrees.
  */
 typedef struct units_unit {
     int power[UNITS_BASES];
@@ -39,27 +42,28 @@ typedef struct units_unit {
 } units_unit;
 
 /*
- * Parse a complete text as a unit.
- *   why  out  if the text is not a unit: the reason, a constant string
- * Returns 0, or -1 with *unit unchanged.
+ * Parse a whole text as a unit of measurement.
+ *   unit  out  the unit; untouched on an error
+ *   why   out  reason of an error, a constant string
+ * Returns 0, or -1 if the text is no unit.
  */
 int units_parse(const char *text, units_unit *unit, const char **why);
 
 /*
- * Return the unit that follows a plain number, as "mm" in "-0.3e2 mm". Returns NULL if the text is
- * a number without a unit, or an expression.
+ * Return the unit that follows a plain number, such as "mm" in "-0.3e2 mm". Returns NULL if the
+ * text is a number without a unit, or a formula.
  *   length  out  number of characters of the number
  */
 const char *units_suffix(const char *text, size_t *length);
 
 /*
- * Change the decimal exponent of a plain number in its text: "0.3" and -3 give "0.3e-3". The
- * conversion involves no rounding, so that the number equals the same number typed with that
+ * Change the decimal exponent of a plain number in its text by `ten`: "0.3" and -3 give "0.3e-3".
+ * The conversion does not round, so that the number equals the number that is typed with this
  * exponent. Returns 0, or -1 if the number is too long or its exponent exceeds 9999.
  */
 int units_shift(const char *number, size_t length, int ten, char text[UNITS_NUMBER]);
 
-/* Return whether two units have the same powers of the base units. */
+/* Return whether two units have equal powers of the base units, whatever their powers of ten. */
 int units_alike(const units_unit *first, const units_unit *second);
 
 #endif

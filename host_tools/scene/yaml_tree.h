@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A YAML document as a tree of nodes that record their positions in the file, and error messages
- * that state these positions. A file holds one document of limited size and depth; aliases are
- * replaced by copies of their anchors.
+ * A YAML document as a tree of nodes that know their positions in the file, and error messages that
+ * state these positions. A file holds one document of limited size and depth; aliases are replaced
+ * by copies of their anchors.
  */
 #ifndef YAML_TREE_H
 #define YAML_TREE_H
@@ -24,10 +24,12 @@ typedef enum tree_kind { TREE_SCALAR, TREE_LIST, TREE_MAP } tree_kind;
 
 typedef struct tree_node {
     tree_kind kind;
-    char *key;  /* key of the node in a mapping; NULL in a list */
-    char *text; /* text of a scalar */
+    char *key;  /* key of a node that is the value of a key in a mapping; NULL for an item of a list
+                 */
+    char *text; /* text of a scalar node */
     scene_at key_at, at;
-    int parent, first, last, next, count; /* indices of related nodes, 0 for none, and number of
+    int parent, first, last, next, count; /* indices of the parent, the first and last child and the
+                                             next sibling of a node, 0 for none, and its number of
                                              children */
 } tree_node;
 
@@ -35,47 +37,49 @@ typedef struct tree {
     const char *path;
     const char *const *set;
     int sets;
-    char *error;     /* buffer of the error message [SCENE_ERROR] */
-    tree_node *node; /* nodes with indices from 1 */
+    char *error;     /* [SCENE_ERROR] memory of the error message */
+    tree_node *node; /* array of nodes; index 0 is not used */
     int nodes, room, root;
-    uint32_t hash; /* FNV-1a hash of the text of the file and of the set strings */
+    uint32_t hash; /* FNV-1a hash of the text of the file and of the texts of the changes */
 } tree;
 
 /*
- * Read a file and apply the changes "a.b.c=value". Returns 0, or -1 with error filled; tree_free
- * must be called in both cases.
+ * Read a YAML file as a tree and apply changes to it.
+ *   set    [sets] in            changes of the form "a.b.c=value"
+ *   error  [SCENE_ERROR] out    one line with the position of a fault
+ * Returns 0, or -1 with error filled. tree_free must be called in both cases.
  */
 int tree_read(tree *tree, const char *path, const char *const *set, int sets, char *error);
 
 /*
- * Read a text instead of the file at the path, which is named in error messages only; otherwise as
- * tree_read without changes.
+ * Read a YAML text in memory as a tree; the path of its file is only named in error messages.
+ * Returns 0, or -1 with error filled. tree_free must be called in both cases.
  */
 int tree_read_text(tree *tree, const char *path, const char *text, size_t bytes, char *error);
 
 /*
- * Read a whole file into a new text with a NUL behind its bytes, which the caller frees also after
- * an error. Returns 0, or -1 with error filled.
+ * Read a whole file into allocated memory with a NUL behind its bytes; the caller releases it also
+ * after an error. Returns 0, or -1 with error filled.
  */
 int tree_load(const char *path, char **text, size_t *bytes, char *error);
 void tree_free(tree *tree);
 
-/* Return the child of a mapping with the given key, or 0. */
+/* Return the index of the child of a YAML mapping that has a given key, or 0 if there is none. */
 int tree_find(const tree *tree, int map, const char *key);
 
-/* Return the key of a node, or of its nearest ancestor that has a key. */
+/* Return the key of a YAML node, or of its nearest ancestor that has a key. */
 const char *tree_name(const tree *tree, int node);
 
 /*
- * Write the error message of the tree for a fault at a node (tree_fault) or at a position
- * (tree_fault_at). Both return -1.
+ * Write the error message of the tree for a fault at a YAML node (tree_fault) or at a position in
+ * the file (tree_fault_at). Both return -1.
  */
 int tree_fault(const tree *tree, int node, const char *format, ...);
 int tree_fault_at(const tree *tree, scene_at at, const char *format, ...);
 
 /*
- * Write "file:line:column: message" on one line; returns -1. A line of -(k+1) refers to set[k], and
- * line 0 to the file as a whole.
+ * Write an error message of the form "file:line:column: message" on one line. Line -(k + 1) stands
+ * for the change set[k], and line 0 for the file as a whole. Returns -1.
  */
 int tree_message(char *error, const char *path, const char *const *set, scene_at at,
                  const char *format, va_list list);
