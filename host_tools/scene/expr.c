@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Expressions in scenes: operator-precedence parsing (shunting-yard algorithm) to reverse Polish
- * code with stacks of limited size.
+ * Compilation and evaluation of formulas in scenes: operator-precedence parsing (shunting-yard
+ * algorithm) to code in reverse Polish notation, with stacks of limited size.
  */
 #include "expr.h"
 #include "expr_code.h"
@@ -21,7 +21,7 @@ typedef struct word {
     double number;
 } word;
 
-/* Names with their number of arguments (0 for a variable or constant). */
+/* Names that a formula may use, with their number of arguments; a variable or constant has 0. */
 static const word words[] = {
     {"x", OP_X, 0, 0},           {"y", OP_Y, 0, 0},
     {"z", OP_Z, 0, 0},           {"theta1", OP_THETA1, 0, 0},
@@ -37,8 +37,8 @@ static const word words[] = {
 };
 
 /*
- * Operator or open parenthesis on the parser stack; an open parenthesis is stored with its
- * function.
+ * Entry of the parser stack: an operator that waits for its right operand, or an open parenthesis
+ * with the function before it.
  */
 typedef struct waiting {
     operation op;
@@ -51,10 +51,10 @@ typedef struct parser {
     const char *error;
     instruction code[CODE];
     int length;
-    int depth; /* number of values on the evaluation stack after the code so far */
+    int depth; /* number of values on the evaluation stack behind the code that is emitted so far */
     waiting stack[STACK];
     int waiting;
-    int want_value; /* 1: an operand is expected next; 0: an operator */
+    int want_value; /* 1: the next symbol must be an operand; 0: it must be an operator */
     int constant;
 } parser;
 
@@ -111,8 +111,8 @@ static int push(parser *parser, operation op, const word *function)
 }
 
 /*
- * Emit code for the operators on the parser stack that bind at least as strongly as `binding`, down
- * to an open parenthesis.
+ * Move operators from the parser stack to the code as long as they bind at least as strongly as
+ * `binding`, at most down to an open parenthesis. Returns 0, or -1 if the formula is too long.
  */
 static int reduce(parser *parser, int binding)
 {
@@ -200,7 +200,10 @@ static int take_value(parser *parser)
     return 0;
 }
 
-/* Close a parenthesis, or start the next argument of its function. */
+/*
+ * Read a closing parenthesis, or a comma between the arguments of a function. Returns 0, or -1 on a
+ * fault.
+ */
 static int take_bracket(parser *parser)
 {
     waiting *open;
@@ -239,7 +242,7 @@ static int take_operator(parser *parser)
         return fault(parser, "a power is written ^");
     op = ops[sign - signs];
     if (reduce(parser, op == OP_POWER ? precedence(op) + 1 : precedence(op)) != 0)
-        return -1; /* ^ is right-associative */
+        return -1; /* the power operator ^ is right-associative */
     parser->at++;
     parser->want_value = 1;
     return push(parser, op, NULL);
@@ -257,7 +260,10 @@ static int parse(parser *parser)
     return parser->waiting ? fault(parser, "a ')' is missing") : 0;
 }
 
-/* Allocate an expression with room for its code and a copy of its text. */
+/*
+ * Allocate an expression with room for `length` instructions and a copy of its text. Returns NULL
+ * when memory runs out.
+ */
 static expr *new_expr(const char *text, size_t length)
 {
     const size_t code = length * sizeof(instruction);
@@ -395,7 +401,7 @@ double expr_zernike_coefficient(int n, int m, int k)
                                   lgamma((n - m) / 2 - k + 1));
 }
 
-/* Return the radial Zernike polynomial R_n^m(rho). */
+/* Return the radial Zernike polynomial R_n^m at the radius rho. */
 static double radial(int n, int m, double rho)
 {
     double sum = 0;
@@ -405,8 +411,8 @@ static double radial(int n, int m, double rho)
 }
 
 /*
- * Return the Zernike polynomial of a Noll index: in ascending order of n, then of m; cosine terms
- * have even indices.
+ * Return the Zernike polynomial of Noll index `number` in polar coordinates. Noll indices ascend
+ * with the radial order n, then with the azimuthal order m; cosine terms have even indices.
  */
 static double zernike(double number, double rho, double phi)
 {
@@ -442,7 +448,10 @@ static double formula_value(const expr *expression, const expr_point *at)
     return stack[0];
 }
 
-/* Coordinates of a point that the scattered points of an expression have. place [3] out */
+/*
+ * Copy those coordinates of a point that the scattered points of an interpolated function have.
+ *   place  [3] out
+ */
 static void place_of(const expr *expression, const expr_point *at, double *place)
 {
     const double all[EXPR_AXES] = {at->x, at->y, at->z, at->theta1, at->theta2};

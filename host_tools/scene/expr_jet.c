@@ -1,19 +1,22 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Derivatives of expressions (expr_jet.h): every operation acts on a value together with its first
- * and second derivatives.
+ * Derivatives of formulas (expr_jet.h): every operation acts on a value together with its first and
+ * second derivatives.
  */
 #include "expr_jet.h"
 #include <math.h>
 #include <string.h>
 #include "expr_code.h"
 
-/* Derivatives of a function of one value. */
+/* Value and first and second derivative of a function of one value. */
 typedef struct slope1 {
     double value, first, second;
 } slope1;
 
-/* Derivatives of a function of two values a, b: by a, b; by a twice, b twice, both. */
+/*
+ * Value and derivatives of a function of two values a and b: first by a and by b; second twice by
+ * a, twice by b, and mixed.
+ */
 typedef struct slope2 {
     double value, first[2], second[3];
 } slope2;
@@ -101,7 +104,10 @@ static slope1 slope_of(operation op, double argument)
     }
 }
 
-/* Derivatives of a^n for a constant power, also where a is 0 and n is a small whole number. */
+/*
+ * Return value and derivatives of base^exponent for a constant exponent; they are exact also where
+ * the base is 0 and the exponent is a small integer.
+ */
 static slope1 power_slope(double base, double exponent)
 {
     const double first = exponent == 0 ? 0 : exponent * pow(base, exponent - 1);
@@ -137,7 +143,10 @@ static slope2 quotient(double a, double b)
     return (slope2){a / b, {1 / b, -a / (b * b)}, {0, 2 * a / (b * b * b), -1 / (b * b)}};
 }
 
-/* Angle of the point (b, a), as atan2(a, b). */
+/*
+ * Return value and derivatives of atan2(a, b), the polar angle of the point with abscissa b and
+ * ordinate a.
+ */
 static slope2 angle(double a, double b)
 {
     const double r2 = a * a + b * b, r4 = r2 * r2;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Scenes (scene.h): release, names of amplifiers and sensors, errors found after reading. */
+/*
+ * Functions on a whole scene (scene.h): release of memory, names of amplifiers and sensor
+ * electrodes, errors that are found after reading.
+ */
 #include "scene.h"
 
 #include <stdio.h>
@@ -121,8 +124,8 @@ void scene_sensor_name(const scene *scene, int k, char name[SCENE_LABEL])
 }
 
 /*
- * Return the index of the amplifier of an actuator from the "_i_j" after the name of the actuator,
- * or -1 if there is none.
+ * Return the number of an amplifier within its actuator from the ending "_i_j" of its name, or -1
+ * if the ending names no position in the grid.
  */
 static int from_suffix(const scene_actuator *actuator, const char *suffix)
 {

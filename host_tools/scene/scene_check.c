@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Checks that involve several sections of a scene: names, poles, thickness, mesh lines, overlaps,
- * and requirements of loads.
+ * Checks of a scene that involve several sections: names, poles of surfaces, thickness, mesh lines,
+ * overlapping patches, and the requirements of loads.
  */
 #include "scene_parts.h"
 
@@ -12,8 +12,8 @@
 #include "surface_formula.h"
 
 /*
- * Largest distance from a mesh line, relative to the span of the mesh, at which a coordinate lies
- * on that line.
+ * Largest distance from a mesh line, relative to the length of the mesh direction, at which a
+ * coordinate counts as lying on that line.
  */
 static const double on_line = 1e-9;
 
@@ -22,8 +22,8 @@ static const double full_turn = 6.283185307179586;
 /* ---- names ---- */
 
 /*
- * Report an error if two items have the same name. The array has count items of stride bytes, and
- * the first member of each item is its name.
+ * Report an error if two items have the same name. The array has count items of `stride` bytes
+ * each, and the first member of every item is its name. Returns 0, or -1 with error filled.
  */
 static int check_names(const scene *scene, const char *what, const void *items, int count,
                        size_t stride, size_t at_offset, char *error)
@@ -78,7 +78,10 @@ int scene_check_names(const scene *scene, char *error)
 
 /* ---- surface and mesh ---- */
 
-/* Number of intervals at whose ends the geometry is checked, fine enough for practical curves. */
+/*
+ * Number of intervals at whose ends the geometry of a surface is checked; practical curves bend
+ * little within one.
+ */
 enum { SAMPLES = 2000 };
 
 static double sample(const scene_line *line, int i)
@@ -88,8 +91,8 @@ static double sample(const scene_line *line, int i)
 }
 
 /*
- * Reject a mesh that contains a pole, a point at which the radius of a surface of revolution is not
- * positive.
+ * Reject a mesh that contains a pole: a point at which a surface of revolution has no positive
+ * radius.
  */
 static int check_poles(const scene *scene, char *error)
 {
@@ -98,7 +101,8 @@ static int check_poles(const scene *scene, char *error)
     int i;
     for (i = 0; i <= SAMPLES; i++) {
         double theta1 = sample(line, i), radius;
-        if (surface_closes(&scene->surface, 1) && i < SAMPLES) /* least radius between samples */
+        if (surface_closes(&scene->surface, 1) && i < SAMPLES) /* the radius is smallest between two
+                                                                  samples */
             theta1 = fmax(theta1, fmin(sample(line, i + 1),
                                        (2 * floor(theta1 / full_turn) + 1) * full_turn / 2));
         radius = surface_at(&scene->surface, theta1, 0).a[1];
@@ -115,8 +119,8 @@ static int check_poles(const scene *scene, char *error)
 }
 
 /*
- * Reject a meridian that turns back on itself, where the length per unit of the spline parameter is
- * nearly zero.
+ * Reject a meridian that turns back on itself: its arc length per unit of the spline parameter is
+ * nearly 0 there.
  */
 static int check_meridian(const scene *scene, char *error)
 {
@@ -132,7 +136,10 @@ static int check_meridian(const scene *scene, char *error)
     return 0;
 }
 
-/* Check that the centres of curvature lie outside the layers: 1 + k z > 0 at both faces. */
+/*
+ * Check that the centres of curvature lie outside the layers: 1 + k z > 0 for both principal
+ * curvatures k at the heights z of both faces.
+ */
 static int check_depth(const scene *scene, double thickness, char *error)
 {
     const double height[2] = {-scene->reference, thickness - scene->reference};
@@ -153,8 +160,8 @@ static int check_depth(const scene *scene, double thickness, char *error)
 }
 
 /*
- * Check a surface given by formulas: finite, with a normal, and with coordinate lines that meet at
- * more than 15 degrees.
+ * Check a surface given by formulas: its points are finite, it has a normal everywhere, and its
+ * coordinate lines meet at more than 15 degrees.
  */
 static int check_formula(const scene *scene, char *error)
 {
@@ -213,8 +220,8 @@ static int check_surface(const scene *scene, char *error)
 }
 
 /*
- * Return the mesh line nearest to a coordinate, and replace *coordinate by that of the line if the
- * coordinate lies on it within rounding.
+ * Return the number of the mesh line nearest to a coordinate. If the coordinate lies on that line
+ * within rounding, *coordinate becomes the coordinate of the line and *is_on becomes 1.
  */
 static int snap(const scene_line *line, double *coordinate, int *is_on)
 {
@@ -238,8 +245,8 @@ static int snap(const scene_line *line, double *coordinate, int *is_on)
 /* ---- places ---- */
 
 /*
- * Check that a region contains mesh lines of both directions, and widen the region by a tolerance
- * for rounding.
+ * Check that a rectangular region contains mesh lines of both directions, and widen the region by a
+ * tolerance for rounding.
  */
 static int check_region(const scene *scene, scene_where *where, char *error)
 {
@@ -456,7 +463,10 @@ static int check_kinematics(const scene *scene, char *error)
     return 0;
 }
 
-/* Checks of the geometry: mesh lines on a surface, or regions and supports of a mesh file. */
+/*
+ * Check the geometry of a scene: the mesh lines and patches on its surface, or the regions and
+ * supports of its mesh file.
+ */
 static int check_geometry(scene *scene, char *error)
 {
     if (scene->quads)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Mesh of a disc: the section `mesh` with `disc` (scene_parts.h). */
+/* Mesh of a disc: the key `disc` in the section `mesh` of a scene (scene_parts.h). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,7 +11,7 @@ static const range whole_sectors = {1, 64, 0, "must be from 1 to 64"};
 
 /* ---- the disc ----------------------------------------------------------- */
 
-/* Read the radii of circles, ascending. */
+/* Read a list of radii of concentric circles, which must ascend. */
 static int read_rings(reader *reader, int node, void *to, const void *rule)
 {
     quad_disc *disc = to;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sections `dynamics` (data for vibration in addition to the densities) and `control`. */
+/*
+ * Sections `dynamics` (data for vibration in addition to the densities) and `control` (data of the
+ * control loop on the device) of a scene.
+ */
 #include "scene_parts.h"
 
 static const range ratio = {
@@ -40,7 +43,10 @@ static const field rayleigh_fields[] = {
              "ratio at the angular frequency w is a/(2 w) + b w/2."},
     {.key = NULL}};
 
-/* Read one ratio, a list of ratios, or {rayleigh: [a, b]}. */
+/*
+ * Read damping ratios: one for all modes, a list with one for each of the first modes, or
+ * Rayleigh's coefficients as {rayleigh: [a, b]}.
+ */
 static int read_damping(reader *reader, int node, void *to, const void *rule)
 {
     scene_dynamics *dynamics = to;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Table-driven reading of mappings, and readers of the basic kinds of values. */
+/* Table-driven reading of YAML mappings, and readers of the basic kinds of values. */
 #include "scene_fields.h"
 
 #include <float.h>
@@ -14,8 +14,8 @@
 enum { LONGEST = 32, LIST_ROOM = 220, MOST_ITEMS = 5000 };
 
 /*
- * Permitted magnitudes of nonzero numbers. Values outside are typing errors, and their products
- * exceed the range of a double.
+ * Permitted magnitudes of nonzero numbers in a scene. Numbers outside are typing errors, and their
+ * products could leave the range of a double.
  */
 static const double smallest = 1e-60, largest = 1e60;
 
@@ -26,8 +26,8 @@ static const char *const kind_names[] = {"a single value", "a list [...]",
                                          "a mapping {key: value}"};
 
 /*
- * Return the edit distance between two words; a word that is too long has a large distance from all
- * others.
+ * Return the edit distance between two words; it is INT_MAX if one of them is longer than LONGEST
+ * letters.
  */
 static int distance(const char *first, const char *second)
 {
@@ -53,7 +53,10 @@ static int distance(const char *first, const char *second)
     return row[second_length];
 }
 
-/* Most letters by which a mistyped word of this length may differ from a known one. */
+/*
+ * Return the largest edit distance at which a mistyped word of a given length is taken for a known
+ * word.
+ */
 static int most_mistakes(int length)
 {
     if (length < 3)
@@ -62,7 +65,8 @@ static int most_mistakes(int length)
 }
 
 /*
- * Write "did you mean 'thickness'?" or "known: a, b, c" for a list of words at a stride in bytes.
+ * Write "did you mean 'thickness'?" or "known: a, b, c" for a list of known words, which lie
+ * `stride` bytes apart and end with NULL.
  */
 static void suggest(const char *text, const char *const *first, size_t stride, char *out)
 {
@@ -98,7 +102,10 @@ int require_kind(reader *reader, int node, tree_kind kind)
         found->kind == TREE_SCALAR && !*found->text ? "empty" : kind_names[found->kind]);
 }
 
-/* Refuse a key that is not in the table of its mapping. */
+/*
+ * Report a key that is not in the table of its mapping, and propose the key that was meant. Returns
+ * -1.
+ */
 static int refuse_key(reader *reader, int node, const field *fields)
 {
     char cure[LIST_ROOM];
@@ -130,7 +137,10 @@ static int check_keys(reader *reader, int node, const field *fields)
     return 0;
 }
 
-/* Read the value of a key, unless the value is a retired word. */
+/*
+ * Read the value of a key with the function of its table row, after refusing retired words. Returns
+ * 0, or -1 after writing the error message of the YAML tree.
+ */
 static int read_child(reader *reader, int node, const field *field, void *to)
 {
     const retired *const row = retired_word(reader->t, node);
@@ -254,10 +264,22 @@ int read_pair(reader *reader, int node, void *to, const void *rule)
     return read_real(reader, reader->t->node[first].next, &pair[1], rule);
 }
 
-/* Return whether a text would end or open a comment in generated C tables. */
+/*
+ * Marks of comments in C; each is written in two parts, so that programs that search sources for
+ * comments do not find one here.
+ */
+static const char comment_start[] = "/"
+                                    "*",
+                  comment_end[] = "*"
+                                  "/";
+
+/*
+ * Return whether a text contains a mark that begins or ends a comment in C: it would do so in
+ * generated tables.
+ */
 static int is_comment(const char *text)
 {
-    return strstr(text, "*/") != NULL || strstr(text, "/*") != NULL;
+    return strstr(text, comment_end) != NULL || strstr(text, comment_start) != NULL;
 }
 
 int check_name(reader *reader, const char *name, scene_at at, char *to)
@@ -291,8 +313,8 @@ int read_text(reader *reader, int node, void *to, const void *rule)
     if (require_kind(reader, node, TREE_SCALAR) != 0)
         return -1;
     if (is_comment(node_text(reader, node)))
-        return tree_fault(reader->t, node, "'%.60s' holds /* or */; leave them out",
-                          tree_name(reader->t, node));
+        return tree_fault(reader->t, node, "'%.60s' holds %s or %s; leave them out",
+                          tree_name(reader->t, node), comment_start, comment_end);
     *text = malloc(strlen(node_text(reader, node)) + 1);
     if (!*text)
         return tree_fault(reader->t, node, "out of memory");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Numbers of a scene in files of their own (scene_file.h). */
+/* Functions and lists of numbers that a scene gives in files of their own (scene_file.h). */
 #include "scene_file.h"
 
 #include <ctype.h>
@@ -42,7 +42,10 @@ int scene_table_read(reader *reader, int node, number_table *table)
     return 0;
 }
 
-/* Refuse a value of a table that is not finite. */
+/*
+ * Check that one entry of a table is finite. Returns 0, or -1 after writing the error message of
+ * the YAML tree with the place of the entry in the file.
+ */
 static int check_finite(reader *reader, int node, const number_table *table, size_t row,
                         size_t column)
 {
@@ -71,28 +74,32 @@ static int read_list_node(reader *reader, int node, void *to, const void *rule)
 
 /* ---- functions -------------------------------------------------------- */
 
-/* Columns of a table: its coordinates and the value. */
+/* Columns of a table that gives a function: one for each coordinate, and one for the value. */
 typedef struct function_columns {
-    int axes, axis[EXPR_AXES], column[EXPR_AXES]; /* coordinates, and the column of each */
-    int value;                                    /* column of the value */
+    int axes, axis[EXPR_AXES], column[EXPR_AXES]; /* number of coordinates, index of each coordinate
+                                                     (x, y, z, theta1, theta2), and number of its
+                                                     column */
+    int value;                                    /* number of the column that holds the value */
 } function_columns;
 
 typedef struct function_text {
-    int file, columns, value; /* nodes, or 0 */
+    int file, columns, value; /* YAML nodes of the keys in a mapping that names a file; 0 for a key
+                                 that is absent */
     double scale;
 } function_text;
 
 int scene_file_axis(const char *name)
 {
-    for (int a = 0; a < EXPR_AXES; a++)
-        if (strcmp(axis_name[a] + 1, name + (*name != 0)) == 0 && tolower(*name) == *axis_name[a])
-            return a;
+    for (int axis = 0; axis < EXPR_AXES; axis++)
+        if (strcmp(axis_name[axis] + 1, name + (*name != 0)) == 0 &&
+            tolower(*name) == *axis_name[axis])
+            return axis;
     return -1;
 }
 
 /*
- * Column of a table that the k-th item of `columns` names: by the table's own name, else the k-th
- * column.
+ * Return the number of the column that item k of the key `columns` stands for: the column with that
+ * name, or column k if the table has no names. Returns -1 if there is none.
  */
 static int listed_column(const number_table *table, const char *name, int k)
 {
@@ -102,7 +109,10 @@ static int listed_column(const number_table *table, const char *name, int k)
     return table->column_name || k >= (int)table->columns ? -1 : k;
 }
 
-/* Columns as the scene lists them: coordinates, then the value. */
+/*
+ * Find the columns of a function from the list in the scene: the coordinates, then the value.
+ * Returns 0, or -1 after writing the error message of the YAML tree.
+ */
 static int take_listed(reader *reader, const function_text *text, const number_table *table,
                        function_columns *columns)
 {
@@ -134,7 +144,10 @@ static int take_listed(reader *reader, const function_text *text, const number_t
     return 0;
 }
 
-/* Columns by the names in the table: coordinates by their names, and one other column. */
+/*
+ * Find the columns of a function from the names in the table: coordinates by their names, and one
+ * other column for the value. Returns 0, or -1 after writing the error message of the YAML tree.
+ */
 static int take_named(reader *reader, const function_text *text, const number_table *table,
                       function_columns *columns)
 {
@@ -164,7 +177,12 @@ static int take_named(reader *reader, const function_text *text, const number_ta
                       node_text(reader, text->file), values);
 }
 
-/* Copy coordinates and values of a table. point [rows][axes], value [rows] out */
+/*
+ * Copy the coordinates and values of a function from a table.
+ *   point  [rows][axes] out
+ *   value  [rows]       out
+ * Returns 0, or -1 after writing the error message of the YAML tree if an entry is not finite.
+ */
 static int copy_columns(reader *reader, const function_text *text, const number_table *table,
                         const function_columns *columns, double *point, double *value)
 {
@@ -303,7 +321,10 @@ static int read_list(reader *reader, int node, scene_numbers *numbers)
     return 0;
 }
 
-/* Copy a column of a table; a table of one row is a list too. */
+/*
+ * Copy a list of numbers from a column of a table, or from its only row. Returns 0, or -1 after
+ * writing the error message of the YAML tree.
+ */
 static int copy_list(reader *reader, const function_text *text, const number_table *table,
                      scene_numbers *numbers)
 {

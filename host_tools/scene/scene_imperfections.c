@@ -1,10 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Lists of amplifiers in the section `simulate` of a scene, and those whose wires are wrong. */
+/*
+ * Lists of amplifier names in the section `simulate` of a scene, and the amplifiers whose wires are
+ * reversed or swapped.
+ */
 #include "scene_parts.h"
 
 #include <stdlib.h>
 
-/* Read the names of amplifiers or actuators; an actuator stands for all amplifiers of its grid. */
+/*
+ * Read a YAML list of names of amplifiers or actuators; the name of an actuator stands for all
+ * amplifiers of its grid.
+ */
 int read_amplifier_names(reader *reader, int node, int **list, int *count)
 {
     const scene *scene = reader->s;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Section `influence` of a scene: a measured influence matrix in the place of a structure. Its
- * columns become the actuators of the scene.
+ * Section `influence` of a scene: a measured influence matrix in place of a structural model. Each
+ * column of the matrix becomes an actuator of the scene.
  */
 #include "scene_file.h"
 #include "scene_parts.h"
@@ -14,16 +14,17 @@
 
 enum { MOST_OUTPUTS = 60000, MOST_ACTUATORS = 4096, AXES = SCENE_AXES };
 
-/* The section as it is written, and the table of the matrix. */
+/* The section `influence` as it is written in the scene, and the table of numbers from its file. */
 typedef struct influence_text {
-    int file, coordinates, actuators, outputs, ignore, mask; /* nodes, or 0 */
+    int file, coordinates, actuators, outputs, ignore,
+        mask; /* YAML nodes of the keys of the section; 0 for a key that is absent */
     int rows_are_actuators;
     double scale;
     number_table table;
-    int coordinate_column[AXES]; /* column of x, y, z in the table, or -1 */
-    int *column;                 /* columns of the table without coordinates */
+    int coordinate_column[AXES]; /* number of the column of x, y and z in the table, or -1 */
+    int *column; /* [columns] numbers of the table's columns that are no coordinates */
     int columns;
-    unsigned char *is_ignored; /* [outputs] rows that are left out */
+    unsigned char *is_ignored; /* [outputs] 1 for an output of the file that the scene leaves out */
 } influence_text;
 
 static const char *const axis_name[AXES] = {"x", "y", "z"};
@@ -38,7 +39,10 @@ static int read_node(reader *reader, int node, void *to, const void *rule)
 
 /* ---- shape of the matrix ---------------------------------------------- */
 
-/* Separate the columns of coordinates, which a table whose rows are outputs may have. */
+/*
+ * Separate the columns of coordinates from those of the matrix; only a table whose rows are outputs
+ * can have coordinates. Returns 0, or -1 after writing the error message of the YAML tree.
+ */
 static int separate_columns(reader *reader, influence_text *text)
 {
     const number_table *table = &text->table;
@@ -69,7 +73,10 @@ static int actuators_of(const influence_text *text)
     return text->rows_are_actuators ? (int)text->table.rows : text->columns;
 }
 
-/* Entry of the matrix before its scale; place [NUMBER_NAME] out, its place in the file. */
+/*
+ * Return an entry of the measured matrix before it is multiplied by the scale of the scene (place
+ * [NUMBER_NAME] out: position of the entry in the file).
+ */
 static double entry(const influence_text *text, int output, int actuator, char *place)
 {
     const int row = text->rows_are_actuators ? actuator : output,
@@ -79,8 +86,9 @@ static double entry(const influence_text *text, int output, int actuator, char *
 }
 
 /*
- * Compare a count with that of the matrix. Where it is the count of the other dimension, the matrix
- * is transposed.
+ * Compare a count that the scene implies with the number of outputs or actuators of the matrix. If
+ * it equals the other of the two numbers, the error message says that the matrix is transposed.
+ * Returns 0, or -1 after writing the error message of the YAML tree.
  */
 static int check_count(reader *reader, int node, const influence_text *text, const char *what,
                        int count, int is_of_outputs)
@@ -115,7 +123,10 @@ static int check_size(reader *reader, const influence_text *text)
 
 /* ---- actuators -------------------------------------------------------- */
 
-/* Name of an actuator: from the list of the scene, else from the table, else a number. */
+/*
+ * Find the name of an actuator: that of the list in the scene, else that in the file, else v1, v2
+ * and so on.
+ */
 static int name_actuator(reader *reader, const influence_text *text, int k, int item, char *name)
 {
     const number_table *table = &text->table;
@@ -156,7 +167,10 @@ static int make_actuators(reader *reader, const influence_text *text)
 
 /* ---- outputs ---------------------------------------------------------- */
 
-/* Names of the outputs, or no names: influence.output_name [outputs of the file]. */
+/*
+ * Copy the names of the outputs to influence.output_name [outputs of the file], which stays NULL if
+ * neither the scene nor the file has names.
+ */
 static int name_outputs(reader *reader, const influence_text *text)
 {
     const number_table *table = &text->table;
@@ -183,7 +197,10 @@ static int name_outputs(reader *reader, const influence_text *text)
     return 0;
 }
 
-/* Index of an output by its name or its number from 1, or -1. */
+/*
+ * Return the index of an output that is given by its name or by its number counted from 1, or -1 if
+ * there is none.
+ */
 static int find_output(const reader *reader, const influence_text *text, const char *word)
 {
     number_name *name = reader->s->influence.output_name;
@@ -239,7 +256,7 @@ static int read_mask(reader *reader, influence_text *text)
     return failed;
 }
 
-/* List the rows that are used: influence.row [outputs]. */
+/* List the rows of the matrix that are used in influence.row [outputs]. */
 static int list_rows(reader *reader, influence_text *text)
 {
     scene_influence *influence = &reader->s->influence;
@@ -262,7 +279,10 @@ static int list_rows(reader *reader, influence_text *text)
 
 /* ---- coordinates ------------------------------------------------------ */
 
-/* Coordinates of the used outputs from columns of a table. column [AXES] in: -1 where absent */
+/*
+ * Copy the coordinates of the used outputs from columns of a table.
+ *   column  [3] in  number of the column of x, y and z; -1 where the table has none: coordinate 0
+ */
 static int copy_coordinates(reader *reader, int node, const number_table *table,
                             const int column[AXES])
 {
@@ -405,7 +425,10 @@ int read_influence(reader *reader, int node, void *to, const void *rule)
 
 /* ---- target ----------------------------------------------------------- */
 
-/* Check that a function can be evaluated at the outputs. */
+/*
+ * Check that a function can be evaluated at the outputs: it uses only coordinates that they have,
+ * and a list has one value for each output of the file.
+ */
 static int check_function(const scene *scene, const expr *function, scene_at at, char *error)
 {
     const int rows = expr_rows(function);

@@ -43,7 +43,8 @@ static const choice fixes[] = {{"clamped", U1 | U2 | U3},
                                {NULL, 0}};
 
 /*
- * Return the dof that a word with a value moves: one displacement of both faces, or a single dof.
+ * Return the bits of those dof that take the value of a support: for a displacement of both faces
+ * its mean, else the single dof that a word of the scene names.
  */
 static unsigned moved_by(int fix)
 {
@@ -55,7 +56,10 @@ static unsigned moved_by(int fix)
     }
 }
 
-/* Find the dof of the edge of a surface that a word names. */
+/*
+ * Find the dof that a word such as `simple` or `symmetric` constrains at the edge of a surface.
+ * Returns 0, or -1 after writing the error message of the YAML tree.
+ */
 static int fix_edge(reader *reader, int node, const scene_support *support, int *fix)
 {
     const int across_1 =
@@ -113,7 +117,10 @@ static const form fix_words_form = {.type = FORM_LIST, .item = &fix_word_form};
 static const form *const fix_forms[] = {&fix_word_form, &fix_words_form, NULL};
 static const form fix_form = {.type = FORM_ANY, .any = fix_forms};
 
-/* Read the direction of e1 at a support; only the nodes of a mesh from a file may choose theirs. */
+/*
+ * Read the direction of e1 at the nodes of a support, which only a mesh from a file may choose.
+ * Returns 0, or -1 after writing the error message of the YAML tree.
+ */
 static int read_direction_of(reader *reader, int node, void *to, const void *rule)
 {
     scene_support *support = to;
@@ -212,14 +219,14 @@ static const form temperatures_form = {.type = FORM_MAP, .fields = temperature_f
 static const form *const temperature_forms[] = {&number_form, &temperatures_form, NULL};
 static const form temperature_form = {.type = FORM_ANY, .any = temperature_forms};
 
-/* Read a temperature: one value for the whole shell, or one for each face. */
+/* Read the temperature of a load: one value for the whole shell, or one value for each face. */
 static int read_temperature(reader *reader, int node, scene_load *load)
 {
     return reader->t->node[node].kind == TREE_MAP ? read_map(reader, node, temperature_fields, load)
                                                   : read_constant(reader, node, &load->value, NULL);
 }
 
-/* Refuse a set that holds no edges, or no elements, where a load needs them. */
+/* Refuse a set of the mesh file that holds no edges or no elements where a load needs them. */
 static int require_set(reader *reader, int node, const scene_where *where, bool of_elements)
 {
     const quad_mesh *mesh = &reader->s->quads->mesh;
@@ -352,7 +359,8 @@ static int read_follower(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Read the face of a load. Half of a point or line load acts on each face unless a face is given.
+ * Read the face on which a load acts. Half of a point load or line load acts on each face unless
+ * the scene names a face.
  */
 static int read_on(reader *reader, int node, void *to, const void *rule)
 {
@@ -368,7 +376,7 @@ static int read_on(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Read the element set that limits a load on a face. */
+/* Read the element set to which a load on a face is limited. */
 static int read_load_set(reader *reader, int node, void *to, const void *rule)
 {
     load_text *text = to;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Migration of scene files (scene_migrate.h). */
+/* Migration of scene files to the present scene language (scene_migrate.h). */
 #include "scene_migrate.h"
 
 #include <stdbool.h>
@@ -9,13 +9,13 @@
 #include "scene.h"
 #include "scene_retired.h"
 
-/* Replacement of `length` bytes of a text by another text. */
+/* Edit of a text: `length` bytes from the byte `from` on are replaced by another text. */
 typedef struct edit {
     size_t from, length;
-    char *insert; /* owned */
+    char *insert; /* the new text, allocated and owned by the edit */
 } edit;
 
-/* A text with its tree and the edits that are collected for it. */
+/* Text of a scene file with its YAML tree and the edits that are collected for it. */
 typedef struct migration {
     const char *text;
     size_t bytes;
@@ -32,7 +32,10 @@ static int out_of_memory(const migration *migration)
     return tree_fault_at(&migration->tree, whole, "out of memory");
 }
 
-/* Add an edit that inserts the first `insert_length` bytes of a text. */
+/*
+ * Add an edit that replaces `length` bytes by the first `insert_length` bytes of a text. Returns 0,
+ * or -1 when memory runs out.
+ */
 static int add_edit(migration *migration, size_t from, size_t length, const char *insert,
                     size_t insert_length)
 {
@@ -64,13 +67,16 @@ static int compare_edits(const void *left, const void *right)
     return (first->length > second->length) - (first->length < second->length);
 }
 
-/* Write the text with all edits applied; an edit that repeats the previous one is skipped. */
+/*
+ * Write the text with all edits applied to the memory at `to`; an edit that repeats the one before
+ * it is skipped.
+ */
 static void write_edited(const migration *migration, char *to, size_t *bytes)
 {
     size_t at = 0, length = 0;
     for (int i = 0; i < migration->count; i++) {
         const edit *const edit = &migration->edits[i];
-        if (edit->from < at) /* the place has been edited through another alias of the same node */
+        if (edit->from < at) /* an alias of the YAML file has led to the same edit before */
             continue;
         memcpy(to + length, migration->text + at, edit->from - at);
         length += edit->from - at;
@@ -116,7 +122,10 @@ static void close_migration(migration *migration)
 
 /* ---- places in the text ----------------------------------------------- */
 
-/* Return the byte at which a line starts, behind a byte order mark; lines are counted from 1. */
+/*
+ * Return the offset of the byte at which a line starts, behind a byte order mark; lines are counted
+ * from 1.
+ */
 static size_t line_start(const migration *migration, int line)
 {
     size_t at = strncmp(migration->text, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0;
@@ -125,7 +134,7 @@ static size_t line_start(const migration *migration, int line)
     return at;
 }
 
-/* Return the byte behind the line that contains a byte. */
+/* Return the offset of the byte behind the line that contains a given byte. */
 static size_t line_end(const migration *migration, size_t at)
 {
     while (at < migration->bytes && migration->text[at] != '\n')
@@ -133,7 +142,7 @@ static size_t line_end(const migration *migration, size_t at)
     return at < migration->bytes ? at + 1 : at;
 }
 
-/* Return the byte of a position, whose column counts characters of UTF-8. */
+/* Return the offset of the byte at a line and column; columns count characters of UTF-8. */
 static size_t byte_of(const migration *migration, scene_at place)
 {
     size_t at = line_start(migration, place.line);
@@ -146,7 +155,7 @@ static size_t byte_of(const migration *migration, scene_at place)
 
 /*
  * Find the first byte of a name at a position of the text, behind a quotation mark if there is one.
- * Returns 0, or -1 with the error filled if the text there is written in another way.
+ * Returns 0, or -1 with the error filled if the name is written with escapes or in several lines.
  */
 static int locate(const migration *migration, scene_at place, const char *name, size_t *at)
 {
@@ -179,7 +188,10 @@ static int refuse_move(const migration *migration, int node)
                          "'rate' cannot be moved by itself here; write it as control: {rate: ...}");
 }
 
-/* Return the byte behind the value of a node, including its quotation mark; 0 on an error. */
+/*
+ * Return the offset of the byte behind the value of a YAML node, its quotation mark included, or 0
+ * after an error.
+ */
 static size_t value_end(const migration *migration, int node)
 {
     const tree_node *const value = &migration->tree.node[node];
@@ -190,13 +202,16 @@ static size_t value_end(const migration *migration, int node)
     return at + strlen(value->text) + is_quoted;
 }
 
-/* Return the byte of a key, including its quotation mark. */
+/* Return the offset of the first byte of a key, its quotation mark included. */
 static size_t key_start(const migration *migration, int node)
 {
     return byte_of(migration, migration->tree.node[node].key_at);
 }
 
-/* Move an item of {ticks: 9, rate: 1000} in front of `simulate`. */
+/*
+ * Move the item `rate` of a section in flow style, simulate: {ticks: 9, rate: 1000}, to a new
+ * section `control` before `simulate`.
+ */
 static int move_flow_rate(migration *migration, int node, int section)
 {
     size_t from = key_start(migration, node), end = value_end(migration, node);
@@ -222,7 +237,9 @@ static int move_flow_rate(migration *migration, int node, int section)
                : -1;
 }
 
-/* Move a line of its own under a new key `control`, above the comment in front of `simulate`. */
+/*
+ * Move the line of the key `rate` to a new section `control`, above the comment before `simulate`.
+ */
 static int move_block_rate(migration *migration, int node, int section)
 {
     const size_t from = line_start(migration, migration->tree.node[node].key_at.line),
@@ -261,7 +278,7 @@ static int move_rate(migration *migration, int node)
 
 /*
  * Write the shortest decimal number whose quotient by the tick rate is exactly the step limit.
- * Returns whether there is one that the reader accepts.
+ * Returns whether such a number exists and the scene reader accepts it.
  */
 static bool rate_limit_text(double step_limit, double rate, char text[32])
 {
@@ -290,7 +307,7 @@ static int edit_step_limit(migration *migration, const scene *scene)
     return add_edit(migration, from, end - from, text, strlen(text));
 }
 
-/* Replace the step limit of a text by a rate limit if the scene gives a tick rate. */
+/* Replace the step limit of a scene by a rate limit if the scene gives a tick rate. */
 static int use_rate_limit(const char *path, char **text, size_t *bytes, char *error)
 {
     scene scene;
@@ -329,7 +346,10 @@ static int edit_node(migration *migration, int node, bool *has_slew)
     return replace_name(migration, edited->key_at, key->old_name, key->new_name);
 }
 
-/* Replace all retired names of a text; *text is the new text. */
+/*
+ * Replace all retired names in the text of a scene; *text becomes the new text, and the old one is
+ * released.
+ */
 static int replace_retired(const char *path, char **text, size_t *bytes, bool *has_slew,
                            char *error)
 {

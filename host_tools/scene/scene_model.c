@@ -27,7 +27,7 @@ static const choice strain_kinematics[] = {{"local", 0}, {"cartesian", 1}, {NULL
 static const choice shears[] = {{"uniform", 0}, {"equilibrium", 1}, {NULL, 0}};
 static const choice areas[] = {{"centre", 0}, {"exact", 1}, {NULL, 0}};
 
-/* The preset is the first row, because the others modify the preset. */
+/* The preset is the first row of the table, so that the other keys modify the preset. */
 static const field element_fields[] = {
     {"preset", read_preset, .form = &preset_form,
      .help = "Formulation that the other keys modify; default improved."},
@@ -73,7 +73,8 @@ static int read_poling(reader *reader, int node, void *to, const void *rule)
 {
     const char *text = node_text(reader, node);
     (void)rule;
-    if (text && strcmp(text, "-3") == 0) { /* choices have no negative values */
+    if (text && strcmp(text, "-3") == 0) { /* the poling -3 is read here, because an array of
+                                              choices cannot express a negative value */
         *(int *)to = -3;
         return 0;
     }
@@ -104,10 +105,10 @@ static int read_alpha(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Elastic constants as given by the user. E and nu define an isotropic material; otherwise,
- * engineering constants that are not given follow from transverse isotropy in the plane 23.
- * Alternatively, the stiffness c11 c22 c33 c12 c13 c23 c44 c55 c66 is given, and missing entries
- * follow from transverse isotropy in the plane 12, as for a ceramic poled along 3.
+ * Elastic constants of a material as the user gives them. E and nu define an isotropic material.
+ * Otherwise, engineering constants that are not given follow from transverse isotropy in the plane
+ * 23. Alternatively, the stiffnesses c11 c22 c33 c12 c13 c23 c44 c55 c66 are given, and missing
+ * ones follow from transverse isotropy in the plane 12, as for a ceramic poled along 3.
  */
 typedef struct material_text {
     scene_material m;
@@ -161,8 +162,8 @@ static int elastic_isotropic(reader *reader, int node, material_text *text)
 }
 
 /*
- * Return whether a material is stable: all pivots of the compliance scaled to unit diagonal are
- * positive.
+ * Return whether the elastic energy of a material is positive: all pivots of its compliance matrix,
+ * scaled to unit diagonal, are positive.
  */
 static int is_stable(const scene_material *material)
 {
@@ -233,7 +234,10 @@ static int read_stiffness(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Compute the engineering constants from the inverse of a stiffness matrix. */
+/*
+ * Compute the engineering constants of a material from the inverse of its stiffness matrix. Returns
+ * 0, or -1 after writing the error message of the YAML tree if the matrix is not positive definite.
+ */
 static int elastic_stiffness(reader *reader, int node, material_text *text)
 {
     const double *stiffness = text->c;
@@ -535,7 +539,7 @@ static const field patch_fields[] = {
 static const form patch_form = {.type = FORM_MAP, .fields = patch_fields};
 const form patches_form = {.type = FORM_LIST, .item = &patch_form, .most = 1000};
 
-/* Read patches on a mesh from a file: each patch is an element set. */
+/* Read patches on a mesh from a file, where each patch is an element set. */
 static int read_set_patch(reader *reader, int node, scene_patches *patches)
 {
     static const char *const foreign[] = {"theta1", "theta2", "grid"};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Readers of places, faces and directions, shared by supports, loads, contact and outputs. */
+/* Readers of places, faces and directions, which supports, loads, contact and outputs share. */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -59,7 +59,7 @@ static const form set_form = {.type = FORM_MAP, .fields = set_fields};
 static const form *const nodes[] = {&point_form, &place_form, &set_form, NULL};
 const form node_form = {.type = FORM_ANY, .any = nodes};
 
-/* Read a place on a mesh from a file: {set: name} or {x, y, z}. */
+/* Read a place on a mesh from a file: {set: name}, or {x, y, z} for the nearest node. */
 static int read_file_place(reader *reader, int node, scene_where *where)
 {
     if (tree_find(reader->t, node, "theta1") || tree_find(reader->t, node, "theta2"))
@@ -100,8 +100,8 @@ static const form *const edge_forms[] = {&edge_word_form, &name_form, NULL};
 const form edge_form = {.type = FORM_ANY, .any = edge_forms};
 
 /*
- * Read a region [from, to] along both coordinates; a coordinate that is not given is not
- * restricted.
+ * Read a rectangular region, [from, to] along each coordinate; a coordinate that is not given is
+ * not limited.
  */
 static int read_region(reader *reader, int node, scene_where *where)
 {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Mesh from a file: the section `mesh` with `file`, sets and places (scene_parts.h). */
+/*
+ * Mesh from a file: the keys of the section `mesh` beside `file`, and the sets and places of such a
+ * mesh in a scene (scene_parts.h).
+ */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -52,7 +55,10 @@ typedef struct file_text {
     int flip, accept_irregular;
 } file_text;
 
-/* Read the length unit of the mesh file as its size in the unit of the scene. */
+/*
+ * Read the unit of length of a mesh file; the result is the size of that unit in the scene's unit
+ * of length.
+ */
 static int read_unit_name(reader *reader, int node, void *to, const void *rule)
 {
     static const units_unit length = {{1, 0, 0, 0, 0, 0}, 0, 0};
@@ -127,7 +133,10 @@ int read_mesh_file(reader *reader, int node, void *to, const void *rule)
 
 /* ---- sets -------------------------------------------------------------- */
 
-/* Append the names of sets to a list for a message. */
+/*
+ * Append the names of sets, separated by commas, to a list of at most LIST bytes for an error
+ * message.
+ */
 static void list_names(const quad_set *set, size_t count, char *list)
 {
     for (size_t i = 0; i < count; i++) {
@@ -181,7 +190,7 @@ int read_set(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Whether a name fits a pattern, in which the first * stands for any text. */
+/* Return whether a name fits a pattern, in which the first * stands for any text. */
 static bool fits(const char *pattern, const char *name)
 {
     const char *star = strchr(pattern, '*');
@@ -192,7 +201,10 @@ static bool fits(const char *pattern, const char *name)
            strcmp(star + 1, name + length - tail) == 0;
 }
 
-/* Order of names in which numbers count by their value: patch 2 comes before patch 10. */
+/*
+ * Compare the names of two element sets for qsort; numbers in names count by their value, so that
+ * patch 2 comes before patch 10.
+ */
 static int by_name(const void *left, const void *right)
 {
     const char *first = (*(const quad_set *const *)left)->name,
@@ -208,9 +220,9 @@ static int by_name(const void *left, const void *right)
 }
 
 /*
- * Find the element sets that a name or a pattern with * stands for, in the order of their names.
- *   found [element sets] out
- * Returns their number, or -1 with the error of the tree filled.
+ * Find the element sets that a name, or a pattern with *, stands for, in the order of their names.
+ *   found  [element sets of the mesh] out
+ * Returns their number, or -1 after writing the error message of the YAML tree.
  */
 static int find_sets(reader *reader, int node, const quad_set **found)
 {
@@ -228,7 +240,10 @@ static int find_sets(reader *reader, int node, const quad_set **found)
     return count;
 }
 
-/* Whether an element set has elements; a patch without any would have no effect. */
+/*
+ * Check that an element set has elements, because a patch without elements has no effect. Returns
+ * 0, or -1 after writing the error message of the YAML tree.
+ */
 static int check_set(reader *reader, int node, const quad_set *set)
 {
     if (set->count > 0)
@@ -236,10 +251,16 @@ static int check_set(reader *reader, int node, const quad_set *set)
     return tree_fault(reader->t, node, "set '%s' of the mesh file has no elements", set->name);
 }
 
-/* What is done with one element set. Returns 0, or -1 with the error of the tree filled. */
+/*
+ * Function that is called for one element set of a list. Returns 0, or -1 after writing the error
+ * message of the YAML tree.
+ */
 typedef int set_action(reader *reader, int node, const quad_set *set, void *to);
 
-/* Check that a node is a list in a scene whose mesh comes from a file. */
+/*
+ * Check that a YAML node is a list and that the mesh of the scene comes from a file. Returns 0, or
+ * -1 after writing the error message of the YAML tree.
+ */
 static int check_set_list(reader *reader, int node)
 {
     if (require_kind(reader, node, TREE_LIST) != 0)
@@ -247,7 +268,10 @@ static int check_set_list(reader *reader, int node)
     return require_quads(reader, node, "'sets'");
 }
 
-/* Apply an action to every element set that a list of names and patterns stands for. */
+/*
+ * Call a function for every element set that a YAML list of names and patterns stands for. Returns
+ * 0, or -1 after writing the error message of the YAML tree.
+ */
 static int read_sets(reader *reader, int node, set_action *action, void *to)
 {
     const quad_mesh *mesh = &reader->s->quads->mesh;
@@ -263,7 +287,7 @@ static int read_sets(reader *reader, int node, set_action *action, void *to)
     return status;
 }
 
-/* Let a layer be present in the elements of a set. */
+/* Mark a layer as present in the elements of a set. */
 static int add_to_layer(reader *reader, int node, const quad_set *set, void *to)
 {
     scene_layer *layer = to;
@@ -286,7 +310,10 @@ int read_layer_sets(reader *reader, int node, void *to, const void *rule)
     return read_sets(reader, node, add_to_layer, layer);
 }
 
-/* Let a set be the next patch. */
+/*
+ * Make the elements of a set the next patch of a list of patches. Returns 0, or -1 after writing
+ * the error message of the YAML tree if an element already belongs to another patch.
+ */
 static int add_patch(reader *reader, int node, const quad_set *set, void *to)
 {
     scene_patches *patches = to;
@@ -336,7 +363,7 @@ static double distance_to(const quad_mesh *mesh, size_t node, const double place
     return sqrt(sum);
 }
 
-/* Length of the longest diagonal of the elements at a node. */
+/* Return the length of the longest diagonal of the elements at a node. */
 static double size_at(const quad_mesh *mesh, uint32_t node)
 {
     double size = 0;
@@ -380,7 +407,10 @@ int read_place(reader *reader, int node, scene_where *where)
 
 /* ---- nodes of a place --------------------------------------------------- */
 
-/* Mark the nodes of the items of a set; `type`: 1 nodes, 2 edges, 4 elements. */
+/*
+ * Mark the nodes of the members of a set of the mesh file; `type` is the number of nodes of a
+ * member: 1 nodes, 2 edges, 4 elements.
+ */
 static void mark_set(const quad_mesh *mesh, const quad_set *set, int type, unsigned char *in_set)
 {
     for (size_t i = 0; i < set->count; i++) {

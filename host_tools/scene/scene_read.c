@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Reading of a scene (scene_read of scene.h): the table of the sections and their default values.
- */
+/* Reading of a scene (scene_read in scene.h): the table of the sections, and the default values. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,7 +55,10 @@ static int read_kinematics(reader *reader, int node, void *to, const void *rule)
 static const range relative = {0, 1, 1,
                                "must lie between 0 and 1, ends left out; it is a relative error"};
 
-/* Rows that every scene has, whether its influence matrix is computed or measured. */
+/*
+ * Rows of the section table that every scene has, whether its influence matrix is computed or
+ * measured.
+ */
 #define NAME_ROWS                                                                                  \
     {"name", read_name, offsetof(scene, name), NULL, 1, OF_NOTHING, NULL, "Name of the scene."},   \
         {"about",                                                                                  \
@@ -168,7 +169,7 @@ static const field sections[] = {
     SIMULATE_ROW,
     {.key = NULL}};
 
-/* Sections of a scene with a measured influence matrix. */
+/* Section table of a scene with a measured influence matrix. */
 static const field measured_sections[] = {
     NAME_ROWS,
     {"influence", read_influence, .required = 1, .form = &influence_form,
@@ -192,7 +193,7 @@ static int has_key(const field *fields, const char *key)
     return fields->key != NULL;
 }
 
-/* Refuse sections of a structure in a scene with a measured matrix. */
+/* Refuse the sections of a structural model in a scene with a measured influence matrix. */
 static int check_sections(const tree *tree)
 {
     for (int i = tree->node[tree->root].first; i; i = tree->node[i].next)
@@ -220,7 +221,10 @@ static char *duplicate(const char *text)
     return copy ? strcpy(copy, text) : NULL;
 }
 
-/* Store the path of the scene file and the applied changes for later error messages. */
+/*
+ * Store the path of the scene file and the applied changes in the scene, for error messages after
+ * reading.
+ */
 static int keep_origin(scene *scene, const char *path, const char *const *set, int sets)
 {
     scene->path = duplicate(path);
@@ -266,7 +270,10 @@ static int fill(scene *scene, tree *tree, char *error)
     return read_map(&reader, tree->root, sections, scene) == 0 ? scene_check(scene, error) : -1;
 }
 
-/* Fill the scene from a tree that was read with the given status, and release the tree. */
+/*
+ * Fill a scene from a YAML tree and release the tree; `status` tells whether the tree was read
+ * without errors.
+ */
 static int take_tree(scene *scene, tree *tree, int status, char *error)
 {
     memset(scene, 0, sizeof *scene);

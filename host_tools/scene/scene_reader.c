@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Functions of scene_reader.h: text and position of nodes, and search for items by name. */
+/* Access to the YAML nodes of a scene, and search for items by name (scene_reader.h). */
 #include "scene_reader.h"
 
 #include <string.h>

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Layers and patches of a mesh from a file become the regions of its elements (scene_parts.h). */
+/*
+ * Assignment of the elements of a mesh from a file to regions of equal layers, from the layers and
+ * patches of the scene (scene_parts.h).
+ */
 #include "scene_parts.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Refuse two patches on one layer that share an element. */
+/* Refuse two grids of patches on one layer that share an element. */
 static int check_overlaps(const scene *scene, char *error)
 {
     for (int i = 0; i < scene->patch_grids; i++)
@@ -33,7 +36,7 @@ static int check_layer_sets(const scene *scene, char *error)
     return 0;
 }
 
-/* Layers in an element, bit i for layer i. */
+/* Return the layers that are present in an element: bit i is set for layer i. */
 static uint32_t layers_in(const scene *scene, size_t element)
 {
     uint32_t layers = 0;
@@ -47,7 +50,10 @@ static uint32_t layers_in(const scene *scene, size_t element)
     return layers;
 }
 
-/* Number of the region with these layers, which is made if there is none. */
+/*
+ * Return the number of the region of a mesh in which these layers are present; a new region is
+ * added if there is none.
+ */
 static uint32_t region_of(quad_mesh *mesh, uint32_t layers, const double direction[3])
 {
     for (size_t i = 0; i < mesh->regions; i++)

@@ -32,7 +32,10 @@ static const retired rows[] = {
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 
-/* Return the last key of a path of the given length, with the length of that key. */
+/*
+ * Return the start of the last key in a path of keys joined by '.'; `length` is the length of the
+ * path, and *key_length becomes that of the key.
+ */
 static const char *last_key(const char *path, size_t length, size_t *key_length)
 {
     size_t start = length;
@@ -42,7 +45,7 @@ static const char *last_key(const char *path, size_t length, size_t *key_length)
     return path + start;
 }
 
-/* Return whether the keys from the root to a node are those of a path. */
+/* Return whether the keys from the root of the YAML tree to a node are those of a path. */
 static bool is_at(const tree *tree, int node, const char *path)
 {
     size_t length = strlen(path), key_length;

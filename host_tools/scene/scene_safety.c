@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Section `safety`: the supervisor of the control loop. */
+/* Section `safety` of a scene: the supervisor of the control loop. */
 #include "scene_parts.h"
 
 static const choice arming[] = {{"automatic", 0}, {"command", 1}, {NULL, 0}};

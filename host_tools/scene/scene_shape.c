@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sections `surface` and `mesh` of a scene. */
+/* Sections `surface` and `mesh` of a scene: reference surface and mesh lines. */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@
 
 /* ---- surface ---- */
 
-/* Pairs of numbers: points of a meridian, or tangent directions at its ends. */
+/* List of pairs of numbers: points of a meridian, or tangent directions at its two ends. */
 typedef struct pairs_text {
     int count;
     double (*pair)[2];
@@ -234,8 +234,8 @@ static int check_ascending(reader *reader, int node, const scene_line *line)
 }
 
 /*
- * Divide a range into elements whose lengths form a geometric progression; grading is the ratio of
- * the last length to the first.
+ * Divide a range of a coordinate into elements whose lengths form a geometric progression;
+ * `grading` is the length of the last element over that of the first.
  */
 static int divide(reader *reader, int node, scene_line *line, double from, double to, int elements,
                   double grading)
@@ -257,8 +257,9 @@ static int divide(reader *reader, int node, scene_line *line, double from, doubl
 }
 
 /*
- * Make the elements smaller or larger in the middle:
- * x = middle + half (centre s + (1 - centre) s^3) for s from -1 to 1.
+ * Divide a range of a coordinate so that the elements in its middle are smaller or larger: with h
+ * half the range, the mesh lines lie at the middle + h (centre s + (1 - centre) s^3) for
+ * equidistant s from -1 to 1.
  */
 static int concentrate(reader *reader, int node, scene_line *line, double from, double to,
                        int elements, double centre)
@@ -281,7 +282,7 @@ typedef struct line_text {
     int elements, slit;
 } line_text;
 
-/* Check that the given ends of a mesh direction lie within the natural range of the surface. */
+/* Check that the ends of a mesh direction lie within the range that the surface itself has. */
 static int check_ends(reader *reader, int node, int direction, double from, double to)
 {
     const char *name = tree_name(reader->t, node);
@@ -300,8 +301,8 @@ static int check_ends(reader *reader, int node, int direction, double from, doub
 }
 
 /*
- * Find the ends of a mesh direction; ends that are not given are those of the natural range of the
- * surface, if there is one.
+ * Find the ends of a mesh direction; an end that the scene does not give is that of the surface
+ * itself, if the surface has a range of its own.
  */
 static int find_ends(reader *reader, int node, int direction, line_text *text)
 {

@@ -21,7 +21,10 @@ static const form named_factors_form = {.type = FORM_NAMED, .item = &above_zero_
 static const form *const factors_forms[] = {&above_zero_form, &named_factors_form, NULL};
 static const form factors_form = {.type = FORM_ANY, .any = factors_forms};
 
-/* Read one factor for all materials, or a mapping of materials to their factors. */
+/*
+ * Read factors of material constants: one factor for all materials, or a mapping of material names
+ * to their factors.
+ */
 static int read_factors(reader *reader, int node, void *to, const void *rule)
 {
     double **factor = to, all = 1;
@@ -89,7 +92,7 @@ static const range loop_width = {
 
 static const form loop_width_form = {.type = FORM_NUMBER, .range = &loop_width};
 
-/* Rows that every plant has. */
+/* Rows of the table of keys that every simulated plant has. */
 #define HYSTERESIS_ROWS                                                                            \
     {"hysteresis",                                                                                 \
      read_hysteresis,                                                                              \
@@ -124,7 +127,10 @@ static const field plant_fields[] = {
              "100."},
     {.key = NULL}};
 
-/* Read one factor for all columns of the matrix, or a mapping of actuators to their factors. */
+/*
+ * Read factors of the columns of a measured influence matrix: one for all columns, or a mapping of
+ * actuator names to their factors.
+ */
 static int read_gain(reader *reader, int node, void *to, const void *rule)
 {
     const scene *scene = reader->s;
@@ -154,7 +160,10 @@ static const form gains_form = {.type = FORM_NAMED, .item = &number_form};
 static const form *const gain_forms[] = {&number_form, &gains_form, NULL};
 static const form gain_form = {.type = FORM_ANY, .any = gain_forms};
 
-/* The plant of a measured matrix: the matrix with errors. */
+/*
+ * Keys of the plant in a scene with a measured influence matrix: the plant is that matrix with
+ * errors.
+ */
 static const field measured_plant_fields[] = {
     {"gain", read_gain, offsetof(scene_simulate, gain), .of = OF_NUMBER, .form = &gain_form,
      .help = "Measured matrix: factor of its columns in the plant, of all or of some actuators by "
@@ -306,7 +315,7 @@ static const int event_types[] = {EVENT_TARGET, EVENT_VALUE, EVENT_LOAD,  EVENT_
                                   EVENT_FROZEN, EVENT_LOST,  EVENT_LATE,  EVENT_JITTER,
                                   EVENT_DELAY};
 
-/* Largest part of an interval by which a tick may be late or an interval vary. */
+/* Range of the part of a tick interval by which voltages may be late or the interval may vary. */
 static const range part = {0, 0.9, 0,
                            "must lie between 0 and 0.9; it is a part of the interval "
                            "between ticks"};
@@ -403,7 +412,7 @@ static int read_event_at(reader *reader, int node, void *to, const void *rule)
                       text->event->tick, reader->s->simulate.ticks);
 }
 
-/* Turn the event of a load with an impulse or a frequency into an event of that type. */
+/* Turn a load event with the key `impulse` or `frequency` into an event of that type. */
 static int refine_load(reader *reader, int node, event_text *text)
 {
     if (!text->impulse_given && !text->frequency_given)
@@ -418,13 +427,13 @@ static int refine_load(reader *reader, int node, event_text *text)
     return 0;
 }
 
-/* Whether an event type lasts for a number of ticks that the key 'ticks' gives. */
+/* Return whether an event type lasts for the number of ticks that the key `ticks` gives. */
 static int lasts(scene_event_type type)
 {
     return type == EVENT_NAN || type == EVENT_FROZEN || type >= EVENT_SINE;
 }
 
-/* Check that the given keys belong to the kind of the event. */
+/* Check that the keys of an event belong to the type of the event. */
 static int check_event(reader *reader, int node, const event_text *text)
 {
     const scene_event_type type = text->event->type;
@@ -539,7 +548,7 @@ static const form_case event_cases[] = {{"target", NULL},
                                         {"delay ticks", NULL},
                                         {NULL, NULL}};
 static const form event_form = {.type = FORM_MAP, .fields = event_fields, .cases = event_cases};
-/* Make the event of one line of a schedule. */
+/* Add the event that one row of a schedule file describes. */
 static int read_scheduled(reader *reader, int node, const number_table *table, size_t row,
                           const int column[2], scene_event *event)
 {
@@ -566,7 +575,7 @@ static int read_scheduled(reader *reader, int node, const number_table *table, s
     return 0;
 }
 
-/* Read the events of a table with the columns at and target. */
+/* Read the events of a schedule file, a table with the columns `at` and `target`. */
 static int read_schedule_file(reader *reader, int node, void *to, const void *rule)
 {
     scene_simulate *simulate = to;
