@@ -205,7 +205,8 @@ typedef enum scene_face {
     FACE_INNER,
     FACE_OUTER,
     FACE_MEAN
-} scene_face; /* Face on which a load acts; half of a load on the middle acts on each face. */
+} scene_face; /* Face of the shell on which a load acts or whose displacement is an output; a load
+                 on the middle surface acts half on each face. */
 typedef enum scene_component {
     COMPONENT_U1,
     COMPONENT_U2,
@@ -215,59 +216,68 @@ typedef enum scene_component {
     COMPONENT_Z
 } scene_component;
 
-/* Direction of a spring or a stack. */
+/* Direction of a spring or of a stack actuator. */
 typedef struct scene_direction {
     int given;
-    scene_component component; /* direction in the triad of a node or along a global axis, where
-                                  the vector is zero */
-    double vector[3];          /* unit vector (x, y, z), or zero */
+    scene_component component; /* direction along an axis of the local triad or along a global axis;
+                                  used where `vector` is zero */
+    double vector[3]; /* unit vector (x, y, z), or zero if the direction is not given as a vector */
 } scene_direction;
 
-/* What the stiffness of a spring is related to. */
+/*
+ * Quantity that the stiffness of a spring refers to: each point, unit length of an edge, or unit
+ * area.
+ */
 typedef enum scene_per { PER_POINT, PER_LENGTH, PER_AREA } scene_per;
 
 /*
- * Springs of equal stiffness between places of the shell and the ground, or between one place and
- * another; of an actuator also its stacks, one amplifier each.
+ * Springs of equal stiffness between places of the shell and the ground, or between places and one
+ * node of the shell. An actuator describes its stacks by the same structure; each stack has one
+ * amplifier.
  */
 typedef struct scene_spring {
-    char name[SCENE_NAME]; /* empty if not given */
-    scene_where where;     /* nodes with a spring each; where.at.column is 0 if points are given */
+    char name[SCENE_NAME]; /* name of the springs, empty if not given */
+    scene_where where; /* nodes that have one spring each; where.at.column is 0 if the springs stand
+                          at points instead */
     int points;
-    double (*point)[3];    /* [points] theta1, theta2 and 0, or x, y, z on a mesh from a file; z is
-                              NAN where it is not given */
-    scene_where to;        /* node at the other end; to.at.column is 0 for the ground */
-    scene_direction along; /* direction of the displacement that elongates the spring */
-    scene_direction about; /* axis of the rotation that turns a torsional spring */
-    scene_face face;       /* face at which the spring is attached */
-    double stiffness;      /* force per elongation, also per length or area; moment per angle of a
-                              torsional spring */
-    int per;               /* scene_per */
-    double force;          /* stack: force per unit of its input while it cannot elongate */
-    double stroke;         /* stack: elongation per unit of its input without a load; 0 if the force
-                              is given */
+    double (*point)[3]; /* [points] coordinates of the points: theta1, theta2 and 0, or x, y, z on a
+                           mesh from a file, where z is NAN if it is not given */
+    scene_where to; /* node at the other end of the springs; to.at.column is 0 if they end at the
+                       ground */
+    scene_direction along; /* direction in which a displacement elongates the springs */
+    scene_direction about; /* axis of the rotation that twists torsional springs */
+    scene_face face;       /* face of the shell to which the springs are attached */
+    double stiffness; /* stiffness of a spring: force per elongation, also per length or area; for a
+                         torsional spring moment per angle (rad) */
+    int per;          /* quantity that the stiffness refers to, a value of scene_per */
+    double force;     /* blocked force of a stack actuator per unit of its input */
+    double stroke; /* free stroke of a stack actuator per unit of its input; 0 if the blocked force
+                      is given */
     scene_at at;
 } scene_spring;
 
 /*
- * An actuator has one amplifier for each patch position of its grids; patches at the same position
- * are connected with signed factors. The first index counts along theta1, and the second index runs
- * fastest. An actuator may instead be one uniform temperature, or stacks with one amplifier each.
- * The same structure describes a sensor, which has electrodes but no amplifiers.
+ * An actuator has one amplifier for each position in its grids of patches; the patches at one
+ * position are connected to its amplifier, each with a signed factor. Positions are numbered along
+ * theta1 and theta2, fastest along theta2. An actuator may instead be one uniform temperature, or a
+ * number of stacks with one amplifier each. A sensor is described by the same structure: it has
+ * electrodes but no amplifiers.
  */
 typedef struct scene_actuator {
     char name[SCENE_NAME];
     int drives;
     scene_drive *drive;
     int is_temperature;
-    scene_spring *stacks; /* places, directions and stiffness of the stacks; NULL: no stacks */
-    double applied; /* voltage (V) or temperature (K) on each amplifier of the actuator in a plain
-                       solution; of a list, the value with the largest magnitude */
-    double *each;   /* the same of every amplifier, [grid[0] grid[1]]; NULL where all have `applied`
-                     */
-    int open;       /* sensor: 1 for open circuit, 0 for short circuit */
-    int first, grid[2]; /* index of the first amplifier, or of the first electrode of a sensor, and
-                           size of the grid: there are grid[0] * grid[1] of them */
+    scene_spring *stacks; /* places, directions and stiffness of the actuator's stacks; NULL: the
+                             actuator has none */
+    double applied;       /* voltage (V) or temperature (K) on every amplifier of an actuator in a
+                             solution without optimisation; if a list is given, its value of largest
+                             magnitude */
+    double *each;       /* [grid[0] * grid[1]] voltage (V) or temperature (K) of each amplifier in a
+                           solution without optimisation; NULL where all have the value `applied` */
+    int open;           /* sensor electrodes: 1 open circuit, 0 short circuit */
+    int first, grid[2]; /* number of the first amplifier of an actuator (or of the first electrode
+                           of a sensor), and the size of its grid along theta1 and theta2 */
     scene_at at;
 } scene_actuator;
 
@@ -652,7 +662,8 @@ typedef struct scene {
                            a file */
     scene_quads *quads; /* mesh from a file, or NULL where the scene has mesh lines on a surface */
     int reference_is_middle;
-    double reference; /* z coordinate of the reference surface, measured from the inner face */
+    double reference; /* height of the reference surface above the inner face of the laminate (scene
+                         unit of length) */
     int materials, layers, patch_grids, actuators, sensors, supports, springs, loads, outputs,
         compares;
     scene_material *material;

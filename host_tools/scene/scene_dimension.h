@@ -40,8 +40,10 @@ typedef enum dimension {
     OF_FORCE_CONSTANT,
     OF_MOMENT,
     DIMENSIONS,
-    OF_COORDINATE = DIMENSIONS, /* of theta1 or theta2, whichever key is nearest */
-    OF_POINT,                   /* of theta1, theta2 or x, y, z, by the place in a list */
+    OF_COORDINATE = DIMENSIONS, /* dimension of the coordinate theta1 or theta2, whichever is the
+                                   nearest enclosing key */
+    OF_POINT, /* dimension of a coordinate of a point, theta1, theta2 or x, y, z, by its position in
+                 a list */
     OF_SPRING,
     OF_SUPPORT,
     OF_LOAD,

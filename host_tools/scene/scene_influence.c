@@ -307,7 +307,7 @@ static int copy_coordinates(reader *reader, int node, const number_table *table,
     return 0;
 }
 
-/* Coordinates from a section of their own: a list of points, or a file. */
+/* Read the coordinates of the outputs from the key `coordinates`: a list of points, or a file. */
 static int read_coordinates(reader *reader, const influence_text *text)
 {
     const int node = text->coordinates;

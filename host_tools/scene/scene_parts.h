@@ -46,12 +46,12 @@ int check_triads(scene *scene, char *error);
 field_read read_element, read_materials, read_layers, read_reference, read_patches;
 
 /*
- * Springs; the stacks of an actuator, to = scene_actuator; a direction as a word or a vector, to =
- * scene_direction (scene_springs.c).
+ * Readers of springs, of the stacks of an actuator (argument `to`: the scene_actuator), and of a
+ * direction given as a word or a vector (argument `to`: the scene_direction), in scene_springs.c.
  */
 field_read read_springs, read_stacks, read_any_direction;
 
-/* Supports, loads and contact (scene_load.c). */
+/* Readers of the sections for supports, loads and contact (scene_load.c). */
 field_read read_supports, read_loads, read_contact;
 
 /*

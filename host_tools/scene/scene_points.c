@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Points of a scene (scene_points.h). */
+/* Reading of points in space for a scene (scene_points.h). */
 #include "scene_points.h"
 
 #include <stdlib.h>
@@ -13,12 +13,16 @@ static int read_node(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Nodes of the keys of a file of points, 0 where the key is missing. */
+/* YAML nodes of the keys of a mapping that names a file of points; 0 for a key that is absent. */
 typedef struct points_text {
     int file, columns;
 } points_text;
 
-/* Columns of x, y, z in a file of points. column [SCENE_AXES] out */
+/*
+ * Find the columns of x, y and z in a file of points.
+ *   column  [3] out  number of each column, or -1
+ * Returns 0, or -1 after writing the error message of the YAML tree if there is none at all.
+ */
 static int find_columns(reader *reader, const points_text *text, const number_table *table,
                         int column[SCENE_AXES])
 {
@@ -48,7 +52,10 @@ static int find_columns(reader *reader, const points_text *text, const number_ta
                       node_text(reader, text->file));
 }
 
-/* Read a list of points [[x, y], ...] as a table. */
+/*
+ * Read a list of points [[x, y], ...] into a table with three columns; coordinates that are not
+ * given are 0.
+ */
 static int list_points(reader *reader, int list, number_table *table)
 {
     const tree_node *node = reader->t->node;

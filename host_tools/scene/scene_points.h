@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Points of a scene: a list [[x, y], ...], or a file with a row for each point. */
+/*
+ * Points in space that a scene gives as a list [[x, y], ...] or as a file with one row for each
+ * point.
+ */
 #ifndef SCENE_POINTS_H
 #define SCENE_POINTS_H
 
@@ -11,10 +14,11 @@ enum { SCENE_AXES = 3 };
 extern const form scene_points_form;
 
 /*
- * Read points as a table.
- *   table   out  to be released by the caller in either case; entries that a list leaves out are 0
- *   column  out  columns of x, y, z in the table, -1 where a file has none
- * Returns 0, or -1 with the error of the tree filled.
+ * Read points in space into a table.
+ *   table   out      one row for each point, released by the caller also after an error;
+ *                    coordinates that a list leaves out are 0
+ *   column  [3] out  number of the column of x, y and z in the table; -1 where a file has none
+ * Returns 0, or -1 after writing the error message of the YAML tree.
  */
 int scene_points_table(reader *reader, int node, number_table *table, int column[SCENE_AXES]);
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Section `springs` of a scene, and the stacks of its actuators (scene_parts.h). */
+/*
+ * Section `springs` of a scene, and the stack actuators of the section `actuators` (scene_parts.h).
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,7 +36,7 @@ int read_any_direction(reader *reader, int node, void *to, const void *rule)
 
 /* ---- places ------------------------------------------------------------- */
 
-/* Copy one point of a table. A height that a mesh from a file does not need may be missing. */
+/* Copy one point from a row of a table; its coordinate z may be missing on a mesh from a file. */
 static int copy_point(reader *reader, int node, const number_table *table, size_t row,
                       const int column[SCENE_AXES], double point[SCENE_AXES])
 {
@@ -61,7 +63,7 @@ static int copy_point(reader *reader, int node, const number_table *table, size_
     return 0;
 }
 
-/* Read the points of springs or stacks, which need not be nodes. */
+/* Read the points at which springs or stacks are attached; they need not be nodes of the mesh. */
 static int read_points(reader *reader, int node, void *to, const void *rule)
 {
     scene_spring *spring = to;
@@ -94,7 +96,7 @@ static int read_face(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Rows that springs and stacks share. */
+/* Rows of the table of keys that springs and stacks share. */
 #define SPRING_ROWS                                                                                \
     PLACE(offsetof(scene_spring, where)),                                                          \
         {"points",                                                                                 \
@@ -151,7 +153,10 @@ static const form_case spring_cases[] = {
 static const form spring_form = {.type = FORM_MAP, .fields = spring_fields, .cases = spring_cases};
 const form springs_form = {.type = FORM_LIST, .item = &spring_form};
 
-/* Check the place, the other end and the direction of springs or stacks. */
+/*
+ * Check that springs or stacks have a place, and that their other end and their direction do not
+ * contradict each other. Returns 0, or -1 after writing the error message of the YAML tree.
+ */
 static int check_ends(reader *reader, int node, const scene_spring *spring)
 {
     const int has_place = spring->where.at.column != 0, has_other = spring->to.at.column != 0;
@@ -210,7 +215,10 @@ static const form_case stack_cases[] = {
     {NULL, NULL}};
 const form stacks_form = {.type = FORM_MAP, .fields = stack_fields, .cases = stack_cases};
 
-/* Number of stacks: of points, or of nodes. On mesh lines a place is one node. */
+/*
+ * Count the stacks of an actuator: one for each point or node. Returns 0, or -1 after writing the
+ * error message of the YAML tree.
+ */
 static int count_stacks(reader *reader, int node, const scene_spring *stacks, int *count)
 {
     *count = stacks->points;

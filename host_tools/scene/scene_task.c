@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Sections of a scene on control and results: equilibrium, actuators, sensors, limits, outputs,
- * target, compare.
+ * Sections of a scene for the control task and the results: equilibrium, actuators, sensors,
+ * limits, outputs, target and compare.
  */
 #include "scene_file.h"
 #include "scene_parts.h"
@@ -70,8 +70,9 @@ static const char *driven_by(const scene_actuator *actuator, int actuators, int 
 }
 
 /*
- * Check the patches of an actuator or sensor: they must be piezoelectric, be connected only once,
- * and have grids of the same size; the patches of a sensor need a permittivity.
+ * Check the patches of an actuator or sensor: their material must be piezoelectric, they may be
+ * connected only once, and their grids must have equal sizes; the patches of a sensor also need a
+ * permittivity. Returns 0, or -1 after writing the error message of the YAML tree.
  */
 static int check_drive(reader *reader, int node, const scene_actuator *actuator, int drive,
                        int is_sensor)
@@ -117,7 +118,7 @@ static const field drive_fields[] = {
 static const form drive_form = {.type = FORM_MAP, .fields = drive_fields};
 static const form drives_form = {.type = FORM_LIST, .item = &drive_form, .least = 1};
 
-/* Read the patch grids of an actuator, or of a sensor if rule is not NULL. */
+/* Read the patches that an actuator drives, or those of a sensor if rule is not NULL. */
 static int read_drives(reader *reader, int node, void *to, const void *rule)
 {
     scene_actuator *actuator = to;
@@ -142,7 +143,10 @@ static int read_drives(reader *reader, int node, void *to, const void *rule)
 static const form *const applied_forms[] = {&number_form, &list_form, &list_file_form, NULL};
 static const form applied_form = {.type = FORM_ANY, .any = applied_forms};
 
-/* Read one value for all amplifiers of an actuator, or a list or file with one for each. */
+/*
+ * Read the voltage or temperature of an actuator in a solution without optimisation: one value for
+ * all its amplifiers, or a list or file with one value for each.
+ */
 static int read_applied(reader *reader, int node, void *to, const void *rule)
 {
     scene_actuator *actuator = to;
@@ -224,7 +228,7 @@ int read_actuators(reader *reader, int node, void *to, const void *rule)
 
 static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
 
-/* The rule of `drives` tells read_drives that the patches are those of a sensor. */
+/* The rule of the key `drives` tells its reader that the patches belong to a sensor. */
 static const field sensor_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,
      .help = "Name; the electrodes are name_1_1 ..., or name alone for a single patch."},
@@ -367,10 +371,15 @@ static int read_each(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* A step limit below this one is a typing error, and vanishes when it is added to a voltage. */
+/*
+ * Step limits below this one (V) are typing errors; they would vanish in rounding when they are
+ * added to a voltage.
+ */
 static const double smallest_step_limit = 1e-60;
 
-/* Read the largest rate of a voltage (V/s) as a step limit (V a tick), which needs the tick rate.
+/*
+ * Read the largest rate of a voltage (V/s) and store it as a step limit (V a tick); the scene must
+ * give the tick rate.
  */
 static int read_rate_limit(reader *reader, int node, void *to, const void *rule)
 {
@@ -475,7 +484,10 @@ static int read_contact_output(reader *reader, int node, void *to, const void *r
     return 0;
 }
 
-/* Read an output that is the voltages or charges of the electrodes of a sensor or an actuator. */
+/*
+ * Read an electric output: the voltages or the charges of the electrodes of a sensor or an
+ * actuator.
+ */
 static int read_electric_output(reader *reader, int node, void *to, const void *rule)
 {
     output_text *text = to;
@@ -612,7 +624,10 @@ static int read_modes(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Read a function of the coordinates, given by a predefined word or by an expression. */
+/*
+ * Read a function whose best fit is removed from the target: a word for a common function, or a
+ * formula.
+ */
 static int read_free_item(reader *reader, int node, scene_mode *to)
 {
     static const char *const word[3][2] = {{"piston", "1"}, {"tip", "x"}, {"tilt", "y"}};
@@ -654,7 +669,10 @@ static int read_free(reader *reader, int node, void *to, const void *rule)
 static const choice target_weights[] = {{"equal", 0}, {"area", 1}, {NULL, 0}};
 static const form free_form = {.type = FORM_LIST, .item = &row_function_form, .most = SCENE_FREE};
 
-/* Rows that every target has: values, weights, modes and free functions. */
+/*
+ * Rows of the table of keys that every target has: values, weights, alternative shapes and
+ * functions that are removed.
+ */
 #define TARGET_VALUES                                                                              \
     {"value",                                                                                      \
      read_row_function,                                                                            \

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Supports of a mesh from a file: they choose the triads of their nodes and hold dof in them
- * (scene_parts.h).
+ * Supports of a mesh from a file: they determine the local triads of their nodes and constrain dof
+ * along the axes of these triads (scene_parts.h).
  */
 #include "scene_parts.h"
 #include "../quads/vector.h"
@@ -10,19 +10,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Bits of the dof along e1, e2 and e3: mean, difference, and for e3 the middle surface. */
+/*
+ * Bits of the dof along the axes e1, e2 and e3 of a node's triad: the mean of both faces, their
+ * difference, and for e3 also the displacement of the middle surface.
+ */
 enum { ALONG_1 = 1 | 8, ALONG_2 = 2 | 16, ALONG_3 = 4 | 32 | 64, ALL = 127 };
 
-/* Sine of the largest angle at which two directions count as equal or as perpendicular. */
+/* Sine of the largest angle at which two directions still count as parallel or as perpendicular. */
 static const double nearly = 0.01;
 
-/* Cosine of the angle of two edges of a set above which a node between them is a corner. */
+/*
+ * A node between two edges of a set is a corner if the cosine of the angle between the edges'
+ * normals is below this value.
+ */
 static const double corner = 0.85;
 
 /* ---- vectors ----------------------------------------------------------- */
 
-/* Remove the part of a vector along a unit vector and scale it to 1. Returns the size that was
- * left. */
+/*
+ * Remove the component of a vector along a unit vector and scale the rest to length 1. Returns the
+ * length of the rest before scaling.
+ */
 static double project(double vector[3], const double unit[3])
 {
     const double along = vector_dot(vector, unit);
@@ -33,21 +41,22 @@ static double project(double vector[3], const double unit[3])
 
 /* ---- work --------------------------------------------------------------- */
 
-/* What the edges of a set at one node say. */
+/* Normals of those edges of a support's set that meet at one node. */
 typedef struct edge_normal {
-    double sum[3];   /* sum of the unit normals of the edges, in the surface and out of it */
-    double first[3]; /* normal of the first edge */
+    double sum[3];   /* sum of the unit vectors that are normal to each edge and tangent to the
+                        surface */
+    double first[3]; /* unit normal of the first edge that was added */
     int edges;
-    bool is_corner; /* two edges meet at an angle */
+    bool is_corner; /* whether two of the edges meet at an angle */
 } edge_normal;
 
 typedef struct triads {
     scene *scene;
     quad_mesh *mesh;
     char *error;
-    unsigned char *in_set; /* [nodes] nodes of the present support */
-    unsigned char *fixed;  /* [nodes] whether a support has chosen the axis */
-    edge_normal *normal;   /* [nodes] */
+    unsigned char *in_set; /* [nodes] 1 for the nodes of the support that is being applied */
+    unsigned char *fixed;  /* [nodes] 1 where a support has determined the axis e1 */
+    edge_normal *normal;   /* [nodes] sums of the normals of the support's edges */
 } triads;
 
 static long long label(const triads *triads, size_t node)
@@ -57,7 +66,7 @@ static long long label(const triads *triads, size_t node)
 
 /* ---- normals of edges --------------------------------------------------- */
 
-/* Add the normal of side s of an element to both of its nodes. */
+/* Add the normal of one side of an element to the sums at both of its nodes. */
 static void add_edge(triads *triads, size_t element, int side)
 {
     const uint32_t node[2] = {triads->mesh->element[element][side],
@@ -80,7 +89,10 @@ static void add_edge(triads *triads, size_t element, int side)
     }
 }
 
-/* Whether an edge set, or a node set, contains side s of an element. */
+/*
+ * Return whether an edge set contains a side of an element; without an edge set, whether both nodes
+ * of the side belong to the support.
+ */
 static bool has_side(const triads *triads, const quad_set *edges, size_t element, int side)
 {
     const uint32_t edge = (uint32_t)(4 * element) + (uint32_t)side;
@@ -90,7 +102,7 @@ static bool has_side(const triads *triads, const quad_set *edges, size_t element
     return quad_set_has(edges, edge);
 }
 
-/* Normals of the edges of a support's set at its nodes. Returns the number of edges. */
+/* Sum the normals of all edges of a support's set at its nodes. Returns the number of edges. */
 static int find_normals(triads *triads, const scene_support *support)
 {
     const quad_set *edges =
@@ -110,7 +122,10 @@ static int find_normals(triads *triads, const scene_support *support)
 
 /* ---- symmetry planes ---------------------------------------------------- */
 
-/* Normal of the plane of a symmetric support: given, or the mean of the normals of its edges. */
+/*
+ * Find the unit normal of the plane of a symmetric support: the direction that the scene gives, or
+ * the mean of the normals of the support's edges. Returns 0, or -1 with the error filled.
+ */
 static int plane_normal(triads *triads, const scene_support *support, double normal[3])
 {
     memcpy(normal, support->direction, 3 * sizeof *normal);
@@ -129,7 +144,9 @@ static int plane_normal(triads *triads, const scene_support *support, double nor
                        "the normal of the symmetry plane");
 }
 
-/* Put the directors of the nodes of a symmetry plane into the plane, which the nodes must lie in.
+/*
+ * Turn the directors of the nodes of a symmetric support into its symmetry plane. Returns 0, or -1
+ * with the error filled if the nodes do not lie in one plane.
  */
 static int apply_plane(triads *triads, const scene_support *support, const double normal[3])
 {
@@ -159,15 +176,16 @@ static int apply_plane(triads *triads, const scene_support *support, const doubl
 
 /* ---- triads ------------------------------------------------------------- */
 
-/* Exchange the bits of e1 and e2. */
+/* Return a set of dof in which the bits of the axes e1 and e2 are exchanged. */
 static unsigned exchanged(unsigned bits)
 {
     return (bits & ALONG_3) | (bits & ALONG_1) << 1 | (bits & ALONG_2) >> 1;
 }
 
 /*
- * Hold dof of a node in the triad whose e1 is the projection of a direction. Where an earlier
- * support has chosen the triad, the directions must be equal or perpendicular.
+ * Constrain dof of a node in the triad whose axis e1 is the projection of a direction on the
+ * surface. Where an earlier support has determined the triad, both directions must be parallel or
+ * perpendicular. Returns 0, or -1 with the error filled.
  */
 static int hold(triads *triads, const scene_support *support, size_t node,
                 const double direction[3], unsigned bits)
@@ -194,7 +212,10 @@ static int hold(triads *triads, const scene_support *support, size_t node,
     return 0;
 }
 
-/* Hold displacements along global axes. bits: FIX_X, FIX_Y, FIX_Z */
+/*
+ * Constrain the displacements of a node along global axes (bits FIX_X, FIX_Y and FIX_Z). Returns 0,
+ * or -1 with the error filled.
+ */
 static int hold_global(triads *triads, const scene_support *support, size_t node, unsigned bits)
 {
     static const unsigned axis_bit[3] = {FIX_X, FIX_Y, FIX_Z};
@@ -206,7 +227,7 @@ static int hold_global(triads *triads, const scene_support *support, size_t node
         const bool is_held = (bits & axis_bit[i]) != 0;
         if (is_held != (held == 1))
             continue;
-        own = i; /* the held axis, or of two held ones the axis that is not */
+        own = i; /* the constrained axis; if two axes are constrained, the axis that is free */
         if (held == 1 && fabs(triads->mesh->director[node][i]) > sqrt(1 - nearly * nearly)) {
             triads->mesh->constrained[node] |= ALONG_3;
             return 0;
@@ -225,7 +246,10 @@ static int hold_global(triads *triads, const scene_support *support, size_t node
     return hold(triads, support, node, direction, held == 1 ? ALONG_1 : ALONG_2 | ALONG_3);
 }
 
-/* Hold a list of dof. Those along e1 and e2 need a direction unless both are held alike. */
+/*
+ * Constrain a list of dof of a node. Dof along e1 and e2 need a direction, unless both axes are
+ * constrained alike. Returns 0, or -1 with the error filled.
+ */
 static int hold_listed(triads *triads, const scene_support *support, size_t node, unsigned bits)
 {
     if (vector_dot(support->direction, support->direction) > 0)
@@ -238,7 +262,10 @@ static int hold_listed(triads *triads, const scene_support *support, size_t node
     return 0;
 }
 
-/* Hold a node of a set of edges: along the edge and u3. A corner holds both directions. */
+/*
+ * Constrain a simply supported node: its displacement along the edge and u3. At a corner,
+ * displacements along both edges are constrained. Returns 0, or -1 with the error filled.
+ */
 static int hold_simple(triads *triads, const scene_support *support, size_t node)
 {
     const edge_normal *normal = &triads->normal[node];
@@ -266,7 +293,10 @@ static int hold_node(triads *triads, const scene_support *support, size_t node,
 
 /* ---- supports ----------------------------------------------------------- */
 
-/* Find the nodes of a support and, where it depends on edges, their normals. */
+/*
+ * Find the nodes of a support and, if its directions follow from its edges, the normals of these
+ * edges. Returns 0, or -1 with the error filled.
+ */
 static int find_nodes(triads *triads, const scene_support *support)
 {
     const bool needs_edges = support->fix & (FIX_SIMPLE | FIX_SYMMETRIC) &&
@@ -282,7 +312,10 @@ static int find_nodes(triads *triads, const scene_support *support)
                        support->fix & FIX_SIMPLE ? "simple" : "symmetric");
 }
 
-/* First the directors of all symmetry planes are turned, then the triads are built on them. */
+/*
+ * Turn the directors of a symmetric support into its plane. All symmetric supports are treated
+ * before the first triad is determined, because triads depend on directors.
+ */
 static int turn_directors(triads *triads, const scene_support *support)
 {
     double normal[3];
@@ -310,7 +343,7 @@ static int hold_support(triads *triads, const scene_support *support)
     return 0;
 }
 
-/* Axes that no support has chosen follow the turned directors. */
+/* Set the axis e1 of all nodes whose triad no support has determined. */
 static void finish_axes(triads *triads)
 {
     const int common = quad_common_axis(triads->mesh);
@@ -319,13 +352,18 @@ static void finish_axes(triads *triads)
             quad_default_axis(triads->mesh->director[node], common, triads->mesh->axis[node]);
 }
 
-/* Apply the supports; those with a value leave their dof free, which the mesh prescribes later. */
+/*
+ * Apply all supports to the directors, axes and constrained dof of the mesh. Supports with a value
+ * leave their dof free, because the mesh prescribes those later. Returns 0, or -1 with the error
+ * filled.
+ */
 static int apply_supports(triads *triads)
 {
     for (int k = 0; k < triads->scene->supports; k++)
         if (turn_directors(triads, &triads->scene->support[k]) != 0)
             return -1;
-    for (int pass = 0; pass < 2; pass++) /* first those whose values may not lose their triad */
+    for (int pass = 0; pass < 2; pass++) /* the first iteration applies the supports with a value,
+                                            whose triads later supports must not change */
         for (int k = 0; k < triads->scene->supports; k++) {
             const scene_support *support = &triads->scene->support[k];
             if ((support->value != NULL) != (pass == 0))

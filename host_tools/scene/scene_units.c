@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Numbers of a scene with units: the units of the dimensions, and the conversion to the units of
- * the scene.
+ * Numbers of a scene with units of measurement: the unit of each physical dimension, and the
+ * conversion to the units of the scene.
  */
 #include "scene_units.h"
 
@@ -12,8 +12,8 @@
 /* ---- dimensions ------------------------------------------------------- */
 
 /*
- * Name of each dimension for error messages, with a unit as an example, and its powers of length,
- * force, voltage, temperature, time and angle.
+ * Name of each physical dimension for error messages, a unit as an example, and its powers of
+ * length, force, voltage, temperature, time and angle.
  */
 static const struct {
     const char *name, *example;
@@ -58,7 +58,7 @@ static const struct {
 
 /* ---- dimensions that follow from neighbours --------------------------- */
 
-/* Return the mapping that contains the key of a node. */
+/* Return the YAML mapping that contains the key of a node. */
 static int map_of(const tree *tree, int node)
 {
     while (node && !tree->node[node].key)
@@ -73,8 +73,8 @@ static const char *text_of(const tree *tree, int map, const char *key)
 }
 
 /*
- * Return the dimension of a support value: a displacement is a length, while a difference of the
- * faces over the thickness is dimensionless.
+ * Return the dimension of the value of a support: a displacement is a length, the difference of
+ * both faces over the thickness is dimensionless.
  */
 static dimension of_support(const tree *tree, int map)
 {
@@ -127,7 +127,7 @@ static dimension of_reading(const reader *reader, int map)
     return reader->s->output[k].electric == ELECTRIC_VOLTAGE ? OF_VOLTAGE : OF_CHARGE;
 }
 
-/* Return the dimension of the output of amplifier k. */
+/* Return the dimension of the input of amplifier number k: voltage or temperature. */
 static dimension of_amplifier(const scene *scene, int k)
 {
     for (int i = 0; i < scene->actuators; i++)
@@ -144,7 +144,10 @@ static dimension of_limit(const reader *reader, int map)
     return found ? of_amplifier(reader->s, first) : OF_VOLTAGE;
 }
 
-/* Return the dimension of a value to compare; values are in the order of the amplifiers. */
+/*
+ * Return the dimension of a value that results are compared with; the values are listed in the
+ * order of the amplifiers.
+ */
 static dimension of_compare(const reader *reader, int node)
 {
     int k = 0;
@@ -154,7 +157,10 @@ static dimension of_compare(const reader *reader, int node)
     return of_amplifier(reader->s, k);
 }
 
-/* Return the dimension of theta1 or theta2, whichever is the nearest key of a node. */
+/*
+ * Return the dimension of the surface coordinate theta1 or theta2, whichever is the nearest key
+ * above a YAML node.
+ */
 static dimension of_coordinate(const reader *reader, int node)
 {
     const tree_node *const named = reader->t->node;
@@ -167,7 +173,7 @@ static dimension of_coordinate(const reader *reader, int node)
     return surface_is_angle(&reader->s->surface, direction) ? OF_RADIANS : OF_LENGTH;
 }
 
-/* Return the dimension of a coordinate of a point in a list. */
+/* Return the dimension of a coordinate of a point by its position in the list. */
 static dimension of_point(const reader *reader, int node)
 {
     const int first = reader->t->node[reader->t->node[node].parent].first;
@@ -204,7 +210,8 @@ static const dimension base_dimension[UNITS_BASES] = {OF_LENGTH,      OF_FORCE, 
                                                       OF_TEMPERATURE, OF_RATE,  OF_RADIANS};
 
 /*
- * Return the scene's text for a base unit, or NULL for the second and the radian, which are fixed.
+ * Return the scene's text for the unit of a base dimension, or NULL for the second and the radian,
+ * which are fixed.
  */
 static const char *base_text(const scene *scene, int base)
 {
@@ -218,8 +225,8 @@ static const char *base_text(const scene *scene, int base)
 }
 
 /*
- * Find the power of ten of the scene's unit for a base unit. Returns 0, or -1 if the scene has no
- * such unit or if it is not an SI unit of that base.
+ * Find the power of ten of the scene's unit for a base dimension. Returns 0, or -1 if the scene has
+ * no such unit or if it is not an SI unit.
  */
 static int base_ten(const scene *scene, int base, int *ten)
 {
@@ -259,7 +266,7 @@ static int refuse_unit(reader *reader, int node, const char *suffix, const char 
                       tree_name(reader->t, node), node_text(reader, node), suffix, why);
 }
 
-/* Return the dimension of a unit, or DIMENSIONS if no known dimension has that unit. */
+/* Return the dimension that a unit of measurement belongs to, or DIMENSIONS if there is none. */
 static dimension name_dimension(const units_unit *unit)
 {
     int of = OF_NUMBER;
@@ -304,7 +311,10 @@ static int refuse_base(reader *reader, int node, int base)
         dimensions[base_dimension[base]].name, example);
 }
 
-/* Return the factor, as text after the number, that converts degrees to radians or the reverse. */
+/*
+ * Return a factor, as text behind the number, that converts degrees to radians or radians to
+ * degrees; empty if neither is needed.
+ */
 static const char *turn(const units_unit *unit, const units_unit *key)
 {
     if (unit->degrees == key->degrees)

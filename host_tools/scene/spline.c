@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Cubic splines (spline.h).
- * A coordinate is described by its values y_i and second derivatives m_i at the knots. They
- * minimise sum (p_i - y_i)^2 + lambda integral m^2 under one condition for each knot: a continuous
- * slope at inner knots, and the end conditions at the outer knots. The values, second derivatives
- * and Lagrange multipliers of the knots, interleaved, are the variables of one banded linear
- * system.
+ * A coordinate of the curve is described by its values y_i and its second derivatives m_i at the
+ * knots. They minimise sum (p_i - y_i)^2 + lambda integral m^2, with p_i the given points, under
+ * one condition for each knot: a continuous slope at inner knots, and the end conditions at the
+ * outer knots. The values, second derivatives and Lagrange multipliers of the knots, interleaved,
+ * are the variables of one banded linear system.
  */
 #include "spline.h"
 #include <math.h>
@@ -16,13 +16,14 @@ enum { BAND = 7, ROW = 3 * BAND + 1, VALUE = 0, SECOND = 1, MULTIPLIER = 2 };
 
 struct spline {
     int n;
-    double *t;               /* chord length from the first point to each knot [n] */
-    double (*y)[2], (*m)[2]; /* values and second derivatives at the knots [n] */
+    double *t;               /* [n] chord length from the first point to each knot */
+    double (*y)[2], (*m)[2]; /* [n] values y and second derivatives m of both coordinates at the
+                                knots */
 };
 
 /*
- * Return the address of entry (i, j) of a banded matrix that has room for the fill-in of row
- * exchanges.
+ * Return the address of entry (i, j) of a banded matrix that is stored by rows with room for the
+ * fill-in of row exchanges.
  */
 static double *entry(double *band, int i, int j)
 {
@@ -30,8 +31,10 @@ static double *entry(double *band, int i, int j)
 }
 
 /*
- * Solve a banded linear system by Gaussian elimination with row exchanges.
- *   x  [rows][2] in: right-hand sides, out: solutions
+ * Solve a banded linear system with two right-hand sides by Gaussian elimination with row
+ * exchanges.
+ *   band      in/out            matrix, destroyed
+ *   solution  [rows][2] in/out  right-hand sides, replaced by the solutions
  */
 static void solve_band(double *band, double (*solution)[2], int rows)
 {
@@ -70,7 +73,10 @@ static void solve_band(double *band, double (*solution)[2], int rows)
     }
 }
 
-/* Add a value to the coefficient of the variable `kind` of knot j in the condition of knot i. */
+/*
+ * Add a value to the coefficient of a variable of knot j (`kind`: value, second derivative) in the
+ * condition of knot i, and to the symmetric entry of the matrix.
+ */
 static void condition(double *band, int i, int j, int kind, double value)
 {
     *entry(band, 3 * i + MULTIPLIER, 3 * j + kind) += value;
@@ -78,8 +84,8 @@ static void condition(double *band, int i, int j, int kind, double value)
 }
 
 /*
- * Add the slope of piece i (from knot i to i + 1) at its end `at` (i or i + 1), multiplied by sign,
- * to the condition of knot c.
+ * Add the slope of the cubic between the knots i and i + 1, taken at its end `at` (i or i + 1) and
+ * multiplied by sign, to the condition of a knot.
  */
 static void add_slope(double *band, const double *length, int knot, int i, int at, double sign)
 {
@@ -136,8 +142,8 @@ static void fill_band(double *band, double (*solution)[2], const spline *spline,
 }
 
 /*
- * Fit a spline in lengths relative to the total length, so that the result is independent of the
- * unit of length.
+ * Fit a spline to its points in lengths relative to the total length, so that the result does not
+ * depend on the unit of length. Returns 1, or 0 if memory runs out or a number is not finite.
  */
 static int fit(spline *spline, const double (*tangent)[2], double smoothing)
 {
@@ -211,7 +217,7 @@ double spline_length(const spline *spline)
     return spline->t[spline->n - 1];
 }
 
-/* Return the index of the piece that contains the parameter t. */
+/* Return the index of the piece of a spline that contains a parameter. */
 static int piece(const spline *spline, double parameter)
 {
     int low = 0, high = spline->n - 1;

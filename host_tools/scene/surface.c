@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reference surfaces (surface.h), from the rows of surface_types.h. A1 never depends on theta2, so
- * that B2 = 0.
+ * Points, areas and ranges of reference surfaces (surface.h), from the rows of surface_types.h. The
+ * Lame parameter A1 of these surfaces never depends on theta2.
  */
 #include "surface.h"
 #include "gauss.h"
@@ -32,8 +32,8 @@ surface_point surface_at(const scene_surface *surface, double theta1, double the
 /* ---- area ------------------------------------------------------------- */
 
 /*
- * Integrate A1 A2, the area of a surface per unit of theta1 and theta2, over one coordinate; the
- * integrand does not depend on the other coordinate.
+ * Integrate A1 A2, the area of a surface per unit of theta1 and theta2, over a short range of one
+ * coordinate. The integrand does not depend on the other coordinate.
  */
 static double integral_of_piece(const scene_surface *surface, int direction, double from, double to)
 {
@@ -49,8 +49,9 @@ static double integral_of_piece(const scene_surface *surface, int direction, dou
 }
 
 /*
- * Integrate A1 A2 over a range piece by piece, because a spline is smooth only between its knots;
- * long pieces are subdivided.
+ * Integrate A1 A2, the area of a surface per unit of theta1 and theta2, over a range of one
+ * coordinate. The range is divided at the knots of a spline, where the integrand is not smooth, and
+ * into short pieces.
  */
 static double integral(const scene_surface *surface, int direction, const double range[2])
 {
@@ -80,7 +81,7 @@ double surface_area(const scene_surface *surface, const double t1[2], const doub
 
 /* ---- ranges ----------------------------------------------------------- */
 
-/* Return whether a set of coordinates has theta1 (direction 1) or theta2 (direction 2). */
+/* Return whether a set of coordinates contains theta1 (direction 1) or theta2 (direction 2). */
 static int has_direction(const scene_surface *surface, int set, int direction)
 {
     if (set & (direction == 1 ? ALONG_THETA1 : ALONG_THETA2))

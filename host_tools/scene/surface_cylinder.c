@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Cylinders over a circle and over a spiral (surface_types.h). */
+/* Points and areas of cylinders over a circle and over a spiral (surface_types.h). */
 #include <math.h>
 #include <string.h>
 #include "surface_types.h"
@@ -14,9 +14,10 @@ static void set(double vector[3], double x, double y, double z)
 }
 
 /*
- * Compute a point of a cylinder over a curve of radius r at the angle phi, whose radius grows by
- * `rise` per radian. The coordinate along the axis is theta1 (axis along x; phi = 0 on top,
- * increasing towards +y) or theta2 (axis along z; phi = 0 on +x, increasing towards +y).
+ * Return the point of a cylinder over a plane curve at the polar angle phi, where the curve has the
+ * given radius, which grows by `rise` per radian. The coordinate along the axis is theta1 (axis =
+ * 0: along x, with phi = 0 at the top and +y at 90 degrees) or theta2 (axis = 1: along z, with phi
+ * = 0 at +x and +y at 90 degrees).
  */
 static surface_point round_at(int axis, double along, double phi, double radius, double rise)
 {

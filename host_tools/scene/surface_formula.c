@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Reference surfaces given by formulas (surface_formula.h). */
+/* Points and areas of reference surfaces that are given by formulas (surface_formula.h). */
 #include "surface_formula.h"
 #include <math.h>
 #include <string.h>
@@ -8,14 +8,17 @@
 #include "surface_types.h"
 #include "../quads/vector.h"
 
-/* Position with its derivatives: by theta1, theta2; by theta1 twice, theta2 twice. */
+/*
+ * Position in space with its derivatives: `first` with respect to theta1 and theta2, `second` twice
+ * with respect to theta1 and twice to theta2.
+ */
 typedef struct place {
     double x[3], first[2][3], second[2][3];
 } place;
 
 /*
- * Coordinates of the surface. A formula that is not given stands for the parameter: x for theta1, y
- * for theta2, z for 0.
+ * Return position and derivatives of a surface at theta1 and theta2. Without a formula, x is
+ * theta1, y is theta2 and z is 0.
  */
 static place place_at(const scene_surface *surface, double theta1, double theta2)
 {
@@ -54,7 +57,7 @@ surface_point formula_at(const scene_surface *surface, double theta1, double the
     for (int direction = 0; direction < 2; direction++)
         point.k[direction] = normal > 0 ? -vector_dot(point.e[2], at.second[direction]) /
                                               (point.a[direction] * point.a[direction])
-                                        : (double)NAN; /* no normal */
+                                        : (double)NAN; /* the surface has no normal at this point */
     return point;
 }
 
@@ -73,7 +76,7 @@ double surface_formula_cosine(const scene_surface *surface, double theta1, doubl
            sqrt(vector_dot(at.first[0], at.first[0]) * vector_dot(at.first[1], at.first[1]));
 }
 
-/* Area of the surface per unit of theta1 and theta2. */
+/* Return the area of a surface per unit of theta1 and theta2. */
 static double density(const scene_surface *surface, double theta1, double theta2)
 {
     const place at = place_at(surface, theta1, theta2);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The paraboloid of revolution, as of a reflector (surface_types.h). */
+/* Meridian of the paraboloid of revolution, the surface of a reflector (surface_types.h). */
 #include "surface_types.h"
 
 surface_meridian paraboloid_meridian(const scene_surface *surface, double theta1)

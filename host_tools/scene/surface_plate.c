@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The plate (surface_types.h). */
+/* Points and areas of the plate (surface_types.h). */
 #include "surface_types.h"
 
 surface_point plate_at(const scene_surface *surface, double theta1, double theta2)

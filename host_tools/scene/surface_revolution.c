@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Surfaces of revolution about z (surface_types.h): meridians, and points made from them. */
+/*
+ * Surfaces of revolution about the z axis (surface_types.h): their meridians, and points from a
+ * meridian.
+ */
 #include <math.h>
 #include <string.h>
 #include "surface_types.h"
@@ -14,8 +17,8 @@ static void set(double vector[3], double x, double y, double z)
 }
 
 /*
- * Compute a point of a surface of revolution about z with theta2 as the azimuth. e3 points to the
- * left of the meridian in a plot of height over radius.
+ * Return the point of a surface of revolution about the z axis; theta2 is the azimuth. The normal
+ * e3 points to the left of the meridian when height is plotted over radius and theta1 increases.
  */
 surface_point revolution_at(const scene_surface *surface, double theta1, double theta2)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Units of measurement (units.h). */
+/* Parsing and conversion of units of measurement (units.h). */
 #include "units.h"
 
 #include <ctype.h>
@@ -9,14 +9,17 @@
 
 enum { MOST_EXPONENT = 9999 };
 
-/* Symbol of a unit; `prefixed` states whether it may have an SI prefix. */
+/* Symbol of a unit of measurement; `prefixed` is 1 if it may have an SI prefix. */
 typedef struct symbol {
     const char *text;
     units_unit unit;
     int prefixed;
 } symbol;
 
-/* Each symbol with its powers of m, N, V, K, s, rad, its power of ten, and its power of pi/180. */
+/*
+ * Each symbol with its powers of the base units m, N, V, K, s and rad, its power of ten, and its
+ * power of pi/180.
+ */
 static const symbol symbols[] = {
     {"m", {{1, 0, 0, 0, 0, 0}, 0, 0}, 1},   {"N", {{0, 1, 0, 0, 0, 0}, 0, 0}, 1},
     {"V", {{0, 0, 1, 0, 0, 0}, 0, 0}, 1},   {"K", {{0, 0, 0, 1, 0, 0}, 0, 0}, 1},
@@ -66,8 +69,9 @@ static const symbol *find_symbol(const char *text, size_t length)
 }
 
 /*
- * Find a symbol with or without a prefix, and write the power of ten of the prefix to *ten. A
- * symbol without a prefix has priority: m is the metre.
+ * Find the symbol of a unit with or without an SI prefix, and write the power of ten of the prefix
+ * to *ten. A symbol without a prefix has priority, so that m is the metre and not a prefix. Returns
+ * NULL if there is none.
  */
 static const symbol *find_unit(const char *text, size_t length, int *ten)
 {
@@ -86,8 +90,8 @@ static const symbol *find_unit(const char *text, size_t length, int *ten)
 }
 
 /*
- * Read an integer power: digits, or '^' and an integer with an optional sign; the power is 1 if
- * none is given.
+ * Read the integer power of a unit: digits, or '^' and an integer with an optional sign; without
+ * either, the power is 1.
  */
 static int take_power(parser *parser, int *power)
 {
@@ -111,7 +115,10 @@ static int take_power(parser *parser, int *power)
     return 0;
 }
 
-/* Read one factor; its power is multiplied by sign, which is -1 after a '/'. */
+/*
+ * Read one factor of a unit and multiply the result by it; sign is -1 for a factor behind a '/',
+ * else 1.
+ */
 static int take_factor(parser *parser, int sign)
 {
     const char *const start = parser->at;
@@ -140,7 +147,7 @@ static int take_factor(parser *parser, int sign)
 /* ---- products and quotients ------------------------------------------- */
 
 /*
- * Return whether a product has another factor, and skip the multiplication sign before that factor.
+ * Return whether a product of units has another factor, and skip the multiplication sign before it.
  */
 static int another(parser *parser)
 {
@@ -162,7 +169,7 @@ static int take_product(parser *parser, int sign)
     return 0;
 }
 
-/* Read a divisor, the part after a '/': one factor, or a product in parentheses. */
+/* Read a divisor, the part of a unit behind a '/': one factor, or a product in parentheses. */
 static int take_divisor(parser *parser)
 {
     if (*parser->at != '(') {
@@ -223,8 +230,8 @@ static const char *skip_digits(const char *at)
 }
 
 /*
- * Return the end of the mantissa of a plain number that starts at `at`, or `at` if there is no
- * number.
+ * Return the end of the mantissa of a plain number that starts at `at`, or `at` itself if there is
+ * no number.
  */
 static const char *skip_mantissa(const char *at)
 {
@@ -236,8 +243,8 @@ static const char *skip_mantissa(const char *at)
 }
 
 /*
- * Return the end of a decimal exponent that starts at `at`, or `at` if there is none: the e of
- * "3 e" belongs to a unit.
+ * Return the end of a decimal exponent that starts at `at`, or `at` itself if there is none; in "3
+ * e" the e is the name of a unit.
  */
 static const char *skip_exponent(const char *at)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * YAML documents as trees: construction from the events of libyaml, changes from the command line,
- * and error messages.
+ * YAML documents as trees (yaml_tree.h): construction from the events of libyaml, changes from the
+ * command line, and error messages.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "yaml_tree.h"
@@ -25,7 +25,7 @@ static void make_one_line(char *text)
     if (length < SCENE_ERROR - 1)
         return;
     while (length > 0 && ((unsigned char)text[length - 1] & 0xC0) == 0x80)
-        text[--length] = 0; /* a multi-byte character has been cut in two */
+        text[--length] = 0; /* a character of several bytes was cut at the end of the message */
     if (length > 0 && ((unsigned char)text[length - 1] & 0x80))
         text[--length] = 0;
 }
@@ -171,10 +171,12 @@ typedef struct builder {
     yaml_parser_t yaml;
     const char *text;
     size_t bytes;
-    int line; /* line number assigned to every node; 0: positions from the file */
+    int line; /* line number that is assigned to every node; 0: nodes take the positions of the file
+               */
     int depth;
-    int open[TREE_DEPTH];  /* nodes of the lists and mappings not yet closed */
-    char *key[TREE_DEPTH]; /* key already read in a mapping that still needs its value */
+    int open[TREE_DEPTH];  /* indices of the lists and mappings that are not closed yet */
+    char *key[TREE_DEPTH]; /* key that was read in an open mapping and whose value follows, or NULL
+                            */
     scene_at key_at[TREE_DEPTH];
     anchor anchors[TREE_ANCHORS];
     int anchor_count, documents, root;
@@ -189,8 +191,8 @@ static scene_at mark_at(const builder *builder, yaml_mark_t mark)
 }
 
 /*
- * Return the position of a byte by counting lines, because libyaml gives no position for bytes that
- * are not valid text.
+ * Return the line and column of a byte of the file by counting; libyaml gives no position for bytes
+ * that are no valid text.
  */
 static scene_at byte_at(const builder *builder, size_t offset)
 {
@@ -238,7 +240,10 @@ static int copy_children(tree *tree, int from, int to)
     return 0;
 }
 
-/* Copy a subtree; the depth is limited by TREE_DEPTH and the size by TREE_NODES. */
+/*
+ * Return the index of a new copy of a subtree, or 0 on a fault. TREE_DEPTH limits its depth and
+ * TREE_NODES its size.
+ */
 static int copy_tree(tree *tree, int from)
 {
     tree_node copied = tree->node[from];
@@ -330,8 +335,8 @@ static int take_key(builder *builder, const yaml_event_t *event, scene_at at)
 }
 
 /*
- * Insert a node at the current position: under the key that needs a value, at the end of the list,
- * or as the root.
+ * Insert a node where the document stands: as the value of the key just read, at the end of the
+ * open list, or as the root.
  */
 static int place(builder *builder, int node)
 {
@@ -426,7 +431,10 @@ static int take_events(builder *builder)
     return status;
 }
 
-/* Build nodes from a text. Returns the root, 0 on a fault, or -1 if the text is empty. */
+/*
+ * Build the nodes of a tree from a YAML text. Returns the index of the root, 0 on a fault, or -1 if
+ * the text is empty.
+ */
 static int build(tree *tree, const char *text, size_t bytes, int line)
 {
     builder builder;
@@ -466,8 +474,9 @@ static int names_item(const tree *tree, int item, const char *text, size_t lengt
 }
 
 /*
- * Return the child with which a path starts, selected by its key or item name (which may contain
- * dots) or by its index.
+ * Return the child of a YAML node with which a path starts: selected by its key or item name (which
+ * may contain dots), or by its index in a list. *used becomes the number of bytes of the path that
+ * it stands for.
  */
 static int step(const tree *tree, int node, const char *path, size_t *used)
 {
@@ -626,7 +635,10 @@ static int read_file(tree *tree, char **text, size_t *bytes)
     return status;
 }
 
-/* Build the tree of a text and apply the changes of the command line. */
+/*
+ * Build the tree of a YAML text and apply the changes of the command line. Returns 0, or -1 with
+ * error filled.
+ */
 static int read_tree(tree *tree, const char *text, size_t bytes)
 {
     scene_at start = {1, 1};
