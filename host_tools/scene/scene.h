@@ -533,7 +533,7 @@ typedef enum scene_sight { SIGHT_SCENE, SIGHT_ESTIMATED, SIGHT_MEASURED } scene_
  */
 typedef struct scene_imperfections {
     double bandwidth; /* corner frequency of the amplifiers, which are first-order low-pass filters
-                         (Hz); 0: unlimited */
+                         (Hz); 0: no limit */
     double creep; /* creep of the ceramic: change of strain a decade of time, relative to the strain
                      of the voltage */
     double drift; /* drift of every sensor, of random sign (unit of the reading per second) */
@@ -557,8 +557,8 @@ typedef struct scene_simulate {
     int at_target; /* 1: the controller uses the influence matrix at the nonlinear optimum; 0: that
                       of the undeformed state */
     scene_kinematics kinematics; /* kinematics of the simulated plant, linear or nonlinear */
-    double *stiffness, *d;       /* [materials] factors by which the stiffness and the piezoelectric
-                                    constants of the plant differ from those that the controller knows */
+    double *stiffness, *d; /* [materials] factors by which stiffness and piezoelectric constants of
+                              the plant differ from what the controller knows */
     double *gain; /* [amplifiers] factors by which the columns of a measured influence matrix differ
                      in the plant, unknown to the controller */
     double scatter;    /* standard deviation of the relative error of each entry of a measured
@@ -613,11 +613,10 @@ typedef struct scene_dynamics {
     double *damping_of_mode; /* [dampings] damping ratios of the first vibration modes; the last
                                 entry holds for all later modes */
     int is_rayleigh;         /* 1 if the damping ratios follow from Rayleigh's coefficients */
-    double rayleigh[2];      /* Rayleigh coefficients a of the mass (rad/s) and b of the stiffness
-                                (s/rad): a mode of angular frequency w has the damping ratio a/(2 w) + b
-                                w/2 */
-    int damping_given; /* 1 if the damping ratio is given by the scene; 0 if it is an assumed value
-                        */
+    double rayleigh[2]; /* Rayleigh coefficients a of mass (rad/s) and b of stiffness (s/rad): a
+                           mode of angular frequency w has the damping ratio a/(2 w) + b w/2 */
+    int damping_given;  /* 1 if the damping ratio is given by the scene; 0 if it is an assumed value
+                         */
     int modes; /* number of vibration modes used to assess the stability of the control loop */
     double mass_per_area; /* mass per area that belongs to no layer, located at the middle of the
                              laminate */
