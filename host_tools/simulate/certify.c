@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Certificate of a control loop with a vibration model (certify.h). */
+/*
+ * Certificate of a control loop with a vibration model: choice of settings, growth of small
+ * vibrations, storms, margins (certify.h).
+ */
 #include "certify.h"
 #include <math.h>
 #include <stdio.h>
@@ -8,34 +11,42 @@
 #include "storm.h"
 
 enum {
-    PLANTS = 5, /* structures in storms: the model and four corners */
-    ENOUGH = 3, /* storms that do not settle after which no more are run */
-    SEEDS = 3,  /* sequences of targets */
+    PLANTS = 5, /* number of structures in storms: the model and four around it */
+    ENOUGH = 3, /* number of storms that do not settle after which no further storm is simulated */
+    SEEDS = 3,  /* number of sequences of targets for the storms */
     STORMS = PLANTS * 2 * SEEDS,
-    CORNERS = 9,       /* structures whose growth is measured */
-    PERIODS = 24,      /* periods of the first mode in which growth is measured */
-    TICKS_LEAST = 600, /* fewest and most ticks of such a run */
+    CORNERS = 9,  /* number of structures for which the growth of small vibrations is measured */
+    PERIODS = 24, /* periods of the first mode during which the growth of vibrations is measured */
+    TICKS_LEAST = 600, /* fewest and most ticks of a measurement of growth */
     TICKS_MOST = 3000,
-    HALVINGS = 5,   /* bisections of a margin */
+    HALVINGS = 5,   /* number of bisections for a margin */
     OLDER_MOST = 4, /* largest error of the readings' age that is tried (ticks) */
-    OCTAVES = 5     /* octaves of tick rates that are tried on either side */
+    OCTAVES = 5     /* octaves of tick rates that are tried on either side of the scene's rate */
 };
 
 static const double two_pi = 6.283185307179586;
 
-/* Structures of the storms, relative to the model. */
+/* Gains and frequencies, relative to the model, of the structures in storms. */
 static const double storm_gain[PLANTS] = {1, 0.8, 0.8, 1.33, 1.33},
                     storm_frequency[PLANTS] = {1, 0.9, 1.1, 0.9, 1.1};
 
-/* Gains and frequencies of which all pairs are measured for growth. */
+/*
+ * Gains and frequencies, relative to the model, of the structures for which growth is measured;
+ * every pair is used.
+ */
 static const double gains[3] = {0.8, 1, 1.33}, frequencies[3] = {0.9, 1, 1.1};
 
-/* Largest gain, and lowest and highest frequency, that the margins try. */
+/*
+ * Largest gain, lowest frequency and highest frequency, relative to the model, that are tried for
+ * the margins.
+ */
 static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
 
-/* Settings of the damped tick to choose from, the fastest first: damping per radian, part of the
- * deviation taken from the velocity, drift of the loads, ticks by which the readings are taken to
- * be older than the scene says. */
+/*
+ * Settings of the damped tick to choose from, the fastest first: damping per radian, part of the
+ * deviation that is computed from the velocity, change of the loads in a tick, number of ticks by
+ * which the readings are assumed to be older than the scene states.
+ */
 static const struct {
     double damping, mix, drift;
     int later;
@@ -44,16 +55,16 @@ static const struct {
 enum { CHOICES = sizeof choices / sizeof *choices };
 
 /*
- * Settings that tolerate a larger error of the readings' age are preferred where their storms take
- * at most this many times the ticks of the fastest settings that pass.
+ * Largest ratio of the storms' durations to those of the fastest settings that pass, up to which
+ * settings that tolerate a larger error of the readings' age are preferred.
  */
 static const double slowest = 1.25;
 
-/* A loop with the tables of one choice of settings and rate. */
+/* A control loop with the tables for one choice of settings and tick rate. */
 typedef struct trial {
     analysis *analysis;
     estimator estimator;
-    const estimator *few; /* NULL: every target node is measured */
+    const estimator *few; /* estimator of the controller; NULL: every target node is measured */
     damper damper;
     loop_blocks blocks;
     storm_rig rig;
@@ -61,7 +72,10 @@ typedef struct trial {
 
 /* ---- tables ----------------------------------------------------------- */
 
-/* Make the tables for a rate and settings, in place of those before. */
+/*
+ * Replace the tables of the loop by those for another tick rate and other settings. Returns 0, or
+ * -1 with error filled.
+ */
 static int retable(trial *trial, const damper_options *options, char *error)
 {
     damper_close(&trial->damper);
@@ -96,7 +110,7 @@ static void close_trial(trial *trial)
 
 /* ---- growth ----------------------------------------------------------- */
 
-/* Ticks in which growth is measured. */
+/* Number of ticks during which the growth of vibrations is measured. */
 static int growth_ticks(const trial *trial)
 {
     const double period = two_pi / (trial->rig.modal.frequency[0] * trial->rig.interval);
@@ -104,8 +118,9 @@ static int growth_ticks(const trial *trial)
 }
 
 /*
- * Whether small vibrations decay on a structure, as far as the run can tell: their size may not
- * grow by more than an eighth in the half of the run that counts.
+ * Measure the growth of small vibrations on one structure. They count as decaying unless their
+ * amplitude grows by more than an eighth in the second half of the simulation, which is as far as
+ * the simulation can resolve.
  */
 static int grow(const trial *trial, double gain, double frequency, int more_delay,
                 storm_result *result, char *error)
@@ -122,7 +137,7 @@ static int grow(const trial *trial, double gain, double frequency, int more_dela
     return 0;
 }
 
-/* Measure the growth at the corners. Returns 0, or -1 with error filled. */
+/* Measure the growth of small vibrations on all structures. Returns 0, or -1 with error filled. */
 static int measure_growth(const trial *trial, certificate_loop *loop, bool *is_stable, char *error)
 {
     loop->radius = 0;
@@ -143,7 +158,10 @@ static int measure_growth(const trial *trial, certificate_loop *loop, bool *is_s
 
 /* ---- storms ----------------------------------------------------------- */
 
-/* Structure, step limits and targets of storm i, with readings older than the scene says. */
+/*
+ * Structure, step limits and targets of the i-th storm, with readings that are `older` ticks older
+ * than the scene states.
+ */
 static storm_plant plant_of(int i, int older)
 {
     return (storm_plant){.gain = storm_gain[i % PLANTS],
@@ -153,7 +171,10 @@ static storm_plant plant_of(int i, int older)
                          .seed = (uint64_t)(i / PLANTS / 2 + 1)};
 }
 
-/* Run storms until all have passed, or so many have not that the loop need not be tried further. */
+/*
+ * Simulate storms until all have settled, or until so many have not settled that further ones are
+ * useless. Returns 0, or -1 with error filled.
+ */
 static int run_storms(const trial *trial, certificate_loop *loop, char *error)
 {
     for (int i = 0; i < STORMS && loop->failed < ENOUGH; i++) {
@@ -176,8 +197,8 @@ static int run_storms(const trial *trial, certificate_loop *loop, char *error)
 }
 
 /*
- * Whether vibrations decay on all structures of the storms, and all storms settle, with readings
- * that are `older` ticks older than the scene says.
+ * Determine whether vibrations decay and all storms settle on every structure, with readings that
+ * are `older` ticks older than the scene states. Returns 0, or -1 with error filled.
  */
 static int try_age(const trial *trial, int older, bool *settles, char *error)
 {
@@ -196,8 +217,10 @@ static int try_age(const trial *trial, int older, bool *settles, char *error)
 }
 
 /*
- * Continue to count the ticks by which readings may be older (sign 1) or newer (sign -1) than the
- * scene says, from those known to be stood, up to `most`.
+ * Count the ticks by which readings may be older (sign = 1) or newer (sign = -1) than the scene
+ * states.
+ *   stood in/out  number of ticks known to be tolerated
+ *   most  in      largest number of ticks to try
  */
 static int count_ages(const trial *trial, int sign, int most, int *stood, char *error)
 {
@@ -212,7 +235,7 @@ static int count_ages(const trial *trial, int sign, int most, int *stood, char *
 
 /* ---- choice ----------------------------------------------------------- */
 
-/* Certify the loop with one choice of settings. */
+/* Certify the loop with one choice of settings. Returns 0, or -1 with error filled. */
 static int try_choice(trial *trial, int choice, damper_options *options, certificate_loop *loop,
                       char *error)
 {
@@ -238,25 +261,28 @@ static int try_choice(trial *trial, int choice, damper_options *options, certifi
 }
 
 /*
- * How well a loop tolerates an error of one tick of the readings' age: 2 for older readings plus 1
- * for newer ones. Older readings count more, because filters and queues outside the model add to
- * the age.
+ * Measure of how well a loop tolerates an error of one tick in the readings' age: 2 for older
+ * readings plus 1 for newer ones. Older readings count more, because filters and queues outside the
+ * model increase the age.
  */
 static int tolerance_of(const certificate_loop *loop)
 {
     return 2 * (loop->older > 0) + (loop->newer > 0);
 }
 
-/* Whether no choice can tolerate more: the readings cannot be newer than those of this tick. */
+/*
+ * Whether no choice of settings can tolerate more errors of the readings' age than this loop;
+ * readings cannot be newer than those of the present tick.
+ */
 static bool tolerates_all(const certificate_loop *loop)
 {
     return loop->is_stable && tolerance_of(loop) == 2 + (loop->delay > 0);
 }
 
 /*
- * Whether a choice is better than the best so far: by the number of storms that settle, then by the
- * error of the readings' age that it tolerates, where it is not much slower.
- *   fastest  in  mean ticks of a storm with the fastest choice that passes
+ * Whether a choice of settings is better than the best so far: first by the number of storms that
+ * settle, then by the tolerated error of the readings' age, unless the choice is much slower.
+ *   fastest in  mean number of ticks of a storm with the fastest choice that passes
  */
 static bool is_better(const certificate_loop *loop, const certificate_loop *best, double fastest)
 {
@@ -293,7 +319,7 @@ static int choose(trial *trial, char *error)
     return 0;
 }
 
-/* Whether the scene's loop has a vibration block. */
+/* Determine whether the scene's loop has a vibration block. Returns 0, or -1 with error filled. */
 static int has_damper(const analysis *analysis, bool *has, char *error)
 {
     estimator estimator;
@@ -332,8 +358,11 @@ int certify_loop(analysis *analysis, char *error)
 /* ---- margins ---------------------------------------------------------- */
 
 /*
- * Last stable factor between 1 and `end`, of the gain or of the frequencies.
- *   is_gain in  whether the gain is varied
+ * Find the last stable factor between 1 and `end` of the structure's gain or frequencies, by
+ * bisection.
+ *   is_gain in   true: vary the gain; false: vary the frequencies
+ *   margin  out  last stable factor
+ * Returns 0, or -1 with error filled.
  */
 static int bisect(const trial *trial, bool is_gain, double end, double *margin, char *error)
 {
@@ -355,7 +384,10 @@ static int bisect(const trial *trial, bool is_gain, double end, double *margin, 
     return 0;
 }
 
-/* Count how many ticks older or newer than the scene says readings may be. */
+/*
+ * Find the number of ticks by which readings may be older or newer than the scene states. Returns
+ * 0, or -1 with error filled.
+ */
 static int find_ages(const trial *trial, certificate_loop *loop, char *error)
 {
     const int newest = loop->delay < OLDER_MOST ? loop->delay : OLDER_MOST;
@@ -367,8 +399,9 @@ static int find_ages(const trial *trial, certificate_loop *loop, char *error)
 }
 
 /*
- * Whether the loop with tables for a rate is stable on the model and on the corner of the largest
- * gain, with lower and higher frequencies, and settles after two storms there.
+ * Determine whether the loop with tables for a tick rate is stable on the model and on structures
+ * with the largest gain and lower or higher frequencies, and settles after two storms on these
+ * structures. Returns 0, or -1 with error filled.
  */
 static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
 {
@@ -377,7 +410,9 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
     *is_stable = false;
     if (retable(trial, &options, error) < 0)
         return -1;
-    for (int i = 0; i < PLANTS; i += 1 + (i == 0) * 2) { /* 0, 3, 4 */
+    for (int i = 0; i < PLANTS; i += 1 + (i == 0) * 2) { /* structures 0, 3 and 4: the model, and
+                                                            the largest gain with lower and higher
+                                                            frequencies */
         storm_result result;
         const storm_plant plant = {
             .gain = storm_gain[i], .frequency = storm_frequency[i], .step_limit = 0.25, .seed = 1};
@@ -394,7 +429,10 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
     return 0;
 }
 
-/* Last stable rate beyond a stable one: factor 2 or 1/2 a step, then one bisection. */
+/*
+ * Find the last stable tick rate beyond a stable one: by steps with the factor 2 or 1/2, then one
+ * bisection. Returns 0, or -1 with error filled.
+ */
 static int find_rate(trial *trial, double from, double factor, double *rate, char *error)
 {
     bool is_stable = true;
@@ -427,7 +465,10 @@ static int find_margins(trial *trial, char *error)
     return 0;
 }
 
-/* The stable rate nearest to the scene's in octaves, lower ones first; 0 where none was found. */
+/*
+ * Find the stable tick rate that is nearest to the scene's in octaves, lower rates first; 0 where
+ * none was found. Returns 0, or -1 with error filled.
+ */
 static int find_stable_rate(trial *trial, double *rate, char *error)
 {
     const double given = trial->analysis->certificate.rate;
@@ -444,7 +485,10 @@ static int find_stable_rate(trial *trial, double *rate, char *error)
     return 0;
 }
 
-/* Range of stable rates around the scene's rate, or around the nearest stable one. */
+/*
+ * Find the range of stable tick rates around the scene's rate, or around the nearest stable one.
+ * Returns 0, or -1 with error filled.
+ */
 static int find_rates(trial *trial, char *error)
 {
     certificate_loop *loop = &trial->analysis->certificate.loop;

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Certificate of a control loop with a vibration model (certificate_loop in certificate.h). The
- * loop that `pzs tables` would write runs around structures that differ from its model:
- *
- *   growth  small vibrations without limits, for gains 0.8, 1 and 1.33 and frequencies 0.9, 1 and
- *           1.1 relative to the model: the spectral radius
- *   storms  30 of them (storm.h): the model and the four corners, whole and quarter step limits,
- *           three sequences of targets
- *
- * Neither is enough alone: a loop whose radius is below 1 may end in a limit cycle, and a storm is
- * too short to show slow growth. The settings of the damped tick are the fastest of a few that pass
- * both, or settings that are at most a quarter slower and also pass with readings one tick older or
- * newer than the scene says.
+ * loop that `pzs tables` would write is simulated with structures that differ from its model, in
+ * two ways.
+ *   growth  growth of small vibrations without limits, which is the spectral radius of the loop,
+ *       for gains 0.8, 1 and 1.33 and frequencies 0.9, 1 and 1.1 relative to the model
+ *   storms  30 simulations with random jumps of the target (storm.h): the model and four structures
+ *       around it, full and quarter step limits, three sequences of targets
+ * Neither is enough alone: a loop whose spectral radius is below 1 may end in a limit cycle, and a
+ * storm is too short to show slow growth. The chosen settings of the damped tick are the fastest of
+ * a few that pass both, or settings that are at most a quarter slower and also pass with readings
+ * one tick older or newer than the scene states.
  */
 #ifndef CERTIFY_H
 #define CERTIFY_H
@@ -20,20 +19,23 @@
 
 /*
  * Choose the settings of the damped tick and certify the loop, where the scene's loop needs a
- * vibration model; otherwise do nothing, as for a loop that is certified already.
+ * vibration model. Otherwise, and for a loop that is certified already, do nothing. Storms that do
+ * not settle are not an error of this function.
  *   analysis in/out  after certificate_make and simulate_tables; `certificate.loop` and the
- * settings are filled Returns 0, or -1 with error filled. Storms that fail are not an error here.
+ *       settings are filled
+ * Returns 0, or -1 with error filled.
  */
 int certify_loop(analysis *analysis, char *error);
 
 /*
- * Find the margins of a certified loop: gain and frequencies by bisection, and the number of ticks
- * by which readings may be older or newer than the scene says.
- *   with_rates in  also the range of stable tick rates, with tables made for each rate
+ * Find the margins of a certified loop: largest gain and range of frequencies by bisection, and the
+ * number of ticks by which readings may be older or newer than the scene states.
+ *   with_rates in  true: find the range of stable tick rates too, with tables made for each rate
+ * Returns 0, or -1 with error filled.
  */
 int certify_margins(analysis *analysis, bool with_rates, char *error);
 
-/* Name the structure at which a certified loop is unstable or a storm does not settle. */
+/* Describe the structure with which a certified loop is unstable or a storm does not settle. */
 void certify_failure(const certificate *certificate, char text[SCENE_ERROR]);
 
 #endif

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Firmware in the closed loop (device.h). */
+/*
+ * Firmware in the simulated loop: build, start, exchange of voltages and readings through pipes
+ * (device.h).
+ */
 #define _XOPEN_SOURCE 700
 #include "device.h"
 #include <errno.h>
@@ -16,7 +19,10 @@
 #include "../system/shipped.h"
 
 enum { TICK, HOLD, RELEASE, KNOW }; /* orders to the firmware, sent as the first word of a frame */
-enum { PATIENCE = 20000 /* time limit of an answer (ms) */, MOST_ARGUMENTS = 16 };
+enum {
+    PATIENCE = 20000 /* longest time to wait for an answer of the firmware (ms) */,
+    MOST_ARGUMENTS = 16
+};
 
 static const device_board boards[] = {{"netduinoplus2", "netduinoplus2", 32, "host-32"},
                                       {"mps2-an386", "mps2-an386", 32, "host-32"},
@@ -36,7 +42,7 @@ const device_board *device_find(const char *name)
 
 /*
  * Start a program, either with its standard input and output connected to pipes, or without pipes
- * and as leader of a process group. Returns its process number, or -1.
+ * and as leader of a process group. Returns the process number, or -1.
  */
 static int begin(const char *const *argument, int *to, int *from)
 {
@@ -45,15 +51,16 @@ static int begin(const char *const *argument, int *to, int *from)
         return -1;
     const pid_t process = fork();
     if (process >= 0 && !to)
-        setpgid(process, process); /* in parent and child, because either may run first */
+        setpgid(process, process); /* called in parent and child, because either process may run
+                                      first */
     if (process == 0) {
         if (to) {
             dup2(in[0], 0);
             dup2(out[1], 1);
             close(in[0]), close(in[1]), close(out[0]), close(out[1]);
         }
-        unsetenv("MAKEFLAGS"); /* variables of an enclosing make, which would share its job slots
-                                  with the build */
+        unsetenv("MAKEFLAGS"); /* remove variables of an enclosing make, which would share its job
+                                  slots with the build */
         execvp(argument[0], (char *const *)(uintptr_t)argument);
         perror(argument[0]);
         _exit(127);
@@ -105,8 +112,8 @@ int device_build(const device_board *board, const char *folder, char error[DEVIC
         image[DEVICE_PATH + 64], twin[DEVICE_PATH + 64];
     const char *const sources = shipped_sources();
     /*
-     * Temporary files of the compilers are in the same folder, so that they are removed with the
-     * folder.
+     * Temporary files of the compilers are written to the folder of the firmware, so that they are
+     * removed with that folder.
      */
     const char *const argument[] = {
         "env", place,   "make", "-s",   "-j2", "--no-print-directory",
@@ -149,7 +156,10 @@ static size_t real_bytes(const device *device)
     return (size_t)device->board->bits / 8;
 }
 
-/* Write n floating-point numbers in the device's precision. Returns the address behind them. */
+/*
+ * Write floating-point numbers into a frame, in the precision of the device. Returns the address
+ * behind them.
+ */
 static unsigned char *put_reals(const device *device, unsigned char *at, const double *value,
                                 size_t count)
 {
@@ -195,7 +205,7 @@ static int take_frame(device *device, size_t reals)
     return more != NULL;
 }
 
-/* Send the frame up to `end` to the device. */
+/* Send the frame to the device. Returns whether all bytes up to the address `end` were sent. */
 static int send(const device *device, const unsigned char *end)
 {
     for (const unsigned char *at = device->frame; at < end;) {
@@ -214,7 +224,7 @@ static int receive(const device *device, void *to, size_t bytes)
         errno = 0;
         const int ready = poll(&wait, 1, PATIENCE);
         if (ready < 0 && errno == EINTR)
-            continue; /* interrupted by the timer of progress.h */
+            continue; /* the call was interrupted by the timer of progress.h and is repeated */
         const ssize_t moved = ready > 0 ? read(device->from, at, bytes) : 0;
         if (ready == 0)
             errno = ETIMEDOUT;
@@ -257,8 +267,8 @@ static int launch(device *child, const char *folder)
                                               NULL};
     const char *const program[] = {image, NULL};
     snprintf(image, sizeof image, "%s/firmware/%s-loop", folder, child->board->name);
-    signal(SIGPIPE, SIG_IGN); /* A write to a device that has ended must fail and not end this
-                                 program. */
+    signal(SIGPIPE, SIG_IGN); /* A write to a device that has ended must return an error and not end
+                                 this program. */
     return child->process = begin(child->board->machine ? qemu : program, &child->to, &child->from);
 }
 

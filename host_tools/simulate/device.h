@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The controller of a simulation as firmware. The firmware is built from firmware_demo with the
- * tables of the simulation and runs in QEMU on the processor of a board, or as a program on this
- * computer. A pipe connects the firmware to the simulated plant; firmware_demo/demos/demo_loop.c
+ * tables of the simulation, and runs in QEMU on the processor of a board or as a program on this
+ * computer. Pipes connect the firmware to the simulated plant; firmware_demo/demos/demo_loop.c
  * describes the protocol.
  */
 #ifndef DEVICE_H
@@ -12,43 +12,45 @@
 
 typedef struct device_board {
     const char *name;
-    const char *machine; /* QEMU's name of the board; NULL: a program on this computer */
-    int bits;            /* bits of a floating-point number: 32 or 64 */
-    const char *twin; /* name of the board that runs the same C code in the same precision on this
-                         computer */
+    const char *machine; /* QEMU's name of the board; NULL: the firmware is a program on this
+                            computer */
+    int bits;            /* bits of a floating-point number of the firmware: 32 or 64 */
+    const char *twin; /* name of the board entry that runs the firmware's C code in the precision of
+                         this board on this computer */
 } device_board;
 
-/* Board with a given name, or NULL where there is none. name may be NULL. */
+/* Board with a given name, or NULL where there is none. The name may be NULL. */
 const device_board *device_find(const char *name);
 
 /* Sizes of the character arrays for a path and for an error message of one line. */
 enum { DEVICE_PATH = 256, DEVICE_ERROR = 400 };
 
 /*
- * Make a temporary folder for the firmware, build the firmware, remove the folder. Between the
- * first two calls, write the tables into folder/loop.h with the prefix demo. device_folder and
- * device_build return 0, or -1 with error filled; compiler messages go to standard error.
+ * Make a temporary folder for the firmware, build the firmware, and remove the folder. Between the
+ * first two calls the caller writes the tables into the file loop.h of the folder, with the prefix
+ * `demo`. device_folder and device_build return 0, or -1 with error filled; compiler messages go to
+ * standard error.
  */
 int device_folder(char folder[DEVICE_PATH], char error[DEVICE_ERROR]);
 int device_build(const device_board *board, const char *folder, char error[DEVICE_ERROR]);
 void device_remove(const char *folder);
 
 /*
- * A running firmware. A device that is all zero has no firmware, and device_hold, device_release
- * and device_know do nothing with it.
+ * A running firmware. A device whose members are all zero has no firmware; device_hold,
+ * device_release and device_know do nothing with it.
  */
 typedef struct device {
     const device_board *board;
-    int process, to, from; /* process number; file descriptors of the pipes to and from the process
-                            */
-    size_t inputs, outputs, readings; /* lengths of voltage, wanted and measured; readings: length
-                                         of measured */
+    int process, to, from; /* process number of the firmware; file descriptors of the pipes to and
+                              from that process */
+    size_t inputs, outputs, readings; /* numbers of voltages, of wanted displacements and of
+                                         readings that are exchanged in each tick */
     unsigned char *frame;
 } device;
 
 /*
  * Start a firmware.
- *   readings in  number of readings passed in each tick
+ *   readings         in   number of readings passed in each tick
  *   voltage [inputs] out  initial voltages of the firmware (V)
  * Returns 0, or -1 with error filled.
  */
@@ -57,24 +59,24 @@ int device_start(device *device, const device_board *board, const char *folder,
                  char error[DEVICE_ERROR]);
 void device_stop(device *device);
 
-/* Call pzs_hold or pzs_release in the firmware. The next device_tick reports a failure. */
+/* Call pzs_hold or pzs_release in the firmware. A failure is reported by the next device_tick. */
 void device_hold(device *device, int input, double voltage);
 void device_release(device *device, int input);
 
 /*
  * Pass the factors of the known loads to the firmware.
- *   then [loads] in  at the time of the next measurement
- *   coming [loads] in  in the coming tick
+ *   then   [loads] in  factors at the time of the next measurement
+ *   coming [loads] in  factors in the coming tick
  */
 void device_know(device *device, const double *then, const double *coming, size_t loads);
 
 /*
  * Call pzs_loop_tick in the firmware.
- *   wanted [outputs] in  wanted displacements
- *   measured [readings] in
- *   voltage [inputs] out  (V)
- *   state [inputs] out  states of the electrodes, 0 without a fault detector
- *   passes out  iterations of the optimiser
+ *   wanted   [outputs]  in   wanted displacements
+ *   measured [readings] in   readings of the sensors
+ *   voltage  [inputs]   out  (V)
+ *   state    [inputs]   out  states of the electrodes, 0 without a fault detector
+ *   passes              out  iterations of the optimiser
  * Returns the status of pzs_loop_tick, or -1 with error filled where the firmware does not answer.
  */
 int device_tick(device *device, const double *wanted, const double *measured, double *voltage,

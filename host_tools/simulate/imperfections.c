@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Imperfections between the controller and the structure (imperfections.h). */
+/* Imperfections of amplifiers, cables, ceramic and sensors (imperfections.h). */
 #include "imperfections.h"
 #include <math.h>
 #include <stdio.h>
@@ -7,10 +7,13 @@
 #include <string.h>
 #include "random.h"
 
-/* Width of the loop of a soft piezoceramic where the scene does not say. */
+/*
+ * Width of the hysteresis loop of a soft piezoceramic relative to the voltage range, used where the
+ * scene gives no width.
+ */
 static const double usual_hysteresis = 0.1;
 
-/* Time constants of the creep (s). */
+/* Time constants of the three first-order lags of the creep model (s). */
 static const double creep_time[CREEPS] = {0.1, 1, 10};
 
 static const scene_imperfections *of(const imperfections *on)
@@ -25,7 +28,10 @@ static bool has_bandwidth(const design *design)
     return design->scene->simulate.imperfections.bandwidth > 0;
 }
 
-/* First-order lag of the amplifiers; the result is the mean over the interval. */
+/*
+ * First-order lag of the amplifiers. The resulting voltage is the mean over the interval.
+ *   voltage [amplifiers] in/out  (V)
+ */
 static void lag(const imperfections *on, double *voltage, double interval)
 {
     const double times = 2 * 3.14159265358979323846 * of(on)->bandwidth * interval;
@@ -73,7 +79,7 @@ static bool may_fail(const design *design)
     return true;
 }
 
-/* A faulty electrode ignores its amplifier. */
+/* Set the voltages of faulty electrodes, which ignore their amplifiers. */
 static void fail(const imperfections *on, double *voltage, double interval)
 {
     (void)interval;
@@ -99,8 +105,8 @@ static double through_play(electrode *electrode, double voltage, double half_ran
 }
 
 /*
- * After a full cycle the mean of the play operators leaves a loop of 5/16 of the range; the factor
- * 16/5 scales this width to the scene's hysteresis.
+ * Apply the hysteresis model to the voltages. After a full cycle the mean of the play operators has
+ * a loop width of 5/16 of the range; the factor 16/5 scales this width to the scene's hysteresis.
  */
 static void play(const imperfections *on, double *voltage, double interval)
 {
@@ -130,7 +136,7 @@ static void creep(const imperfections *on, double *voltage, double interval)
     }
 }
 
-/* Imperfections on the way from the amplifiers to the ceramic, in the order of their effect. */
+/* Imperfections between the amplifiers and the ceramic, in the order of their effect. */
 static const struct {
     bool (*is_present)(const design *design);
     void (*apply)(const imperfections *on, double *voltage, double interval);
@@ -172,8 +178,8 @@ void imperfections_actuate(const imperfections *on, const double *output, double
 }
 
 /*
- * Voltages that act on the ceramic when all amplifiers have just moved to one of their limits. A
- * limit that is infinite acts as it is.
+ * Compute the voltages that act on the ceramic when all amplifiers have just moved to one of their
+ * limits. An infinite limit is passed on unchanged.
  *   electrode [amplifiers] work
  */
 static void act_at_limit(const imperfections *on, electrode *electrode, const double *limit,
@@ -199,7 +205,8 @@ bool imperfections_stroke(const imperfections *on, double *lowest, double *highe
         return false;
     act_at_limit(on, copy, on->design->lower, lowest);
     act_at_limit(on, copy, on->design->upper, highest);
-    for (int k = 0; k < on->design->amplifiers; k++) { /* a reversed wire exchanges the ends */
+    for (int k = 0; k < on->design->amplifiers; k++) { /* a reversed wire exchanges lowest and
+                                                          highest voltage */
         const double one = lowest[k], other = highest[k];
         lowest[k] = fmin(one, other);
         highest[k] = fmax(one, other);
@@ -252,7 +259,10 @@ double imperfections_sense(const imperfections *on, int sensor, double value)
 
 /* ---- text ------------------------------------------------------------- */
 
-/* Largest difference of a gain of the plant's matrix from 1. */
+/*
+ * Largest deviation from 1 among the gains by which the plant's influence matrix differs from the
+ * measured one.
+ */
 static double largest_gain_error(const scene *scene)
 {
     double most = 0;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Imperfections between the controller and the structure: from the amplifiers' outputs to the
- * voltages that act on the ceramic, and from the true readings to those that are passed on. Each is
- * one row of a table in imperfections.c.
+ * voltages that act on the ceramic, and from the true readings of the sensors to those that the
+ * controller receives. Each imperfection is one row of a table in imperfections.c.
  */
 #ifndef IMPERFECTIONS_H
 #define IMPERFECTIONS_H
@@ -18,6 +18,7 @@ typedef enum electrode_fault { ELECTRODE_GOOD, ELECTRODE_DEAD, ELECTRODE_STUCK }
 
 /*
  * State of an electrode between its amplifier and the piezoelectric ceramic.
+ *
  * Hysteresis is a Prandtl-Ishlinskii model: a part of the voltage passes through play operators
  * with half widths of 1/8, 2/8, 3/8 and 4/8 of A, where A is half the voltage range. The loop of a
  * full cycle is `hysteresis` times the voltage range wide, and hysteresis changes no voltage by
@@ -28,45 +29,51 @@ typedef struct electrode {
     electrode_fault fault;
     double fault_voltage; /* voltage of a faulty electrode, which ignores its amplifier (V) */
     double output;        /* output of the amplifier's first-order lag (V) */
-    double play[PLAYS];   /* output of each play operator (V) */
-    double creep[CREEPS]; /* output of each lag of the creep (V) */
-    int failed_at;        /* tick of the latest fault */
-    int announced_at, repaired_at; /* tick in which the controller is told of the fault; tick in
-                             which the fault ends by itself; -1: never */
-    int is_held; /* the controller treats the electrode as held, because the controller was told of
-                    the fault or detected the fault */
-    int held_since; /* first tick whose late readings are compared with a prediction that has this
-                      electrode held */
+    double play[PLAYS];   /* output of each play operator of the hysteresis model (V) */
+    double creep[CREEPS]; /* output of each first-order lag of the creep model (V) */
+    int failed_at;        /* tick in which the latest fault of the electrode began */
+    int announced_at, repaired_at; /* tick in which the fault is announced to the controller; tick
+                                      in which the fault ends by itself; -1: never */
+    int is_held; /* 1: the controller treats the electrode as held, because the fault was announced
+                    or detected */
+    int held_since; /* first tick from which late readings are compared with a prediction in which
+                       this electrode is held */
 } electrode;
 
-/* State of a sensor: the ticks at which its not-a-number readings and its stuck reading end. */
+/*
+ * State of a sensor: the ticks at which its not-a-number readings and its stuck reading end, and
+ * its drift.
+ */
 typedef struct sensor {
     int nan_until, stuck_until;
-    double slope; /* drift of the reading (unit of the reading a second) */
+    double slope; /* drift of the reading (unit of the reading per second) */
 } sensor;
 
-/* What the imperfections of a running loop act on. */
+/* Electrodes, sensors and time of a running loop, on which the imperfections act. */
 typedef struct imperfections {
     const design *design;
-    electrode *electrode; /* [amplifiers] */
-    sensor *sensor;       /* [sensors] */
+    electrode *electrode; /* [amplifiers] state of each electrode */
+    sensor *sensor;       /* [sensors] state of each sensor */
     int sensors;
     uint64_t *random; /* state of the random number generator */
-    double time;      /* time since the start (s) */
+    double time;      /* time since the start of the simulation (s) */
 } imperfections;
 
-/* Width of the hysteresis loop of the scene's ceramic: as given, else 0.1 for a piezoceramic
- * between finite voltage limits. */
+/*
+ * Width of the hysteresis loop of the ceramic relative to the voltage range: the value given in the
+ * scene, otherwise 0.1 for a piezoceramic between finite voltage limits and 0 for other actuators.
+ */
 double imperfections_hysteresis(const design *design);
 
 /* Whether the voltages on the ceramic vary between the ticks. */
 bool imperfections_vary(const scene *scene);
 
 /*
- * Let an interval pass under constant commands to the amplifiers.
+ * Let a time interval pass under constant commands to the amplifiers.
  *   output [amplifiers] in   voltages that the amplifiers are to give (V)
- *   effect [amplifiers] out  mean voltages that act on the ceramic in the interval; for the
- * interval 0 the voltages at this instant
+ *   interval            in   (s)
+ *   effect [amplifiers] out  mean voltages that act on the ceramic in the interval, or, for the
+ *       interval 0, the voltages at this instant (V)
  */
 void imperfections_actuate(const imperfections *imperfections, const double *output,
                            double interval, double *effect);
@@ -74,19 +81,23 @@ void imperfections_actuate(const imperfections *imperfections, const double *out
 /*
  * Stroke of the electrodes in their present state: the voltages that would act on the ceramic if
  * all amplifiers moved to a limit at once. Hysteresis makes the stroke smaller than the voltage
- * limits, creep makes it larger with time; a faulty electrode has none.
- *   lowest, highest [amplifiers] out  (V); infinite where the voltage limit is
- * Returns whether memory was available. The state of the electrodes does not change.
+ * limits, and creep makes it larger with time; a faulty electrode has no stroke. The state of the
+ * electrodes does not change.
+ *   lowest, highest [amplifiers] out  (V), infinite where the voltage limit is infinite
+ * Returns whether memory was available.
  */
 bool imperfections_stroke(const imperfections *imperfections, double *lowest, double *highest);
 
-/* Draw the random parameters of the sensors, before the first tick. */
+/* Draw the random drifts of the sensors, before the first tick. */
 void imperfections_draw(const imperfections *imperfections);
 
-/* Reading of a sensor that has a true value, noise included. */
+/*
+ * Reading of a sensor with its imperfections.
+ *   value in  true value plus noise
+ */
 double imperfections_sense(const imperfections *imperfections, int sensor, double value);
 
-/* List the imperfections of a scene; empty where there are none. */
+/* List the imperfections of a scene as text; the text is empty where there are none. */
 void imperfections_text(const design *design, char *text, size_t room);
 
 #endif

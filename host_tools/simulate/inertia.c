@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Vibration of a structure about its static equilibrium (inertia.h). */
+/* Vibration of a structure about its static equilibrium, mode by mode (inertia.h). */
 #include "inertia.h"
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Control laws for comparison with the library's step (laws.h). */
+/* Control laws for comparison: clipped least squares and leaky integrator (laws.h). */
 #include "laws.h"
 #include <math.h>
 #include <stdlib.h>
@@ -43,7 +43,7 @@ double law_limited(double from, double to, double step_limit)
     return to;
 }
 
-/* Give the voltages in law->next to the controller, clipped. */
+/* Pass the clipped voltages of a control law to the controller. */
 static void give(const law *law, pzs_control *control)
 {
     const pzs_control_info *info = &control->info;
@@ -75,7 +75,7 @@ static law *law_of(const pzs_loop_signals *signals)
     return (law *)(void *)(uintptr_t)signals->control->state.problem;
 }
 
-/* Displacement of one output under the present voltages. */
+/* Displacement of one output that the model predicts under the present voltages. */
 static double predicted(const law *law, const double *voltage, size_t output)
 {
     const double *row = law->problem.influence + output * law->problem.inputs;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Structure of a simulation (plant.h). */
+/* The plant of a simulation: a structure that differs from the controller's model (plant.h). */
 #include "plant.h"
 #include <math.h>
 #include <stdio.h>
@@ -10,7 +10,10 @@
 
 /* ---- open ------------------------------------------------------------- */
 
-/* Append a temperature change of 1 K to the loads of the scene. */
+/*
+ * Append a temperature change of 1 K to the loads of the scene. Returns 0, or -1 where memory runs
+ * out.
+ */
 static int add_temperature(scene *scene)
 {
     const char *why;
@@ -33,7 +36,7 @@ static int warms(const scene_simulate *simulate)
     return 0;
 }
 
-/* Next number of a sequence that is the same on every computer, uniform in [0, 1). */
+/* Next number of a pseudo-random sequence that is equal on every computer, uniform in [0, 1). */
 static double draw(uint32_t *state)
 {
     *state = *state * 1664525u + 1013904223u;
@@ -41,8 +44,8 @@ static double draw(uint32_t *state)
 }
 
 /*
- * Multiply the columns of a measured matrix by the gains of the plant, and its entries by random
- * factors around 1.
+ * Multiply the columns of a measured influence matrix by the gains of the plant, and the entries by
+ * random factors around 1.
  */
 static void scale_matrix(scene *scene)
 {
@@ -50,7 +53,7 @@ static void scale_matrix(scene *scene)
     const size_t amplifiers = (size_t)scene->amplifiers;
     uint32_t state = (uint32_t)simulate->seed + 1;
     for (size_t i = 0; i < (size_t)scene->influence.outputs * amplifiers; i++) {
-        double error = -6; /* the sum of twelve uniform numbers has variance 1 */
+        double error = -6; /* the sum of twelve uniform random numbers has the variance 1 */
         for (int k = 0; k < 12; k++)
             error += draw(&state);
         scene->influence.matrix[i] *=
@@ -70,10 +73,10 @@ static int change_scene(scene *scene)
 }
 
 /*
- * Whether the plant has inertia: where the scene asks for it, or does not say and all densities are
- * given. A plant with a contact has none, because its modes depend on the nodes in contact; sensors
- * of electrodes show none, because the modes have no rows for them. `reason` says why there is
- * none.
+ * Whether the plant has inertia: where the scene asks for it, or where the scene does not say and
+ * all densities are given. A plant with a contact has no inertia, because its modes depend on the
+ * nodes in contact; a plant with sensors of voltages or charges has none, because the modes have no
+ * output rows for them. The member `reason` says why a plant has no inertia.
  */
 static bool wants_inertia(plant *plant)
 {
@@ -96,7 +99,7 @@ static bool wants_inertia(plant *plant)
     return plant->reason[0] == '\0';
 }
 
-/* Prepare the modes of the plant. Returns 0, or -1 with error filled. */
+/* Compute the modes of the plant. Returns 0, or -1 with error filled. */
 static int give_inertia(plant *plant, char *error)
 {
     const design *design = &plant->analysis.design;
@@ -176,7 +179,7 @@ void plant_close(plant *plant)
 /* ---- loads ------------------------------------------------------------ */
 
 /*
- * Index of the input that carries a load. Follower loads are extra inputs, in the order of the
+ * Index of the input that belongs to a load. Follower loads are extra inputs, in the order of the
  * loads.
  */
 static int input_of(const plant *plant, int load)
@@ -216,7 +219,7 @@ void plant_rest(plant *plant)
 /* ---- vibration -------------------------------------------------------- */
 
 /*
- * Let the inputs of the modes take their present values. At the first call after plant_rest the
+ * Set the inputs of the modal model to their present values. At the first call after plant_rest the
  * plant is at rest in the equilibrium under these inputs.
  */
 static void act(plant *plant)
@@ -284,8 +287,8 @@ static void sum_columns(const plant *plant, size_t rows, double *shape)
 }
 
 /*
- * Compute the equilibrium under the inputs in `amount`, starting from the latest shape. The latest
- * shape is kept where the inputs have not changed.
+ * Compute the equilibrium under the present inputs, starting from the latest shape. Where the
+ * inputs have not changed, the latest shape is kept.
  */
 static int reach(plant *plant, char *error)
 {
@@ -303,7 +306,11 @@ static int reach(plant *plant, char *error)
     return PZS_IS_ERROR(analysis->status) ? analysis_explain(analysis, analysis->status, error) : 0;
 }
 
-/* Static shape under voltages and the present loads. */
+/*
+ * Compute the static shape under voltages and the present loads.
+ *   voltage [amplifiers] in   (V)
+ *   shape   [targets]    out
+ */
 static int static_shape(plant *plant, const double *voltage, double *shape, char *error)
 {
     memcpy(plant->input, voltage, (size_t)plant->analysis.design.amplifiers * sizeof *voltage);
@@ -329,8 +336,8 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
 }
 
 /*
- * Compute all static output values, with the voltages and charges of electrodes where the scene has
- * some.
+ * Compute all static output values, including the voltages and charges of electrodes where the
+ * scene has such outputs.
  */
 static pzs_status look(plant *plant)
 {
@@ -357,7 +364,10 @@ int plant_readings(plant *plant, double *reading, char *error)
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
-/* Displacement vector of the static equilibrium. */
+/*
+ * Compute the displacement vector of the static equilibrium.
+ *   displacement [free_dof] out
+ */
 static int static_displacement(plant *plant, double *displacement, char *error)
 {
     analysis *analysis = &plant->analysis;
@@ -387,8 +397,8 @@ int plant_displacement(plant *plant, double *displacement, char *error)
 /* ---- optimum ---------------------------------------------------------- */
 
 /*
- * Compute the displacements that the voltages must produce on the linear structure: the target
- * minus the displacements by the loads.
+ * Compute the displacements that the voltages must cause on the linear structure: target minus
+ * displacements under the present loads.
  */
 static void set_wanted(plant *plant, const double *target)
 {

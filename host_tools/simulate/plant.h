@@ -4,9 +4,10 @@
  * size and a temperature change. The controller does not know these differences.
  *
  * A plant with inertia vibrates about its static equilibrium in the modes of its reference state
- * (inertia.h); modes left out, and all modes of a quasi-static plant, follow without delay. The
- * equilibrium may be that of a nonlinear structure: then frequencies and mode shapes remain those
- * of the reference state, which holds as long as the shape changes a frequency by little.
+ * (inertia.h). Modes that are left out, and all modes of a quasi-static plant, follow without
+ * delay. The equilibrium may be that of a nonlinear structure; its natural frequencies and mode
+ * shapes are then still those of the reference state, which is valid as long as the deformation
+ * changes the frequencies only slightly.
  */
 #ifndef PLANT_H
 #define PLANT_H
@@ -17,50 +18,54 @@
 typedef struct plant {
     scene scene; /* copy of the scene with the constants of the plant */
     analysis analysis;
-    double *input; /* [inputs] voltages, loads, temperature change and body inputs of the requested
-                       shape */
+    double *input; /* [inputs] voltages, loads, temperature change and body inputs for the next
+                      shape */
     double *computed_input; /* [inputs] inputs of the latest computed shape */
     double *scene_input;    /* [inputs] loads and support displacements as given in the scene */
     double *value;          /* [output rows] output values of the latest shape */
-    int temperature;        /* index of the temperature input, or -1 */
-    int has_shape;          /* at least one shape has been computed */
-    bool is_at_rest;        /* no time has passed since plant_rest */
-    long linear_solves;     /* number of linear systems solved by the nonlinear path */
+    int temperature;        /* index of the temperature input, or -1 where the plant has none */
+    int has_shape;          /* 1: at least one shape has been computed */
+    bool is_at_rest;        /* true: no time has passed since plant_rest */
+    long linear_solves;     /* number of linear solves of the nonlinear equilibrium solver */
     bool has_inertia;
-    char reason[SCENE_ERROR]; /* why a plant has no inertia */
-    vibration vibration;      /* modes of a plant with inertia */
+    char reason[SCENE_ERROR]; /* the reason why a plant has no inertia */
+    vibration vibration;      /* natural frequencies and mode shapes of a plant with inertia */
     modal modal;
     inertia inertia;
-    double *modal_input; /* [amplifiers + loads] inputs of the modes: voltages, factors of the loads
-                          */
+    double *modal_input; /* [amplifiers + loads] inputs of the modal model: voltages (V) and load
+                            factors */
     double *deviation; /* [output rows] deviation of the latest shape from the static equilibrium */
 } plant;
 
 /*
- * Read the scene again and apply the constants and kinematics of its simulate section. All loads
- * have the factor 1 and the temperature change is zero. Returns 0, or -1 with error filled and the
- * plant empty.
+ * Read the scene again and apply the material constants and kinematics of its `simulate` section.
+ * All loads have the factor 1, and the temperature change is zero. Returns 0, or -1 with error
+ * filled and the plant empty.
  */
 int plant_open(plant *plant, const scene *nominal, char *error);
 void plant_close(plant *plant);
 
-/* Set the factor of a load (1: the load given in the scene) and the temperature change. */
+/* Set the factor of a load (1: the load given in the scene), or the temperature change. */
 void plant_load(plant *plant, int load, double factor);
 void plant_warm(plant *plant, double kelvin);
 
 /*
- * Reset all loads to the factor 1 and the temperature change to zero; the next shape is computed
- * from the rest shape.
+ * Reset all load factors to 1 and the temperature change to zero; the next shape is computed from
+ * the reference state.
  */
 void plant_rest(plant *plant);
 
-/* Impulse of a load: its force of the scene during `seconds`, at one instant. */
+/*
+ * Apply the impulse of a load: the force of the load as given in the scene during `seconds`, at one
+ * instant.
+ */
 void plant_kick(plant *plant, int load, double seconds);
 
 /*
- * Let time pass under constant voltages and the present loads. A quasi-static plant ignores the
- * call.
+ * Let time pass under constant voltages and the present loads. The call has no effect on a
+ * quasi-static plant.
  *   voltage [amplifiers] in  (V)
+ *   seconds              in  (s)
  */
 void plant_elapse(plant *plant, const double *voltage, double seconds);
 
@@ -71,9 +76,12 @@ double plant_vibration(const plant *plant);
 double plant_period(const plant *plant);
 
 /*
- * Shape of the plant under voltages, at this instant: on a nonlinear structure the equilibrium,
- * computed from the latest shape; on a linear one the sum of the influence columns. voltage
- * [amplifiers] in  (V) shape [targets] out  displacements
+ * Compute the shape of the plant under voltages at this instant: on a nonlinear structure the
+ * equilibrium, computed from the latest shape; on a linear structure from the influence matrix;
+ * with inertia plus the present vibration.
+ *   voltage [amplifiers] in   (V)
+ *   shape   [targets]    out  displacements
+ * Returns 0, or -1 with error filled.
  */
 int plant_shape(plant *plant, const double *voltage, double *shape, char *error);
 
@@ -81,19 +89,25 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
  * Noise-free readings of the sensors of the scene's `estimate` section in the latest shape, to be
  * called after plant_shape.
  *   reading [sensors] out
+ * Returns 0, or -1 with error filled.
  */
 int plant_readings(plant *plant, double *reading, char *error);
 
-/* Displacement vector of the latest shape. u [dof] out */
+/*
+ * Displacement vector of the latest shape.
+ *   displacement [free_dof] out
+ * Returns 0, or -1 with error filled.
+ */
 int plant_displacement(plant *plant, double *displacement, char *error);
 
 /*
  * Optimal voltages on the ceramic for a target on this structure under the present loads and
  * temperature, without the step limit.
- *   target [targets] in  wanted displacements
- *   lowest, highest [amplifiers] in  voltages that can act on the ceramic of each electrode (V)
- *   best out  optimal voltages; release them with voltages_free
- *   shape [targets] out  displacements under the optimal voltages
+ *   target          [targets]    in   wanted displacements
+ *   lowest, highest [amplifiers] in   voltages that can act on the ceramic of each electrode (V)
+ *   best                         out  optimal voltages; release them with voltages_free
+ *   shape           [targets]    out  displacements under the optimal voltages
+ * Returns 0, or -1 with error filled.
  */
 int plant_optimum(plant *plant, const double *target, const double *lowest, const double *highest,
                   voltages *best, double *shape, char *error);

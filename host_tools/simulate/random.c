@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Random numbers that are the same bits on every computer (random.h). */
+/* Pseudo-random numbers that are bit-identical on every computer (random.h). */
 #include "random.h"
 
 uint64_t random_bits(uint64_t *state)

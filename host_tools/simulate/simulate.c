@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Simulation of the closed loop (simulation.h). */
+/* Simulation of the closed loop: phases, control laws, results (simulation.h). */
 #include "simulation.h"
 #include <math.h>
 #include <stdbool.h>
@@ -16,16 +16,15 @@
 #include "../tables/tables.h"
 
 enum {
-    LAST = 20 /* fewest ticks that count as the end of a phase */,
-    LAST_MOST = 500 /* most ticks that count as the end of a phase; one period of the first mode
-                       where that is fewer */
-    ,
-    WINDOW = 1000 /* number of ticks in which the settling time is measured */
+    LAST = 20,       /* fewest ticks that count as the end of a phase */
+    LAST_MOST = 500, /* most ticks that count as the end of a phase; the end is one period of the
+                        first mode where that is shorter */
+    WINDOW = 1000    /* number of ticks in which the settling time is measured */
 };
 
 static const double settled_part = 0.05;
 
-/* Relative shape error beyond which a law for comparison is not run any further. */
+/* Relative shape error above which the simulation of a law for comparison is stopped. */
 static const double diverged = 4;
 
 static int no_memory(const analysis *nominal, char *error)
@@ -70,7 +69,7 @@ static int begin_phase(simulation *simulation, int tick, int first)
 
 /*
  * Set up one phase for every tick with events, one for the ticks before the first event, and one
- * for the ticks after the random faults.
+ * for the ticks after the random faults. Returns whether memory was available.
  */
 static int lay_out_phases(simulation *simulation)
 {
@@ -95,8 +94,8 @@ static int lay_out_phases(simulation *simulation)
 }
 
 /*
- * Refuse sensors that measure voltages or charges of electrodes: these have no influence
- * coefficients at a deformed shape.
+ * Refuse sensors that measure voltages or charges of electrodes, because these have no influence
+ * coefficients at a deformed shape. Returns 0, or -1 with error filled.
  */
 static int check_readings(const design *design, char *error)
 {
@@ -110,7 +109,10 @@ static int check_readings(const design *design, char *error)
     return 0;
 }
 
-/* Compute the influence matrix at the optimal shape of the nonlinear nominal structure. */
+/*
+ * Compute the influence matrix at the optimal shape of the nonlinear nominal structure. Returns 0,
+ * or -1 with error filled.
+ */
 int simulate_tables(analysis *nominal, char *error)
 {
     design *design = &nominal->design;
@@ -140,7 +142,7 @@ int simulate_tables(analysis *nominal, char *error)
 
 /*
  * Refuse hysteresis without finite voltage limits, because its width is relative to the voltage
- * range.
+ * range. Returns 0, or -1 with error filled.
  */
 static int check_range(const design *design, char *error)
 {
@@ -153,8 +155,9 @@ static int check_range(const design *design, char *error)
 }
 
 /*
- * Refuse a fault detector together with free functions. The fault detector compares measured with
- * predicted displacements, and free functions are removed from these displacements.
+ * Refuse a fault detector together with free functions of the target. The fault detector compares
+ * measured with predicted displacements, and free functions are removed from these displacements.
+ * Returns 0, or -1 with error filled.
  */
 static int check_free(const design *design, char *error)
 {
@@ -166,7 +169,10 @@ static int check_free(const design *design, char *error)
         "predicted displacement; write announced: TICKS or remove target.free");
 }
 
-/* Refuse events that only a plant with inertia shows. */
+/*
+ * Refuse events that have an effect only on a plant with inertia, where the plant has none. Returns
+ * 0, or -1 with error filled.
+ */
 static int check_inertia(const simulation *simulation, char *error)
 {
     const scene *scene = simulation->nominal->design.scene;
@@ -236,8 +242,9 @@ static int regularise(simulation *simulation, char *error)
 }
 
 /*
- * Prepare the tables of the controller: for a plant with inertia with a vibration model where the
- * loop needs one, as `pzs tables` does; for a quasi-static plant without.
+ * Make the tables of the controller. For a plant with inertia they contain a vibration model where
+ * the loop needs one, like the tables that `pzs tables` writes; for a quasi-static plant they do
+ * not.
  */
 static int make_tables(const simulation *simulation, analysis *nominal, char *error)
 {
@@ -316,16 +323,18 @@ void simulate_close(simulation *simulation)
 
 typedef struct course_log {
     double *window; /* [WINDOW][targets] shapes at the start of the phase */
-    double *last;   /* [kept][targets] shapes at the end of the phase */
-    double *mean;   /* [targets] mean of the shapes at the end */
+    double *last;   /* [end_ticks][targets] shapes at the end of the phase */
+    double *mean;   /* [targets] mean of the shapes at the end of the phase */
     int end_ticks;  /* number of ticks that count as the end of a phase */
     double error[LAST_MOST], measurement_error[LAST_MOST], vibration[LAST_MOST];
     double *initial_voltage; /* [amplifiers] voltages before the phase (V) */
     int ticks;
 } course_log;
 
-/* Ticks at the end of a phase: at least one period of the first mode, so that the mean of the
- * shapes is that about which the structure vibrates. */
+/*
+ * Number of ticks at the end of a phase: at least one period of the first mode, so that the mean
+ * shape is the shape about which the structure vibrates.
+ */
 static int ticks_of_end(const simulation *simulation)
 {
     const double period =
@@ -370,7 +379,10 @@ static void record_tick(course_log *record, const loop *loop, simulate_course *c
     record->ticks++;
 }
 
-/* Weighted distance of two shapes: |W (x - y)|. */
+/*
+ * Weighted norm of the difference of two shapes.
+ *   first, second [targets] in
+ */
 static double weighted_distance(const design *design, const double *first, const double *second)
 {
     return sqrt(design_squares(design, first, second));
@@ -378,7 +390,7 @@ static double weighted_distance(const design *design, const double *first, const
 
 /*
  * Number of ticks after which the distance from the final shape remains below a fraction of its
- * largest value in the window.
+ * largest value in the window; -1 where it does not.
  */
 static int settled_after(const course_log *record, const design *design)
 {
@@ -396,7 +408,7 @@ static int settled_after(const course_log *record, const design *design)
     return after < ticks ? after : -1;
 }
 
-/* Compute the means over the last ticks, which are at most a quarter of the phase. */
+/* Compute the means over the last ticks of a phase, which are at most a quarter of the phase. */
 static void finish_course(course_log *record, const loop *loop, simulate_course *course)
 {
     const design *design = loop->design;
@@ -480,15 +492,15 @@ static void count_tick(const loop *loop, simulate_count *count)
 }
 
 /*
- * Whether a law for comparison has diverged, so that its further ticks say nothing: around a plant
- * with inertia a law without a vibration model does.
+ * Whether a law for comparison has diverged, so that its further ticks are not simulated. On a
+ * plant with inertia a law without a vibration model may diverge.
  */
 static bool has_diverged(const loop *loop, simulate_law law)
 {
     return law != LAW_CONTROLLER && !(loop->error < diverged);
 }
 
-/* Mark the rest of a law's phases as diverged. */
+/* Mark a phase and all later phases of a control law as diverged. */
 static void mark_diverged(simulation *simulation, const simulate_phase *from, simulate_law law)
 {
     for (int k = (int)(from - simulation->phase); k < simulation->phases; k++) {

@@ -81,7 +81,7 @@ static void fail_sensors(loop *loop, const scene_event *event, int tick)
     }
 }
 
-/* Begin a disturbance that lasts until a later tick. */
+/* Begin a disturbance of the ticks that lasts until a later tick. */
 static void begin_disturbance(disturbance *disturbance, const scene_event *event, int tick)
 {
     *disturbance = (struct disturbance){event->amount, tick + event->ticks};
@@ -169,8 +169,8 @@ static void end_faults(loop *loop)
 }
 
 /*
- * Set `coming`, the known load factors of the next tick. The controller knows the future factors of
- * known loads one tick in advance.
+ * Set the load factors of the next tick that the controller knows. The controller knows the future
+ * factors of known loads one tick in advance.
  */
 static void set_next_loads(loop *loop, int tick)
 {
@@ -216,10 +216,10 @@ imperfections loop_imperfections(loop *loop)
 
 /* ---- time between ticks ----------------------------------------------- */
 
-/* Number of parts of an interval in which voltages or loads vary. */
+/* Number of parts into which an interval is divided while voltages or loads vary. */
 enum { PARTS = 8 };
 
-/* Set the factors of the loads with a sinusoidal part for a time. */
+/* Set the factors of the loads that have a sinusoidal part to their values at a given time (s). */
 static void set_waves(loop *loop, double time)
 {
     for (int k = 0; k < loop->design->loads; k++) {
@@ -240,7 +240,11 @@ static bool varies(const loop *loop)
     return is_varying;
 }
 
-/* Let time pass while the amplifiers are to give constant voltages. */
+/*
+ * Let time pass while the amplifiers are to give constant voltages.
+ *   output [amplifiers] in  (V)
+ *   seconds             in  (s)
+ */
 static void advance_plant(loop *loop, const double *output, double seconds)
 {
     const int parts = varies(loop) ? PARTS : 1;
@@ -254,13 +258,16 @@ static void advance_plant(loop *loop, const double *output, double seconds)
     }
 }
 
-/* Random part of the interval, of a disturbance that may have passed. */
+/*
+ * Random fraction of the interval by which a disturbance changes a tick; 0 where the disturbance
+ * has ended.
+ */
 static double random_part(loop *loop, const disturbance *disturbance, int tick)
 {
     return tick < disturbance->until ? disturbance->size * random_uniform(&loop->random) : 0;
 }
 
-/* Let the time from the last tick to this one pass. */
+/* Let the time between the last tick and the present one pass. */
 static void elapse_interval(loop *loop, int tick)
 {
     const double nominal = 1 / loop->design->scene->control.rate;
@@ -280,7 +287,7 @@ static void elapse_interval(loop *loop, int tick)
 
 /*
  * Step limit of an electrode (V). An electrode that the controller treats as held has no step
- * limit, because its voltage is set to the held value at once.
+ * limit, because its voltage is set at once.
  */
 static double step_limit_of(const loop *loop, int amplifier)
 {
@@ -330,8 +337,9 @@ static int run_board_tick(loop *loop, char *error)
 }
 
 /*
- * Step block that runs the firmware on the board. The board receives the readings of the sensors
- * and not the output of the preceding blocks, because the firmware contains the same blocks.
+ * Tick of the step block that runs the firmware on the board. The board receives the readings of
+ * the sensors and not the output of the preceding blocks, because the firmware contains these
+ * blocks itself.
  */
 static pzs_status board_tick(void *self, pzs_loop_signals *signals)
 {
@@ -367,7 +375,7 @@ static size_t list_blocks(loop *loop)
     return count + 1;
 }
 
-/* Initialise the library's control loop. Returns its status. */
+/* Initialise the library's control loop. Returns the status of the library. */
 static pzs_status open_controller(loop *loop)
 {
     const size_t count = list_blocks(loop);
@@ -381,7 +389,9 @@ static pzs_status open_controller(loop *loop)
                          need);
 }
 
-/* Record the electrodes that the fault detector has found in this tick. */
+/*
+ * Count the electrodes that the fault detector has reported in this tick, and treat them as held.
+ */
 static void count_detections(loop *loop, int tick)
 {
     loop->detected = loop->falsely_detected = 0;
@@ -400,7 +410,8 @@ static void count_detections(loop *loop, int tick)
 }
 
 /*
- * Copy the voltages into a controller whose voltages are computed elsewhere, by the board.
+ * Copy the voltages of the board into the controller on the host, whose voltages are computed by
+ * the board.
  */
 static void copy_board_voltages(loop *loop)
 {
@@ -421,8 +432,9 @@ static void take_command(loop *loop)
 }
 
 /*
- * Status of a tick for the statistics: the status of the step block. Electrodes found by the fault
- * detector are not a status here, because they have their own counter.
+ * Status of a tick for the statistics: the status of the step block. The status that the fault
+ * detector has reported an electrode is left out, because reported electrodes are counted
+ * separately.
  */
 static pzs_status counted_status(const loop *loop, pzs_status status)
 {
@@ -435,7 +447,7 @@ static pzs_status counted_status(const loop *loop, pzs_status status)
     return status == PZS_W_ELECTRODE ? PZS_OK : status;
 }
 
-/* Tell the damper of the ticks that were missed since the last one. */
+/* Inform the damper of the number of ticks missed since the last one. */
 static void report_missed_ticks(loop *loop)
 {
     pzs_damper *damper = pzs_loop_find(&loop->controller, &pzs_vibration_block);
@@ -474,8 +486,8 @@ static int run_controller(loop *loop, int tick, char *error)
 /* ---- amplifiers ------------------------------------------------------- */
 
 /*
- * Voltage step of the digital-to-analogue converter that is nearest to a voltage; step 0: no
- * rounding.
+ * Output of the digital-to-analogue converter that is nearest to a voltage (V).
+ *   step in  resolution of the converter (V); 0: no rounding
  */
 static double converted(double voltage, double step)
 {
@@ -507,7 +519,7 @@ static void set_outputs(loop *loop)
 
 /*
  * Count voltages beyond their limits and voltage changes beyond the step limit. The change is
- * computed with 32 or 64 bits, the precision in which the voltages were chosen.
+ * computed with 32 or 64 bits, the precision in which the voltages were computed.
  */
 static int count_beyond_limits(const loop *loop, const double *voltage, const double *before,
                                int bits)
@@ -630,7 +642,10 @@ static void reset_loop(loop *loop)
     plant_rest(&loop->simulation->plant);
 }
 
-/* Start the board and its twin, and read their initial voltages. */
+/*
+ * Start the board and its twin, and read their initial voltages. Returns 0, or -1 with error
+ * filled.
+ */
 static int start_board(loop *loop, char *error)
 {
     const simulation *simulation = loop->simulation;

@@ -12,20 +12,20 @@
 
 /* Sinusoidal part of the factor of a load. */
 typedef struct wave {
-    double amplitude, frequency; /* factor of the load; Hz */
-    double start;                /* time at which its phase is 0 (s) */
-    int until;                   /* tick at which it ends */
+    double amplitude, frequency; /* amplitude of the load factor (no unit); frequency (Hz) */
+    double start;                /* time at which the phase of the sine is 0 (s) */
+    int until;                   /* tick at which the sinusoidal part ends */
 } wave;
 
-/* Passing disturbance of the ticks: its size, and the tick at which it ends. */
+/* Disturbance of the time or the readings of a tick: its size, and the tick at which it ends. */
 typedef struct disturbance {
     double size;
     int until;
 } disturbance;
 
 /*
- * Tables of a step block that the simulation provides: the problem, which the library requires
- * first, and the loop in which the block runs.
+ * Tables of a step block that the simulation provides: the voltage problem, which the library
+ * requires first, and the loop in which the block runs.
  */
 typedef struct law_tables {
     pzs_problem problem;
@@ -33,80 +33,88 @@ typedef struct law_tables {
 } law_tables;
 
 typedef struct loop {
-    const design *design; /* nominal design that the controller is made from */
+    const design *design; /* nominal design from which the controller is made */
     simulation *simulation;
     simulate_law law;
-    bool is_damped;                   /* the controller has a vibration block */
-    int missed_ticks;                 /* ticks missed since the last tick that ran */
+    bool is_damped;   /* true: the controller has a vibration block */
+    int missed_ticks; /* number of ticks missed since the last tick in which the controller ran */
     pzs_block block[PZS_BLOCK_LIMIT]; /* blocks of the control law */
-    law_tables tables; /* tables of the simulation's own step block; unused with the library's step
-                          block */
+    law_tables tables; /* tables of the simulation's own step block; unused where the library's step
+                          block runs */
     law compared;      /* tables of the step block of LAW_CLAMP and LAW_REGULARISED */
     pzs_loop controller; /* the library's control loop, in double precision */
-    device board, twin;  /* firmware on a board and its twin on this computer; both replace the
-                            library's step block where the simulation has a board */
-    char *message;       /* [SCENE_ERROR] error text of a board that does not answer */
-    int is_silent;       /* the board did not answer in the last tick */
-    uint64_t random;     /* state of the random number generator */
+    device board, twin; /* firmware on a board and its twin, the firmware's C code on this computer;
+                           both replace the library's step block where the simulation has a board */
+    char *message;      /* [SCENE_ERROR] error text of a board that does not answer */
+    int is_silent;      /* 1: the board did not answer in the last tick */
+    uint64_t random;    /* state of the random number generator */
     int next_event, missed_until;
-    double factor, scheduled_factor; /* factor of the target, now and by the schedule alone */
-    double *memory;                  /* memory of all vectors from goal to last */
-    double *goal;   /* [targets] displacements of the scene's target or of the schedule, before the
-                       factor */
-    double *wanted; /* [targets] wanted displacements: the factor times goal */
-    double *load, *scheduled_load; /* [loads + 1] factors of the loads, now and by the schedule
-                                      alone; the last entry is the temperature change (K) */
+    double factor, scheduled_factor; /* factor of the target: present value, and value by the
+                                        schedule alone, without random events */
+    double *memory; /* one allocation that holds all vectors from `goal` to `last_voltage` */
+    double *goal;   /* [targets] displacements of the scene's target or of the schedule, before they
+                       are multiplied by the factor of the target */
+    double *wanted; /* [targets] wanted displacements: factor of the target times goal */
+    double *load, *scheduled_load; /* [loads + 1] factors of the loads: present values, and values
+                                      by the schedule alone, without random events; the last entry
+                                      is the temperature change (K) */
     double *shape;                 /* [targets] displacements of the plant */
     double *scratch;               /* [targets] scratch memory */
     double *command;               /* [amplifiers] voltages that the controller commands (V) */
     double *output;                /* [amplifiers] output voltages of the amplifiers (V) */
     double *effect; /* [amplifiers] voltages that act on the ceramic, after faults and hysteresis
                        (V) */
-    double *previous_output;         /* [amplifiers] output voltages before the last change (V) */
-    double time;                     /* time since the start (s) */
-    wave *wave;                      /* [loads] sinusoidal parts of the loads */
-    disturbance late, jitter, delay; /* late voltages and varying intervals (parts of the interval),
-                                    later readings (ticks) */
-    double vibration; /* weighted norm of the deviation from the static equilibrium, over the
-                         norm of the scene's target; 0 for a quasi-static plant */
-    double *twin_command, *last_voltage; /* [amplifiers] scratch memory; voltages before the tick
-                                            (V) */
+    double *previous_output; /* [amplifiers] output voltages of the amplifiers before the last
+                                change (V) */
+    double time;             /* time since the start of the simulation (s) */
+    wave *wave;              /* [loads] sinusoidal part of each load */
+    disturbance late, jitter, delay; /* temporary disturbances: voltages that are set late and
+                                        intervals of varying length (as fractions of the tick
+                                        interval), readings that arrive later (ticks) */
+    double vibration; /* weighted norm of the deviation from the static equilibrium relative to that
+                         of the scene's target; 0 for a quasi-static plant */
+    double *twin_command, *last_voltage; /* [amplifiers] voltages of the board's twin; voltages
+                                            before the tick (V) */
     electrode *electrode;                /* [amplifiers] state of each electrode */
     int sensors;    /* number of sensors: one for each target, or those of the scene's `estimate`
                        section */
-    sensor *sensor; /* [sensors] faults of each sensor */
-    double *sense_memory; /* memory of all vectors from noise to coming */
+    sensor *sensor; /* [sensors] faults and drift of each sensor */
+    double *sense_memory; /* one allocation that holds all vectors from `noise` to `next_load` */
     double *noise;   /* [sensors] standard deviation of the noise, in the unit of the reading */
     double *reading; /* [sensors] latest readings, with noise and faults */
     double *sensed;  /* [sensors] readings passed to the controller; late readings are corrected by
-                        the change that the model predicts since they were taken */
+                        the change that the model predicts since the measurement */
     double *reading_now, *reading_then; /* [sensors] readings that the model predicts, under the
-                                present command and under the command at the time of the late
-                                readings */
-    int history_ticks;    /* number of ticks whose readings and commands are kept: the delay, the
-                    largest delay    of an event, and 1 */
-    double *late_reading; /* [kept][sensors] noise-free readings of the last ticks */
-    double *late_command; /* [kept][amplifiers] commanded voltages of the last ticks (V) */
-    double *late_load;    /* [kept][loads] known load factors of the last ticks */
-    double *predicted;    /* [targets] displacements that the model predicts under the command */
-    double *known_load, *next_load; /* [loads] load factors known to the controller, of this tick
-                               and of the next one */
-    const double *load_when_read;   /* [loads] known load factors when the readings were taken */
+                                           present command and under the command at the time of the
+                                           late readings */
+    int history_ticks;    /* number of ticks whose readings and commands are stored: the delay, plus
+                             the largest additional delay of an event, plus 1 */
+    double *late_reading; /* [history_ticks][sensors] noise-free readings of the last ticks */
+    double *late_command; /* [history_ticks][amplifiers] commanded voltages of the last ticks (V) */
+    double *late_load;    /* [history_ticks][loads] load factors known to the controller in the last
+                             ticks */
+    double *predicted;    /* [targets] displacements that the model predicts under the commanded
+                             voltages */
+    double *known_load, *next_load; /* [loads] load factors known to the controller, of the present
+                                       tick and of the next one */
+    const double *load_when_read;   /* [loads] load factors known to the controller for the time at
+                                       which the readings were taken */
     double measurement_error;    /* weighted norm of the difference between true and measured shape,
-                         over the norm    of the scene's target */
+                                    relative to that of the scene's target */
     uint8_t *state, *twin_state; /* [amplifiers] electrode states by the fault detector, of the loop
                                     and of the board's twin */
-    void *controller_memory;     /* memory of the controller */
+    void *controller_memory;     /* memory of the library's control loop */
     double error;                /* relative shape error at the start of the last tick */
-    pzs_status status;           /* status of the last tick */
+    pzs_status status;           /* status of the controller in the last tick */
     int iterations;
-    int twin_agrees; /* board and twin gave the same bits in the last tick */
-    int detected, falsely_detected, detection_ticks; /* electrodes that the fault detector found in
-                                 the last tick; number of those without a fault; longest time from a
-                                 fault to its detection (ticks) */
-    int is_missed, beyond_limits, not_finite; /* of the last tick: whether it was missed, number of
-                                        voltages or steps beyond their limits, number of voltages
-                                        that are not finite */
+    int twin_agrees; /* 1: the board and its twin gave bit-identical results in the last tick */
+    int detected, falsely_detected, detection_ticks; /* number of electrodes that the fault detector
+                                                        reported in the last tick; number of those
+                                                        without a fault; longest time from a fault
+                                                        to its detection (ticks) */
+    int is_missed, beyond_limits, not_finite; /* for the last tick: 1 where it was missed; number of
+                                                 voltages or steps beyond their limits; number of
+                                                 voltages that are not finite */
 } loop;
 
 /*
@@ -117,8 +125,8 @@ int loop_open(loop *loop, simulation *simulation, simulate_law law, char *error)
 void loop_close(loop *loop);
 
 /*
- * Run one tick. Returns 0, or -1 with error filled where the plant has no equilibrium, the
- * controller returns an error, or the board does not answer.
+ * Run one tick of the loop. Returns 0, or -1 with error filled where the plant has no equilibrium,
+ * the controller returns an error, or the board does not answer.
  */
 int loop_tick(loop *loop, int tick, char *error);
 
@@ -134,31 +142,41 @@ int loop_active(const loop *loop);
 int sense_open(loop *loop);
 void sense_close(loop *loop);
 
-/* Compute `predicted`, the displacements that the influence table gives for the command. */
+/*
+ * Compute the member `predicted`: the displacements that the influence matrix gives for the
+ * commanded voltages.
+ */
 void sense_predict(loop *loop);
 
 /*
  * Take the readings of the plant in its present shape, with delay, noise and faults, and store them
- * in `sensed`. Returns 0, or -1 with error filled.
+ * in the member `sensed`. Returns 0, or -1 with error filled.
  */
 int sense_tick(loop *loop, int tick, char *error);
 
 /*
- * Compute `missed`, the difference between the true shape and the shape measured by the controller.
+ * Compute the member `measurement_error`, the relative difference between the true shape and the
+ * shape measured by the controller.
  */
 void sense_measurement_error(loop *loop);
 
-/* Known load factors at the time at which the readings of a tick were taken. [loads] */
+/*
+ * Load factors [loads] that the controller knows for the time at which the readings of a tick were
+ * taken.
+ */
 const double *sense_known_loads(const loop *loop, int tick);
 
 /*
- * Record that an electrode has been held since a tick: in the commands kept for late readings, its
- * voltage from that tick on becomes the voltage at which it is held. Otherwise the correction of
+ * Record that an electrode has been held since a tick: in the stored commands, the voltage of the
+ * electrode from that tick on becomes the voltage at which it is held. Otherwise the correction of
  * late readings would include a change of voltage that never reached the ceramic.
  */
 void sense_hold(loop *loop, int amplifier, int since, int tick);
 
-/* The imperfections at the present time; they change the electrodes and draw random numbers. */
+/*
+ * Imperfections at the present time, with references to the electrodes, the sensors and the random
+ * number generator of the loop.
+ */
 imperfections loop_imperfections(loop *loop);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Inputs of the controller in a closed loop: sensors, the shape estimated from few sensors, known
- * loads (simulate_loop.h).
+ * Inputs of the controller in a simulated closed loop: sensors, the shape estimated from few
+ * sensors, known loads (simulate_loop.h).
  */
 #include "simulate_loop.h"
 #include <math.h>
@@ -26,7 +26,7 @@ static void take_noise(loop *loop)
             *deviation++ = scene->estimate.reading[reading].noise;
 }
 
-/* Number of ticks whose readings may still be needed. */
+/* Number of ticks whose readings must be stored because they may arrive later. */
 static int kept_ticks(const scene_simulate *simulate)
 {
     int most = 0;
@@ -72,7 +72,12 @@ void sense_close(loop *loop)
 
 /* ---- sensors ---------------------------------------------------------- */
 
-/* y [rows] = table [rows][amplifiers] times voltage [amplifiers] */
+/*
+ * Multiply a table with a vector of voltages.
+ *   table   [rows][amplifiers] in
+ *   voltage [amplifiers]       in   (V)
+ *   product [rows]             out
+ */
 static void multiply(const loop *loop, double *product, const double *table, int rows,
                      const double *voltage)
 {
@@ -84,7 +89,11 @@ static void multiply(const loop *loop, double *product, const double *table, int
     }
 }
 
-/* Compute the readings that the model predicts under given voltages. */
+/*
+ * Compute the readings that the model predicts under given voltages.
+ *   voltage [amplifiers] in   (V)
+ *   reading [sensors]    out
+ */
 static void predict_readings(const loop *loop, double *reading, const double *voltage)
 {
     const simulation *simulation = loop->simulation;
@@ -99,7 +108,11 @@ void sense_predict(loop *loop)
              loop->command);
 }
 
-/* Address of the vector of a tick, of length n, in a ring buffer of the last ticks. */
+/*
+ * Address of the vector of a tick in a ring buffer that stores one vector for each of the last
+ * ticks.
+ *   length in  number of entries of a vector
+ */
 static double *ring_entry(const loop *loop, double *history, int tick, int length)
 {
     return history + (size_t)(tick % loop->history_ticks) * (size_t)length;
@@ -115,8 +128,8 @@ void sense_hold(loop *loop, int amplifier, int since, int tick)
 }
 
 /*
- * Store the noise-free readings, the commanded voltages and the known load factors of a tick for
- * use after the delay.
+ * Store the noise-free readings, the commanded voltages and the known load factors of a tick until
+ * the readings arrive at the controller.
  */
 static int store_tick(loop *loop, int tick, char *error)
 {
@@ -135,9 +148,9 @@ static int store_tick(loop *loop, int tick, char *error)
 /*
  * Compute the readings passed to the controller. Sensors give the readings of `delay` ticks ago;
  * the change that the model predicts since then is added, so that the controller compares readings
- * and prediction of the same tick. The damper takes readings as old as they are. A stuck reading,
- * identical to the last bit, is passed on unchanged, so that the controller can detect the stuck
- * sensor.
+ * and prediction of one tick. For a controller with a vibration block nothing is added, because
+ * that block takes the delay into account. A stuck reading, identical to the last bit, is passed on
+ * unchanged, so that the controller can detect the stuck sensor.
  */
 static void read_sensors(loop *loop, int tick)
 {
@@ -182,9 +195,9 @@ const double *sense_known_loads(const loop *loop, int tick)
 }
 
 /*
- * Compute |W (shape - measured)| over the norm of the scene's target. The displacements by the
- * known loads, which the controller subtracts from its measured shape, are added again. Targets
- * without a measurement contribute zero.
+ * Compute the weighted norm of true shape minus measured shape relative to that of the scene's
+ * target. The displacements by the known loads, which the controller subtracts from its measured
+ * shape, are added again. Targets without a measurement contribute zero.
  */
 void sense_measurement_error(loop *loop)
 {

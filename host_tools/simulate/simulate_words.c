@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Descriptions of a simulation (simulate_words.h). */
+/* Texts that describe the phases and events of a simulation (simulate_words.h). */
 #include "simulate_words.h"
 #include <stdio.h>
 #include <string.h>
@@ -10,7 +10,7 @@ const char *simulate_words_influence(const scene *scene)
     return scene->simulate.at_target ? "at the target" : "at rest";
 }
 
-/* Name of the kind of a load. */
+/* Name of the type of a load. */
 static const char *name_of_load(const scene_load *load)
 {
     static const char *const word[] = {"point force", "line force", "pressure", "weight",
@@ -66,7 +66,7 @@ static void name_electrodes(const scene *scene, const scene_event *event, const 
         snprintf(text, room, "%.60s %s", name, word);
 }
 
-/* Write an impulse or a sinusoidal part of a load. */
+/* Write a text on an impulse or on a sinusoidal part of a load. */
 static void name_motion(const scene *scene, const scene_event *event, char *text, size_t room)
 {
     const char *name = name_of_load(&scene->load[event->load]);

@@ -1,17 +1,20 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Descriptions of a simulation that the HTML reports and the terminal output share. */
+/* Texts that describe a simulation, for HTML reports and terminal output. */
 #ifndef SIMULATE_WORDS_H
 #define SIMULATE_WORDS_H
 
 #include "simulation.h"
 
-/* Size of the description of a phase (characters), with the terminating zero. */
+/* Size of the text that describes a phase, with the terminating zero (characters). */
 enum { SIMULATE_PHASE_TEXT = 160 };
 
-/* Description of the shape at which the estimator gains of a simulation are computed. */
+/* Text that names the shape at which the influence matrix of a simulation is computed. */
 const char *simulate_words_influence(const scene *scene);
 
-/* Describe the events that begin a phase. text out */
+/*
+ * Describe the events with which a phase of the simulation begins.
+ *   text [SIMULATE_PHASE_TEXT] out
+ */
 void simulate_words_phase(const simulation *simulation, const simulate_phase *phase,
                           char text[SIMULATE_PHASE_TEXT]);
 

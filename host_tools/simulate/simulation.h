@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Simulation of a closed loop on the host: the library's controller with the tables of the scene,
- * a plant that differs from the controller's model, sensors and amplifiers with faults, and the
+ * Simulation of a closed loop on the host: the library's controller with the tables of the scene, a
+ * plant that differs from the controller's model, sensors and amplifiers with faults, and the
  * schedule of the scene. The plant vibrates where the densities of the scene are known, and is
  * quasi-static otherwise or where the scene says so (plant.h). Each tick runs in this order:
  *
  *   time since the last tick, events, shape under the voltages of the previous tick, measurement,
- * controller, amplifiers
+ *       controller, amplifiers
  *
- * The controller runs on the host, or as a firmware with the same tables on a board
- * (simulate_device). The same scene gives bit-identical results in every run. The same loop also
- * runs with two common alternatives to the controller, for comparison: unconstrained least squares
- * whose voltages are clipped to the voltage limits and the step limit, and the same with
- * regularisation. The regularisation parameter is the best one for the scene's target and limits
- * on the controller's own model.
+ * The controller runs on the host, or as a firmware with the tables of the scene on a board
+ * (simulate_device). Every run of a scene gives bit-identical results. For comparison, the loop
+ * also runs with two common alternatives to the controller: unconstrained least squares whose
+ * voltages are clipped to the voltage limits and the step limit, and such least squares with
+ * regularisation. The regularisation parameter is the best one for the scene's target and limits on
+ * the controller's own model.
  */
 #ifndef SIMULATION_H
 #define SIMULATION_H
@@ -30,75 +30,78 @@ struct loop_blocks;
  */
 typedef enum simulate_law { LAW_CONTROLLER, LAW_CLAMP, LAW_REGULARISED, LAWS } simulate_law;
 
-/* Results of one tick. */
+/* Results of one tick of a simulation. */
 typedef struct simulate_sample {
     simulate_law law;
     int tick;
-    double error; /* relative shape error at the start of the tick: |W (shape - wanted)| / |W target
-                     of the scene| */
-    double measurement_error; /* relative measurement error: |W (shape - shape measured by the
-                      controller)| / |W target of the scene| */
-    double vibration; /* |W (shape - static equilibrium of the plant)| / |W target of the scene|; 0
-                         for a quasi-static plant */
+    double error; /* relative shape error at the start of the tick: weighted norm of shape minus
+                     wanted shape over that of the scene's target */
+    double measurement_error; /* relative measurement error: weighted norm of true shape minus shape
+                                 measured by the controller, over that of the scene's target */
+    double vibration; /* relative vibration: weighted norm of shape minus static equilibrium of the
+                         plant, over that of the scene's target; 0 for a quasi-static plant */
     const double *command;  /* [amplifiers] commanded voltages (V) */
     const double *voltage;  /* [amplifiers] output voltages of the amplifiers (V) */
-    int active, iterations; /* number of commanded voltages at a limit; iterations of the optimiser
-                             */
+    int active, iterations; /* number of commanded voltages at a limit; number of iterations of the
+                               optimiser */
     pzs_status status;
-    int is_missed; /* missed tick: the controller did not run */
+    int is_missed; /* 1: the tick was missed, and the controller did not run */
 } simulate_sample;
 
 typedef void simulate_tick_callback(void *context, const simulate_sample *sample);
 
-/* Results of one control law in one phase. */
+/* Results of one control law in one phase of a simulation. */
 typedef struct simulate_course {
-    double steady; /* relative shape error: root mean square over the last ticks; infinite for a
-                      law for comparison that has diverged */
-    double worst;  /* largest relative shape error */
-    double measurement_error; /* relative measurement error: root mean square over the last ticks */
-    double vibration; /* relative deviation from the static equilibrium: root mean square over the
-                         last ticks */
-    double vibration_worst; /* largest relative deviation from the static equilibrium */
-    int settled; /* ticks until the distance of the shape from its final value stays within 5 % of
-                    the largest distance; -1: never */
-    int step_limit_ticks; /* ticks that the step limit alone requires from the initial to the final
-                             voltages */
+    double steady; /* relative shape error, root mean square over the last ticks of the phase;
+                      infinite for a law for comparison that has diverged */
+    double worst;  /* largest relative shape error in the phase */
+    double measurement_error; /* relative measurement error, root mean square over the last ticks of
+                                 the phase */
+    double vibration; /* relative deviation from the static equilibrium, root mean square over the
+                         last ticks of the phase */
+    double vibration_worst; /* largest relative deviation from the static equilibrium in the phase
+                             */
+    int settled; /* number of ticks until the distance of the shape from its final value stays
+                    within 5 % of the largest distance; -1: never */
+    int step_limit_ticks; /* number of ticks that the step limit alone requires from the initial to
+                             the final voltages */
     double *voltage;      /* [amplifiers] voltages at the end of the phase (V) */
-    double *shape;        /* [targets] target displacements at the end */
-    double *displacement; /* [dof] displacement vector of the plant at the end */
+    double *shape;        /* [targets] displacements of the target rows at the end of the phase */
+    double *displacement; /* [free_dof] displacement vector of the plant at the end of the phase */
 } simulate_course;
 
 /* Phase of a simulation: the ticks from one tick with events to the next. */
 typedef struct simulate_phase {
     int from, until;
-    int first, events; /* first event of the scene that begins the phase, and number of these events
-                        */
-    double optimum;    /* relative shape error of the best shape that this plant reaches within the
+    int first, events; /* index of the first event of the scene with which the phase begins, and
+                          number of such events */
+    double optimum;    /* relative shape error of the best shape that the plant can reach with the
                           stroke of its electrodes; NAN before simulate_optima */
     simulate_course course[LAWS];
-    double *target;  /* [targets] wanted displacements at the end of the phase */
-    double *load;    /* [loads + 1] load factors of the plant at the end; the last entry is the
-                          temperature change (K) */
-    double *lowest;  /* [amplifiers] voltages that act on the ceramic at the end, if all amplifiers
-                        moved to their lower limits: their stroke with hysteresis and creep, or the
-                        voltage of a faulty electrode (V) */
-    double *highest; /* [amplifiers] voltages that act on the ceramic at the end, if all amplifiers
-                        moved to their upper limits (V) */
+    double *target; /* [targets] wanted displacements at the end of the phase */
+    double *load;   /* [loads + 1] load factors of the plant at the end of the phase; the last entry
+                       is the temperature change (K) */
+    double *lowest; /* [amplifiers] voltages that would act on the ceramic at the end of the phase
+                       if all amplifiers moved to their lower limits, after hysteresis and creep;
+                       the voltage of a faulty electrode (V) */
+    double *highest; /* [amplifiers] voltages that would act on the ceramic at the end of the phase
+                        if all amplifiers moved to their upper limits (V) */
 } simulate_phase;
 
 /* Sums over all ticks of one control law. */
 typedef struct simulate_count {
-    long beyond_limits; /* commanded or output voltages beyond a voltage limit or the step limit */
-    long not_finite;    /* voltages that are not finite */
-    long iterations;    /* iterations of the optimiser, in all ticks */
+    long beyond_limits; /* number of commanded or output voltages beyond a voltage limit or the step
+                           limit */
+    long not_finite;    /* number of voltages that are not finite */
+    long iterations;    /* number of iterations of the optimiser in all ticks */
     int iterations_most;
-    long status[PZS_W_OUTPUT + 1]; /* number of ticks with each status */
+    long status[PZS_W_OUTPUT + 1]; /* number of ticks with each status of the controller */
     long missed_ticks;
-    long detected, falsely_detected; /* electrodes that the fault detector found; number of those
-                                      * without a fault
-                                      */
+    long detected, falsely_detected; /* number of electrodes that the fault detector reported;
+                                        number of those without a fault */
     int detection_ticks;             /* longest time from a fault to its detection (ticks) */
-    long agreeing_ticks;             /* ticks in which the board and its twin gave the same bits */
+    long agreeing_ticks; /* number of ticks in which the board and its twin gave bit-identical
+                            results */
     double seconds;
 } simulate_count;
 
@@ -106,23 +109,26 @@ typedef struct simulation {
     const analysis *nominal;
     plant plant;
     const pzs_problem *problem; /* tables of the controller, made from the nominal design */
-    struct loop_blocks *blocks; /* block list, the same as in a firmware of the scene */
-    estimator estimator;  /* estimator gains and known loads; empty unless `estimates` or `feeds` is
-                             set */
-    damper damper;        /* tables of the damped tick; unused for a quasi-static plant */
-    damper unused_damper; /* never used */
-    struct loop_blocks *undamped_blocks; /* block list without a vibration block, for the other laws
-                                          */
+    struct loop_blocks *blocks; /* block list of the controller, identical to that of a firmware of
+                                   the scene */
+    estimator estimator; /* gains of the estimator and feed-forward tables; empty unless `estimates`
+                            or `feeds` is set */
+    damper damper;       /* tables of the damped tick; unused for a quasi-static plant */
+    damper unused_damper; /* an unused damper, for the block list without a vibration block */
+    struct loop_blocks *undamped_blocks; /* block list without a vibration block, for the control
+                                            laws for comparison */
     int estimates, feeds, quantises; /* flags: the shape is estimated from few sensors; known loads
                                         are fed forward; the amplifiers have a resolution or a dead
                                         band */
-    double reference; /* |W target of the scene|, the denominator of all relative errors */
-    double compared_regularisation; /* regularisation of LAW_REGULARISED beside that of the scene
+    double reference; /* weighted norm of the scene's target, the denominator of all relative errors
+                       */
+    double compared_regularisation; /* regularisation that LAW_REGULARISED adds to that of the scene
                                        (m2/V2) */
-    double regularisation;     /* regularisation parameter of LAW_REGULARISED, over tr(B'W^2 B)/n */
+    double regularisation;     /* regularisation parameter of LAW_REGULARISED, relative to the mean
+                                  diagonal entry of the Hessian of the voltage problem */
     const device_board *board; /* board that runs the controller; NULL: the controller runs on the
                                   host */
-    char folder[DEVICE_PATH];  /* folder of the firmware */
+    char folder[DEVICE_PATH];  /* path of the temporary folder of the firmware */
     int phases;
     simulate_phase *phase;
     simulate_count count[LAWS];
@@ -130,7 +136,7 @@ typedef struct simulation {
 
 /*
  * Read the plant and set up the phases.
- *   nominal in  design of a scene with a simulate section, after analysis_influence; must outlive
+ *   nominal in  analysis of a scene with a simulate section, after analysis_influence; must outlive
  *       the simulation. Its option quasi_static leaves out the vibration model of the controller,
  *       and is set for a quasi-static plant
  * Returns 0, or -1 with error filled and the simulation empty.
@@ -147,12 +153,18 @@ int simulate_tables(analysis *nominal, char *error);
 
 /*
  * Replace the controller by the firmware of a board: build the firmware now, and run it in QEMU
- * during simulate_run. A twin, the same C code in the same precision on this computer, computes the
- * same ticks, and the results are compared bit by bit. Returns 0, or -1 with error filled.
+ * during simulate_run. A twin, the firmware's C code in the precision of the board on this
+ * computer, computes every tick too, and the results are compared bit by bit. Returns 0, or -1 with
+ * error filled.
  */
 int simulate_device(simulation *simulation, const device_board *board, char *error);
 
-/* Run all ticks under a control law. watch may be NULL. Returns 0, or -1 with error filled. */
+/*
+ * Run all ticks under a control law.
+ *   callback in  called after each tick; may be NULL
+ *   context  in  passed on to the callback
+ * Returns 0, or -1 with error filled.
+ */
 int simulate_run(simulation *simulation, simulate_law law, simulate_tick_callback *callback,
                  void *context, char *error);
 

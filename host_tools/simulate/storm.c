@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Storms against a control loop (storm.h). */
+/* Simulation of a control loop with a vibrating structure while the target jumps (storm.h). */
 #include "storm.h"
 #include <math.h>
 #include <stdlib.h>
@@ -10,23 +10,26 @@
 #include "../model/mass.h"
 
 enum {
-    TARGETS = 10,      /* targets thrown in a storm */
-    REST_PERIODS = 12, /* periods of the first mode that the last target stands */
+    TARGETS = 10,      /* number of targets in a storm before the last one */
+    REST_PERIODS = 12, /* periods of the first mode during which the last target stays */
     EVERY_LEAST = 10,  /* fewest and most ticks between two targets */
     EVERY_MOST = 1200,
-    REST_LEAST = 1200, /* fewest ticks of rest: six time constants of what the modes do not explain
-                        */
+    REST_LEAST = 1200, /* fewest ticks during which the last target stays: six time constants of the
+                          low-pass filter of what the modes do not explain */
     REST_MOST = 20000,
-    END_LEAST = 20, /* fewest and most ticks that count as the end */
+    END_LEAST = 20, /* fewest and most ticks that count as the end of a storm */
     END_MOST = 500
 };
 
 static const double two_pi = 6.283185307179586;
 
-/* Standard deviation of the noise over the largest reading of the best shape. */
+/* Standard deviation of the noise relative to the largest displacement of the best shape. */
 static const double noise_share = 1e-4;
 
-/* A shape that is farther from the target than this many times its size has diverged. */
+/*
+ * Distance of the shape from the target, relative to the norm of the target, above which the loop
+ * counts as diverged.
+ */
 static const double diverged = 1e6;
 
 /* ---- the rig ---------------------------------------------------------- */
@@ -37,7 +40,9 @@ static int no_memory(const analysis *analysis, char *error)
                        "out of memory");
 }
 
-/* Output rows of the sensors: all target rows, or those of the readings of the estimate. */
+/*
+ * List the output rows of the sensors: all target rows, or those of the scene's `estimate` section.
+ */
 static void list_rows(storm_rig *rig)
 {
     const design *design = &rig->analysis->design;
@@ -56,7 +61,10 @@ static void list_rows(storm_rig *rig)
     }
 }
 
-/* Static responses of targets and sensors, from the influence matrix of the tables. */
+/*
+ * Compute the static responses of targets and sensors to the voltages from the influence matrix of
+ * the tables.
+ */
 static void fill_static(storm_rig *rig)
 {
     const size_t inputs = rig->analysis->design.structure.input.count, amplifiers = rig->amplifiers;
@@ -68,7 +76,9 @@ static void fill_static(storm_rig *rig)
                amplifiers * sizeof(double));
 }
 
-/* Limits from which random voltages are drawn; an amplifier without limits is left at 0 V. */
+/*
+ * Set the limits within which random voltages are drawn; an amplifier without limits stays at 0 V.
+ */
 static void fill_limits(storm_rig *rig)
 {
     const design *design = &rig->analysis->design;
@@ -135,30 +145,32 @@ void storm_close(storm_rig *rig)
 
 /* ---- one run ---------------------------------------------------------- */
 
-/* State of one run. */
+/* State of one simulated storm. */
 typedef struct storm {
     const storm_rig *rig;
     const storm_plant *plant;
-    pzs_problem problem; /* with the step limits of the run */
+    pzs_problem problem; /* voltage problem with the step limits of the storm */
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
     pzs_loop loop;
     void *work;
     inertia inertia;
     uint64_t random;
-    int tick, kept;  /* present tick; number of ticks whose readings are kept */
-    double noise;    /* standard deviation of the noise of a reading */
-    double *memory;  /* memory of the arrays below */
-    double *limits;  /* [3][amplifiers] lower and upper limits, step limits of the run (V) */
+    int tick, kept; /* present tick; number of ticks whose readings are stored */
+    double noise;   /* standard deviation of the noise of a reading */
+    double *memory; /* one allocation that holds the arrays of the storm */
+    double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
+                       the storm (V) */
     double *voltage; /* [amplifiers] present voltages (V) */
     double *before;  /* [amplifiers] voltages before the last tick (V) */
     double *thrown;  /* [targets] present target */
-    double *goal;    /* [targets] target at the end, z */
-    double *best;    /* [targets] best shape for z on this structure */
+    double *goal;    /* [targets] last target of the storm: the target of the scene */
+    double *best; /* [targets] best shape for the last target that the limits allow on the simulated
+                     structure */
     double *shape;   /* [targets] present shape */
-    double *part;    /* [targets] work */
+    double *part;    /* [targets] work vector */
     double *sensed;  /* [sensors] readings passed to the loop */
-    double *reading; /* [kept][sensors] true readings of the last ticks */
+    double *reading; /* [kept][sensors] noise-free readings of the last ticks */
     double *command; /* [kept][amplifiers] voltages of the last ticks (V) */
 } storm;
 
@@ -185,7 +197,12 @@ static bool take_run_memory(storm *storm)
     return true;
 }
 
-/* y [rows] = factor a [rows][columns] x */
+/*
+ * Multiply a matrix by a vector and by a factor.
+ *   matrix  [rows][columns] in
+ *   vector  [columns]       in
+ *   product [rows]          out
+ */
 static void multiply(double *product, const double *matrix, const double *vector, size_t rows,
                      size_t columns, double factor)
 {
@@ -194,7 +211,7 @@ static void multiply(double *product, const double *matrix, const double *vector
         product[i] *= factor;
 }
 
-/* Give the problem the limits of the run. */
+/* Set the limits of the voltage problem to those of the storm. */
 static void set_limits(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers;
@@ -216,9 +233,10 @@ static void set_limits(storm *storm)
 }
 
 /*
- * Tables of the step block with the limits of the run. A law for comparison keeps its memory beside
- * its problem, so the problem is replaced in place. A run without limits omits the blocks behind
- * the step, because converter steps and held electrodes would hide the growth.
+ * Replace the tables of the step block by tables with the limits of the storm. A law for comparison
+ * keeps its memory beside its problem, so its problem is replaced in place. A run without limits
+ * omits the blocks behind the step block, because converter steps and held electrodes would hide
+ * the growth of vibrations.
  */
 static void set_tables(storm *storm)
 {
@@ -251,7 +269,9 @@ static pzs_status open_loop(storm *storm)
                        : PZS_E_WORKSPACE;
 }
 
-/* Best shape for the goal within the voltage limits, on the structure of the run. */
+/*
+ * Compute the best shape for the last target within the voltage limits, on the simulated structure.
+ */
 static pzs_status find_best(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets;
@@ -296,7 +316,10 @@ static void close_storm(storm *storm)
     free(storm->work);
 }
 
-/* Weighted distance of two shapes; y NULL: weighted size of x. */
+/*
+ * Weighted norm of the difference of two shapes, or of the first shape where the second is NULL.
+ *   first, second [targets] in
+ */
 static double apart(const storm *storm, const double *first, const double *second)
 {
     return sqrt(design_squares(&storm->rig->analysis->design, first, second));
@@ -327,14 +350,17 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
 
 /* ---- ticks ------------------------------------------------------------ */
 
-/* Address of the vector of a tick, of length n, in a ring of the last ticks; ticks before the start
- * are those of the start. */
+/*
+ * Address of the vector of a tick in a ring buffer that stores one vector for each of the last
+ * ticks; for ticks before the start the vector of the start is returned.
+ *   length in  number of entries of a vector
+ */
 static double *late(const storm *storm, double *ring, int tick, size_t length)
 {
     return ring + (size_t)((tick > 0 ? tick : 0) % storm->kept) * length;
 }
 
-/* Present shape. */
+/* Compute the present shape of the simulated structure. */
 static void observe_shape(storm *storm)
 {
     const storm_rig *rig = storm->rig;
@@ -345,7 +371,7 @@ static void observe_shape(storm *storm)
         storm->shape[i] += storm->part[i];
 }
 
-/* Present readings, kept with the voltages for the time when they arrive. */
+/* Compute the present readings and store them with the voltages until they arrive at the loop. */
 static void observe(storm *storm)
 {
     const storm_rig *rig = storm->rig;
@@ -365,7 +391,10 @@ static void observe(storm *storm)
     }
 }
 
-/* Readings as they arrive at the loop: late, with noise, corrected where the caller has to. */
+/*
+ * Compute the readings that the loop receives: late, with noise, and corrected for the delay where
+ * the caller of the loop has to correct them.
+ */
 static void sense(storm *storm)
 {
     const storm_rig *rig = storm->rig;
@@ -381,7 +410,9 @@ static void sense(storm *storm)
     }
 }
 
-/* One tick: measure, choose voltages, let the interval pass. Returns the status of the loop. */
+/*
+ * Run one tick: measure, compute voltages, let the interval pass. Returns the status of the loop.
+ */
 static pzs_status run_tick(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers;
@@ -403,7 +434,9 @@ static int clamp_ticks(double ticks, int least, int most)
     return (int)fmin(fmax(ceil(ticks), least), most);
 }
 
-/* Throw a target: z, -z, or the shape of random voltages. */
+/*
+ * Set the next target: the target of the scene, its negative, or the shape under random voltages.
+ */
 static void throw_target(storm *storm)
 {
     const storm_rig *rig = storm->rig;
@@ -423,7 +456,7 @@ static void throw_target(storm *storm)
     multiply(storm->thrown, rig->influence, storm->before, rig->targets, amplifiers, 1);
 }
 
-/* Noise in proportion to the largest entry of the best shape. */
+/* Set the noise in proportion to the largest displacement of the best shape. */
 static void set_noise(storm *storm)
 {
     double largest = 0;
@@ -487,7 +520,10 @@ int storm_run(const storm_rig *rig, const storm_plant *plant, storm_result *resu
 
 /* ---- growth ----------------------------------------------------------- */
 
-/* Size of the vibration and of the last change of the voltages, in displacements of the targets. */
+/*
+ * Amplitude of the vibration and of the last change of the voltages, as displacements of the
+ * targets.
+ */
 static double amplitude(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets;
@@ -501,7 +537,10 @@ static double amplitude(storm *storm)
     return size;
 }
 
-/* Slope of a straight line through y [count] over its index. */
+/*
+ * Slope of the straight line that fits values over their index best.
+ *   value [count] in
+ */
 static double slope(const double *value, int count)
 {
     const double middle = (count - 1) / 2.0;
