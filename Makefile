@@ -13,7 +13,11 @@ DEPEND := -MMD -MP
 INCLUDE := -Iinclude
 
 LIB := $(sort $(wildcard lib/*/*.c))
-HOST := $(sort $(filter-out host_tools/cli/main.c,$(wildcard host_tools/*/*.c)))
+# FITS files are read where cfitsio is installed; without it they are refused, with the name of the package.
+FITS_LIBS := $(shell pkg-config --libs cfitsio 2>/dev/null)
+OTHER_FITS := $(if $(FITS_LIBS),host_tools/data/table_fits_absent.c,host_tools/data/table_fits.c)
+HOST := $(sort $(filter-out host_tools/cli/main.c $(OTHER_FITS),$(wildcard host_tools/*/*.c)))
+HOST_LIBS := -lyaml $(FITS_LIBS) -lm
 
 .DELETE_ON_ERROR:
 .PHONY: all schema example-table install uninstall package demo test bench check-long hard oracle measured tables setup-demo setup-test setup-bench unit \
@@ -59,7 +63,7 @@ $(eval $(call variant,san64,$(SANITIZE) -DPZS_REAL_BITS=64))
 $(eval $(call variant,san32,$(SANITIZE) -DPZS_REAL_BITS=32))
 
 $(B)/pzs: $(B)/64/host_tools/cli/main.o $(B)/64/host.a $(B)/64/libpiezoshape.a
-	$(CC) $(CFLAGS) $(LDFLAGS) $^ -lyaml -lm -o $@
+	$(CC) $(CFLAGS) $(LDFLAGS) $^ $(HOST_LIBS) -o $@
 
 # The host tools in double as one object that shows only its bridge, so that a float program can hold both precisions.
 $(B)/%/bridge64.o: $(B)/64/tests/rigs/bridge.o $(B)/64/host.a $(B)/64/libpiezoshape.a
@@ -148,7 +152,7 @@ define program
 UNIT_$(2) += $(B)/test/$(1)-$(2)
 $(B)/test/$(1)-$(2): $(B)/$(2)/tests/unit/test_$(1).o $(3) $(B)/$(2)/libpiezoshape.a
 	@mkdir -p $$(@D)
-	$$(CC) $$(CFLAGS) $$(LDFLAGS) $(if $(filter san%,$(2)),-fsanitize=address$(comma)undefined) $$^ -lcmocka -lyaml -lm -o $$@
+	$$(CC) $$(CFLAGS) $$(LDFLAGS) $(if $(filter san%,$(2)),-fsanitize=address$(comma)undefined) $$^ -lcmocka $(HOST_LIBS) -o $$@
 endef
 comma := ,
 for_variants = $(foreach v,$(2),$(eval $(call program,$(1),$(v),$(3:@%=$(B)/$(v)/%))))
@@ -179,6 +183,7 @@ $(call for_variants,suggest,64 san64,@host.a)
 $(call for_variants,mesh_error,64 san64,@host.a)
 $(call for_variants,migrate,64 san64,@host.a)
 $(call for_variants,data,64 san64,@host.a)
+$(call for_variants,fits,64 san64,@host.a)
 $(call for_variants,measured,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,calibrate,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,model,64 32 san64 san32,@tests/rigs/testdata.o @bridge64.o)
@@ -217,13 +222,13 @@ $(GATE_OBJECTS): INCLUDE += -I$(B)/tables
 UNIT_64 += $(B)/test/sweep-64
 $(B)/test/sweep-64: $(B)/64/tests/unit/sweep_path.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
-	$(CC) $^ -lyaml -lm -o $@
+	$(CC) $^ $(HOST_LIBS) -o $@
 
 # Storms on two structures with the unit tests, on all of them and with all laws with check-long.
 UNIT_64 += $(B)/test/storms-64
 $(B)/test/storms-64: $(B)/64/tests/unit/sweep_storms.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
-	$(CC) $^ -lyaml -lm -o $@
+	$(CC) $^ $(HOST_LIBS) -o $@
 
 format:
 	clang-format -i $$(git ls-files "*.c" "*.h" ":!host_tools/tables/example.h")
@@ -231,12 +236,12 @@ format:
 unit: $(UNIT_64) $(UNIT_32) $(UNIT_32t8) $(UNIT_64t16)
 san: $(UNIT_san64) $(UNIT_san32) $(B)/pzs-san
 $(B)/pzs-san: $(B)/san64/host_tools/cli/main.o $(B)/san64/host.a $(B)/san64/libpiezoshape.a
-	$(CC) $(CFLAGS) $(LDFLAGS) -fsanitize=address,undefined $^ -lyaml -lm -o $@
+	$(CC) $(CFLAGS) $(LDFLAGS) -fsanitize=address,undefined $^ $(HOST_LIBS) -o $@
 
 # Thin shells of revolution, every thickness and mesh: prints compliance over reference, case x h/R x mesh.
 hard: $(B)/64/host.a $(B)/64/libpiezoshape.a
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DHARD=1 $(FOLDERS) $(INCLUDE) \
-	    tests/unit/test_thin.c tests/rigs/round_shell.c tests/rigs/testdata.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm \
+	    tests/unit/test_thin.c tests/rigs/round_shell.c tests/rigs/testdata.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka $(HOST_LIBS) \
 	    -o $(B)/hard && $(B)/hard
 
 # 20,000 mutated scenes, 20,000 mutated mesh files and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched,
@@ -244,7 +249,7 @@ hard: $(B)/64/host.a $(B)/64/libpiezoshape.a
 check-long: setup-test
 	@$(MAKE) --no-print-directory -s -j2 all san unit
 	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_scene.c $(B)/san64/host.a $(B)/san64/libpiezoshape.a \
-	    -lcmocka -lyaml -lm -o $(B)/long-scene && $(B)/long-scene
+	    -lcmocka $(HOST_LIBS) -o $(B)/long-scene && $(B)/long-scene
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=5000000 $(INCLUDE) tests/unit/test_tick.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-tick && $(B)/long-tick || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DWORK_TICKS=1000000 $(INCLUDE) tests/unit/test_work.c \
@@ -256,16 +261,16 @@ check-long: setup-test
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_supervisor.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-supervisor && $(B)/long-supervisor || exit 1; done
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DFAULT_TICKS=1000000 $(FOLDERS) $(INCLUDE) \
-	    tests/unit/test_simulate.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-simulate \
+	    tests/unit/test_simulate.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-simulate \
 	    && $(B)/long-simulate
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DSLOW_ROWS=1 $(FOLDERS) $(INCLUDE) \
-	    tests/unit/test_path_tables.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka -lyaml -lm -o $(B)/long-path \
+	    tests/unit/test_path_tables.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-path \
 	    && $(B)/long-path
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DPZS_NONLINEAR=1 -DSTORMS=1 $(INCLUDE) \
-	    tests/unit/test_vibration_block.c $(DAMPED:@%=$(B)/$$bits/%) $(B)/$$bits/libpiezoshape.a -lcmocka -lyaml -lm \
+	    tests/unit/test_vibration_block.c $(DAMPED:@%=$(B)/$$bits/%) $(B)/$$bits/libpiezoshape.a -lcmocka $(HOST_LIBS) \
 	    -o $(B)/long-vibration && $(B)/long-vibration || exit 1; done
 	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_quads.c tests/rigs/mesh_writer.c $(B)/san64/host.a \
-	    -lcmocka -lyaml -lm -o $(B)/long-quads && $(B)/long-quads
+	    -lcmocka $(HOST_LIBS) -o $(B)/long-quads && $(B)/long-quads
 	$(B)/test/sweep-64 full
 	$(B)/test/storms-64 full
 	/usr/bin/python3 tests/cli/schema.py $(B)/pzs $(SCENES)/scene.schema.json 1 tests/cli/schema/scenes.yaml $(SCENES)/*.yaml

@@ -5,7 +5,7 @@
 set -eu
 case $1 in
 demo) want="gcc:gcc make:make /usr/include/yaml.h:libyaml-dev /usr/include/stdio.h:libc6-dev" ;;
-test) want="gcc:gcc make:make /usr/include/yaml.h:libyaml-dev /usr/include/cmocka.h:libcmocka-dev clang:clang g++:g++ clang-format:clang-format
+test) want="gcc:gcc make:make /usr/include/yaml.h:libyaml-dev /usr/include/fitsio.h:libcfitsio-dev /usr/include/cmocka.h:libcmocka-dev clang:clang g++:g++ clang-format:clang-format
     arm-none-eabi-gcc:gcc-arm-none-eabi /usr/lib/arm-none-eabi/include/stdio.h:libnewlib-arm-none-eabi
     /usr/lib/picolibc/arm-none-eabi:picolibc-arm-none-eabi
     qemu-system-arm:qemu-system-arm gmsh:gmsh pkg-config:pkg-config /usr/bin/python3:python3 /usr/lib/python3/dist-packages/numpy:python3-numpy

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char npy_magic[] = "\x93NUMPY";
+static const char npy_magic[] = "\x93NUMPY", fits_magic[] = "SIMPLE  =";
 
 /* Fill error with the name of the file and a message. Returns -1. */
 static int fault(const char *path, const char *message, char *error)
@@ -62,7 +62,8 @@ static uint32_t hash_of(const char *bytes, size_t count)
     return hash;
 }
 
-static int read_format(number_table *table, const char *bytes, size_t count, char *message)
+static int read_format(number_table *table, const char *path, const char *bytes, size_t count,
+                       char *message)
 {
     if (count == 0) {
         snprintf(message, NUMBER_ERROR, "the file is empty; write a table of numbers");
@@ -70,6 +71,8 @@ static int read_format(number_table *table, const char *bytes, size_t count, cha
     }
     if (count >= sizeof npy_magic - 1 && memcmp(bytes, npy_magic, sizeof npy_magic - 1) == 0)
         return table_npy_read(table, bytes, count, message);
+    if (count >= sizeof fits_magic - 1 && memcmp(bytes, fits_magic, sizeof fits_magic - 1) == 0)
+        return table_fits_read(table, path, message);
     if (count >= 2 && bytes[0] == 'P' && bytes[1] == 'K') {
         snprintf(message, NUMBER_ERROR,
                  "this is a ZIP or .npz archive; save one array alone, with numpy.save");
@@ -86,7 +89,7 @@ int number_table_read(number_table *table, const char *path, char *error)
     char *bytes = read_bytes(path, &count, error);
     if (!bytes)
         return -1;
-    const int failed = read_format(table, bytes, count, message);
+    const int failed = read_format(table, path, bytes, count, message);
     if (failed) {
         number_table_free(table);
         fault(path, message, error);

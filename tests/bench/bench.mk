@@ -21,7 +21,7 @@ bench-linalg: $(B)/bench/linalg-64 $(B)/bench/linalg-32
 
 $(B)/bench/accuracy: $(B)/64/tests/bench/bench_accuracy.o $(B)/64/host.a $(B)/64/libpiezoshape.a
 	@mkdir -p $(@D)
-	$(CC) $^ -lyaml -lm -o $@
+	$(CC) $^ $(HOST_LIBS) -o $@
 bench-accuracy: $(B)/bench/accuracy
 	@echo 'Speed against error, linear shells'
 	@$(B)/bench/accuracy
@@ -43,7 +43,7 @@ $(eval $(call variant,avx2,-march=x86-64-v3 $(FAST_PATH)))
 define bench_program
 $(B)/bench/$(1): $(B)/$(2)/$(3).o $(B)/$(2)/host.a $(B)/$(2)/libpiezoshape.a
 	@mkdir -p $$(@D)
-	$$(CC) $$^ -lyaml -lm -o $$@
+	$$(CC) $$^ $(HOST_LIBS) -o $$@
 endef
 $(eval $(call bench_program,path,native,tests/bench/bench_path))
 $(eval $(call bench_program,avx2/run_path,avx2,tests/bench/run_path))
