@@ -3,11 +3,13 @@
  * Contact with a rigid convex body (pzs_nonlinear.h): a primal-dual active-set method with a
  * proximal multiplier, inside Newton's method.
  *
- * Each node of the face has a reference area w, a gap g with gradient n at the deformed place, a
- * contact pressure p (the negative multiplier) and a contact stiffness e. A node in contact carries
+ * Each node of the face has an area w, a gap g with the gradient n at the deformed position, a
+ * contact pressure p (the negative multiplier) and a penalty stiffness e. A node in contact carries
+ * the force and the stiffness
  *   f = w (p - e g) n,  -df/du = w (e n n' - p Hess g)
- * with the pressure p that the last linear solve predicted. Each linear solve with increment d
- * predicts p <- p - e (g + n . d). At convergence g = 0, so the result does not depend on e.
+ * with the pressure p that the last linear solve has predicted. A linear solve with the increment d
+ * predicts the next pressure p - e (g + n . d). At convergence g = 0, so the result does not depend
+ * on e.
  */
 #include "contact_check.h"
 #include "face.h"
@@ -20,20 +22,19 @@
 #if PZS_NONLINEAR
 
 /*
- * A node is in contact while its contact force exceeds its gap times the stiffness of the structure
- * there times this factor.
+ * A node stays in contact while its contact pressure exceeds this factor times its gap times the
+ * stiffness of the structure there.
  */
 #define PRESSURE_SCALE ((pzs_real)1e-5)
-/*
- * The contact stiffness doubles while it is below this multiple of the stiffness of the structure.
- */
+/* Largest penalty stiffness, relative to the stiffness of the structure. */
 #define LARGEST_STIFFNESS ((pzs_real)100)
 /*
- * A warm-started load step keeps its active set while its relative increment is above this bound.
+ * A load step that starts with the active set of the last equilibrium keeps this set while its
+ * relative increment is above this bound.
  */
 #define ACTIVE_SET_INCREMENT ((pzs_real)0.2)
 
-/* Tolerance on the squared length of a unit vector. */
+/* Tolerance of the squared length of a unit vector. */
 #define UNIT_TOLERANCE ((pzs_real)1e-5)
 
 enum {
@@ -53,10 +54,10 @@ static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
 /* ---- bodies ----------------------------------------------------------- */
 
 /*
- * Signed distance from a sphere or circle of the given radius about 0.
- *   from [3] in  vector from the centre
- *   along    in  unit axis of a cylinder, or NULL for a sphere
- * At the centre itself the normal is undefined; normal and second derivatives are then 0.
+ * Signed distance from a sphere, or from a cylinder, of the given radius.
+ *   from  [3] in  vector to the point from the centre or, at right angles, from the axis (m)
+ *   along [3] in  unit vector along the axis of a cylinder; NULL: sphere
+ * At the centre the normal is undefined; normal and second derivatives are then 0.
  */
 static pzs_real gap_round(pzs_real radius, const pzs_real from[3], const pzs_real *along,
                           pzs_real normal[3], pzs_real hessian[3][3])
@@ -106,8 +107,8 @@ pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real position[3], pzs_re
 /* ---- one node of the face ---------------------------------------------- */
 
 /*
- * A node relative to the body: gap (m), gradient of the gap in global axes and in the triad of the
- * node (1), second derivatives in the triad (1/m).
+ * A node relative to the body: gap (m), gradient of the gap in global axes and in the frame of the
+ * node (1), and second derivatives of the gap in the frame of the node (1/m).
  */
 typedef struct contact_point {
     pzs_real gap, global[3], normal[3], hessian[3][3];
@@ -118,7 +119,11 @@ static pzs_real face_height(const pzs_contact *contact, const pzs_solver *solver
     return pzs_face_height(solver->state.model->state.structure, contact->state.face->face);
 }
 
-/* Displacement w of a node of the face, in its triad (m).  vector [free_dof] in */
+/*
+ * Compute the displacement of a node of the contact face in the frame of the node.
+ *   vector       [free_dof] in   displacement over the free degrees of freedom (m and 1)
+ *   displacement [3]        out  displacement of the node (m)
+ */
 static void node_displacement(const pzs_contact *contact, const pzs_solver *solver, uint16_t node,
                               const pzs_real *vector, pzs_real displacement[3])
 {
@@ -153,8 +158,9 @@ static contact_point find_point(const pzs_contact *contact, const pzs_solver *so
 }
 
 /*
- * Stiffness of the structure per area at a node (N/m3), from the diagonal of its dof along e3
- * first; 0 where no dof of the face is free.
+ * Stiffness of the structure at a node, per area (N/m3), from the diagonal of the stiffness matrix;
+ * the degrees of freedom along the normal e3 come first. 0 where the face has no free degree of
+ * freedom.
  */
 static pzs_real structure_stiffness(const pzs_contact *contact, const pzs_solver *solver,
                                     uint16_t node)
@@ -174,9 +180,9 @@ static pzs_real structure_stiffness(const pzs_contact *contact, const pzs_solver
 }
 
 /*
- * Contact stiffness per area at a node (N/m3). On a soft structure each linear solve leaves
- * own/(own + e) of the gap, with the stiffness own of the structure. That is slow where e is small,
- * so e doubles with each linear solve of a load step.
+ * Penalty stiffness at a node, per area (N/m3). A linear solve leaves the part s/(s + e) of a gap,
+ * with the stiffness s of the structure and the penalty stiffness e. Since a small e converges
+ * slowly, e doubles with each linear solve of a load step.
  */
 static pzs_real contact_stiffness(const pzs_contact *contact, const pzs_solver *solver,
                                   uint16_t node)
@@ -190,8 +196,8 @@ static pzs_real contact_stiffness(const pzs_contact *contact, const pzs_solver *
 /* ---- active set ------------------------------------------------------- */
 
 /*
- * state.facing [nodes] = outward normal of the deformed face times the normal of the body, summed
- * over the elements of each node.
+ * Compute state.facing [nodes]: outward normal of the deformed face times normal of the body,
+ * summed over the elements of each node.
  */
 static void find_facing(pzs_contact *contact, const pzs_solver *solver)
 {
@@ -215,8 +221,8 @@ static void find_facing(pzs_contact *contact, const pzs_solver *solver)
 }
 
 /*
- * Whether a node can come into contact: the normal of the contact face there points towards the
- * body, and the node has a free dof.
+ * Whether a node can come into contact: the face there points towards the body, and the node has a
+ * free degree of freedom.
  */
 static bool can_touch(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
@@ -224,8 +230,8 @@ static bool can_touch(const pzs_contact *contact, const pzs_solver *solver, uint
 }
 
 /*
- * Whether a node belongs to the active set, by its gap and contact pressure. A node whose gap is
- * closed belongs to it while its pressure is positive.
+ * Whether a node belongs to the active set, by its gap and its contact pressure. A node whose gap
+ * is closed belongs to the set while its pressure is positive.
  */
 static bool is_active(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
@@ -240,7 +246,7 @@ static bool is_active(const pzs_contact *contact, const pzs_solver *solver, uint
            PRESSURE_SCALE * structure_stiffness(contact, solver, node) * least;
 }
 
-/* Node with the smallest gap among those that can come into contact, or -1. */
+/* Return the node with the smallest gap among those that can come into contact, or -1. */
 static int32_t nearest_node(const pzs_contact *contact, const pzs_solver *solver)
 {
     int32_t best = -1;
@@ -257,9 +263,9 @@ static int32_t nearest_node(const pzs_contact *contact, const pzs_solver *solver
 }
 
 /*
- * Active set for the first linear solve of a load step: the nodes of the last equilibrium and those
- * that the motion of the body has reached. If the last equilibrium has no contact: the nodes whose
- * gap is closed.
+ * Choose the active set for the first linear solve of a load step: the nodes in contact at the last
+ * equilibrium, and those that the moving body has reached. Without contact at the last equilibrium:
+ * the nodes whose gap is closed.
  */
 static void start_active_set(pzs_contact *contact, const pzs_solver *solver)
 {
@@ -281,9 +287,9 @@ static void start_active_set(pzs_contact *contact, const pzs_solver *solver)
 }
 
 /*
- * Update the active set by gap and pressure. Of a shell that its supports leave loose the nearest
- * node stays in contact, because the tangent would otherwise be singular; this state never counts
- * as converged.
+ * Update the active set by gaps and pressures. If it becomes empty on a shell that its supports
+ * leave loose, the nearest node stays in contact, because the tangent matrix would be singular
+ * without it; such a state never counts as converged.
  */
 static void update_active_set(pzs_contact *contact, const pzs_solver *solver)
 {
@@ -349,7 +355,10 @@ static pzs_real largest_part(pzs_solver_option *option, const pzs_solver *solver
 
 /* ---- forces ----------------------------------------------------------- */
 
-/* Add the stiffness w (e n n' - p Hess g) of a node to the tangent. */
+/*
+ * Add the contact stiffness of a node to the tangent matrix: its area times (penalty stiffness
+ * times n n' minus pressure times second derivatives of the gap), with the gradient n of the gap.
+ */
 static void add_tangent(const pzs_contact *contact, pzs_solver *solver, uint16_t node,
                         const contact_point *point, pzs_real stiffness)
 {
@@ -407,8 +416,8 @@ static void after_solve(pzs_solver_option *option, pzs_solver *solver, const pzs
 }
 
 /*
- * Force per unit of the motion m of the body: the gap falls by n . m, and the normal turns by -Hess
- * g m.
+ * Force per unit of the motion of the body: the gap falls by the component of the motion along the
+ * normal, and the normal turns as the second derivatives of the gap tell.
  */
 static void add_unit_force(pzs_solver_option *option, pzs_solver *solver, uint32_t input,
                            pzs_real *out)
@@ -480,8 +489,9 @@ static bool is_fixed(const pzs_solver *solver, uint16_t dof)
 }
 
 /*
- * gram [6][6] += row row'. The row is the effect of the six rigid motions (translations, rotations
- * times size) on dof k < 6 of a node.
+ * Add one constrained degree of freedom to a Gram matrix [6][6]. Its row is the effect on the
+ * degree of freedom k (0 to 5) of a node of the six rigid motions: translations, and rotations
+ * times the size of the mesh.
  */
 static void add_support(const pzs_contact *contact, pzs_real height, uint16_t node, int k,
                         pzs_real gram[6][6])
@@ -503,9 +513,9 @@ static void add_support(const pzs_contact *contact, pzs_real height, uint16_t no
 }
 
 /*
- * Whether the supports allow the shell a rigid motion, by elimination on the Gram matrix of the
- * constrained dof. Each constrained dof is a row of size 1. A pivot must exceed the rounding error
- * of its sum, and a thousandth of a row.
+ * Whether the supports allow the shell to move as a rigid body, found by elimination on the Gram
+ * matrix of the constrained degrees of freedom, whose rows have the size 1. A pivot counts as
+ * positive only above the rounding error of its sum and above 1e-6.
  */
 static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)
 {
@@ -537,8 +547,8 @@ static bool settings_in_range(const pzs_solver_option *option)
 }
 
 /*
- * Whether a shell that its supports leave loose is not supported by the body either: it does not
- * touch the body, is not pressed onto it, or its first contact lets it slide.
+ * Whether the body does not support a shell that its supports leave loose: the shell does not touch
+ * the body, is not pressed onto it, or slides along it at the first contact.
  */
 static bool is_unsupported(const pzs_solver_option *option, const pzs_solver *solver)
 {
@@ -598,8 +608,8 @@ uint32_t pzs_body_crc(const pzs_body *body)
 }
 
 /*
- * Whether the numbers of a body suit its gap function. *where is the index of the first that is not
- * finite: point 0 to 2, axis 3 to 5, radius 6.
+ * Check that the numbers of a body suit its distance function. *where is the index of the first one
+ * that is not finite: 0 to 2 for the point, 3 to 5 for the axis, 6 for the radius.
  */
 static pzs_status check_body(const pzs_body *body, int32_t *where)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Penetration between the nodes and during a load step (contact_check.h). */
+/* Check of a contact for penetration between the nodes and during a load step (contact_check.h). */
 #include "contact_check.h"
 #include "face.h"
 #include "../model/model.h"
@@ -8,11 +8,14 @@
 
 #if PZS_NONLINEAR
 
-/* Bisections of a side of an element: points are found to within 1/512 of a side. */
+/* Number of bisections of a side of an element: positions are found to within 1/512 of a side. */
 enum { SIDE_BISECTIONS = 8 };
-/* Bisections of the motion of a point, and steps of the body towards a node. */
+/* Number of bisections of the motion of a point, and number of steps of the body towards a node. */
 enum { MOTION_BISECTIONS = 24, MOTION_STEPS = 32 };
-/* Largest sag of an element into the body, relative to the radius of curvature of the body. */
+/*
+ * Largest depth of a flat element in the body that is accepted, relative to the radius of curvature
+ * of the body.
+ */
 #define SAG_LIMIT ((pzs_real)0.2)
 
 static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
@@ -38,10 +41,10 @@ static pzs_real body_motion(const pzs_contact *contact, const pzs_solver *solver
 }
 
 /*
- * Positions of `count` nodes relative to the moved body, on the face at height z.
- *   displacement     [free_dof] in  displacement
- *   value [inputs]   in  input values
- *   position     [count][3] out (m)
+ * Compute the positions of some nodes relative to the moved body, on the face at a given height.
+ *   displacement [free_dof] in   displacement (m and 1)
+ *   value        [inputs]   in   input values
+ *   position     [count][3] out  positions (m)
  */
 static void node_positions(const pzs_contact *contact, const pzs_solver *solver,
                            const uint16_t *node, unsigned count, pzs_real height,
@@ -81,9 +84,12 @@ pzs_real pzs_contact_reach(const pzs_contact *contact, const pzs_structure *stru
 
 typedef struct body_point {
     pzs_real gap, normal[3];
-    pzs_real hessian[3][3]; /* second derivatives of the gap along the surface of the body (1/m);
-                               the largest curvature is used for the normal direction */
-    pzs_real radius;        /* smallest radius of curvature of the body (m); 0: flat */
+    /*
+     * second derivatives of the gap along the surface of the body (1/m); in the direction of the
+     * normal, where they would be 0, the largest curvature takes their place
+     */
+    pzs_real hessian[3][3];
+    pzs_real radius; /* smallest radius of curvature of the body (m); 0: flat */
 } body_point;
 
 static pzs_real gap_at(const pzs_contact *contact, const pzs_real position[3], pzs_real normal[3])
@@ -93,8 +99,9 @@ static pzs_real gap_at(const pzs_contact *contact, const pzs_real position[3], p
 }
 
 /*
- * Larger principal curvature (1/m) from h, the second derivatives of the gap along the surface. It
- * is the larger of the two eigenvalues that are not zero, from trace and Frobenius norm.
+ * Return the larger principal curvature (1/m), from the second derivatives of the gap along the
+ * surface. It is the larger of their two eigenvalues that are not zero, and follows from trace and
+ * Frobenius norm.
  */
 static pzs_real largest_curvature(const pzs_real hessian[3][3])
 {
@@ -109,8 +116,8 @@ static pzs_real largest_curvature(const pzs_real hessian[3][3])
 }
 
 /*
- * Gap, normal and curvature of the body at point x. A surface of constant gap has the radius of the
- * body plus the gap, so the radius of the body is 1/curvature - gap.
+ * Compute gap, normal and curvature of the body at a point. A surface of constant gap has the
+ * radius of the body plus the gap, so the radius of the body is 1/curvature - gap.
  */
 static body_point find_body_point(const pzs_contact *contact, const pzs_real position[3])
 {
@@ -132,7 +139,7 @@ static body_point find_body_point(const pzs_contact *contact, const pzs_real pos
     return at;
 }
 
-/* d' H d, with H the second derivatives of the gap along the surface */
+/* Return d'H d for a vector d and the second derivatives H of the gap along the surface. */
 static pzs_real curvature_along(const body_point *at, const pzs_real direction[3])
 {
     const pzs_real product[3] = {dot(at->hessian[0], direction), dot(at->hessian[1], direction),
@@ -142,31 +149,31 @@ static pzs_real curvature_along(const body_point *at, const pzs_real direction[3
 
 /* ---- one element -------------------------------------------------------- */
 
-/* How and where the body penetrates an element, as in pzs_contact_info. */
+/* How and where the body penetrates an element, as described in pzs_contact_info. */
 typedef struct penetration {
     pzs_penetration how;
     bool is_behind; /* the point lies on a part of the shell that faces away from the body, while
-                       another part is in contact */
+                       another part of the shell is in contact */
     uint16_t node;
     pzs_real spot[3], depth;
 } penetration;
 
 /*
- * Search of one flat element (facet) for penetration: its corners at the last equilibrium (0) and
- * now (1), and the result.
+ * Search for penetration of one element, taken as a flat facet: its corners at the last equilibrium
+ * (0) and at the present displacement (1), and the result.
  */
 typedef struct facet_search {
     pzs_contact *contact;
     pzs_real corner[2][4][3];
-    bool follows_motion; /* true: search the motion of the points during the load step; false:
+    bool follows_motion; /* true: search along the motion of the points during the load step; false:
                             search the present positions */
-    bool is_supported;   /* one of the corners is in contact */
+    bool is_supported;   /* at least one corner of the facet is in contact */
     penetration found;
-    pzs_real slope[2]; /* derivatives of the gap by the facet coordinates a and b, at the last point
-                          searched (m) */
+    pzs_real slope[2]; /* derivatives of the gap with respect to the two facet coordinates, at the
+                          last point searched (m) */
 } facet_search;
 
-/* Point x of a facet at coordinates a, b from 0 to 1. */
+/* Position of a point of a facet, given its two coordinates from 0 to 1. */
 static void facet_point(const pzs_real corner[4][3], pzs_real along, pzs_real across,
                         pzs_real position[3])
 {
@@ -180,7 +187,10 @@ static pzs_real interpolate(pzs_real part, pzs_real from, pzs_real to)
     return from + part * (to - from);
 }
 
-/* Derivatives of n . x by a and b, with x the position at time t (0 to 1) of the load step. */
+/*
+ * Compute the derivatives of normal . x with respect to the two facet coordinates, where x is the
+ * position at a time (0 to 1) within the load step.
+ */
 static void find_slopes(facet_search *search, pzs_real along, pzs_real across, pzs_real time,
                         const pzs_real normal[3])
 {
@@ -193,12 +203,12 @@ static void find_slopes(facet_search *search, pzs_real along, pzs_real across, p
 }
 
 /*
- * Allowed depth (m) of a point between nodes that lie outside the body. A facet whose corners touch
- * a body of radius R sags into it by the sum of its weights times |corner - point|^2 / (2 R), which
- * is (length)^2 / (8 R) in the middle of a side. This error of the mesh is allowed twice, because
- * the distance is below the gap that a gap function may return, and up to R/5; a facet with
- * diagonals of length R sags by R (1 - sqrt(3/4)). A body smaller than the diagonals may enter only
- * where a corner is in contact, because elsewhere nothing holds it back.
+ * Return the depth (m) that is allowed for a point of a facet whose nodes lie outside the body. A
+ * flat facet whose corners touch a body of radius R enters it by the sum over the corners of shape
+ * function times distance^2 / (2 R), which is length^2 / (8 R) in the middle of a side. This error
+ * of the mesh is allowed twice, because a distance function may return more than the distance, but
+ * at most R/5; a facet with diagonals of length R enters by R (1 - sqrt(3/4)). A body smaller than
+ * the diagonals may enter only where a corner is in contact, because nothing else holds it back.
  */
 static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real across,
                             const pzs_real position[3], const body_point *at)
@@ -224,7 +234,10 @@ static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real
     return sag < most ? sag : most;
 }
 
-/* Whether a point now lies deeper in the body than is allowed at a node or between nodes. */
+/*
+ * Whether a point of the facet at the present displacement lies deeper in the body than is allowed
+ * at a node or between nodes.
+ */
 static bool is_penetrated(facet_search *search, pzs_real along, pzs_real across)
 {
     const pzs_contact *contact = search->contact;
@@ -247,9 +260,10 @@ static bool is_penetrated(facet_search *search, pzs_real along, pzs_real across)
 }
 
 /*
- * Follow a point from the front of the body to behind it. The normal at the smallest gap on this
- * way is returned in `normal`. Returns the time of the smallest gap (0 to 1), or -1 if the point
- * has passed through the body.
+ * Follow a point on its way relative to the body and find the smallest gap. Returns the time (0 to
+ * 1) of the smallest gap, or -1 if the point has come from the front of the body to behind it,
+ * through the body.
+ *   normal [3] out  normal of the body at the smallest gap
  */
 static pzs_real crossing_time(const pzs_contact *contact, const pzs_real from[3],
                               const pzs_real to[3], pzs_real normal[3])
@@ -300,8 +314,8 @@ static bool is_faulty(facet_search *search, pzs_real along, pzs_real across)
 }
 
 /*
- * Search the line a = constant of a facet, by bisection of the slope towards the smallest gap.
- * Returns whether a fault was found.
+ * Search the line of constant first coordinate of a facet by bisection of the slope towards the
+ * smallest gap. Returns whether a point has penetrated or passed through the body.
  */
 static bool search_line(facet_search *search, pzs_real along)
 {
@@ -319,8 +333,9 @@ static bool search_line(facet_search *search, pzs_real along)
 }
 
 /*
- * Search the smallest gap of all lines by bisection of the slope. On a flat facet it is the
- * smallest gap of the facet, because both functions are convex. Returns whether a fault was found.
+ * Search a facet for its smallest gap by bisection of the slope over the lines of constant first
+ * coordinate. On a flat facet this is the smallest gap of all points, because the gap is a convex
+ * function. Returns whether a point has penetrated or passed through the body.
  */
 static bool search_facet_points(facet_search *search)
 {
@@ -338,8 +353,9 @@ static bool search_facet_points(facet_search *search)
 }
 
 /*
- * Whether the facet stays in front of one tangent plane of the body at all times of the load step.
- * The plane is that nearest to the middle of the facet at time k; a convex body lies behind it.
+ * Whether the facet stays in front of one tangent plane of the body during the whole load step, so
+ * that it cannot touch the convex body behind the plane. The plane is the one nearest to the middle
+ * of the facet at its start (k = 0) or its end (k = 1).
  */
 static bool is_separated(const facet_search *search, int k)
 {
@@ -353,8 +369,9 @@ static bool is_separated(const facet_search *search, int k)
 }
 
 /*
- * Search a facet for penetration and passing through. The result is search->found; its node is a
- * corner number 0 to 3, or PZS_CONSTRAINED.
+ * Search a facet for points that have penetrated or passed through the body. The result is
+ * search->found, whose node is a corner number from 0 to 3, or PZS_CONSTRAINED for a point between
+ * the corners.
  */
 static void search_facet(facet_search *search)
 {
@@ -381,8 +398,8 @@ static void search_facet(facet_search *search)
 }
 
 /*
- * Whether the contact face points away from the body in the middle of the facet, now and at the
- * last equilibrium.
+ * Whether the contact face points away from the body in the middle of the facet, both now and at
+ * the last equilibrium.
  */
 static bool faces_away(const facet_search *search)
 {
@@ -460,8 +477,8 @@ pzs_status pzs_contact_check(pzs_contact *contact, const pzs_solver *solver)
 /* ---- length of a load step ---------------------------------------------- */
 
 /*
- * Part (0 to 1) of the motion d of the body after which its gap to point x is `near`. The gap falls
- * by at most |d|, so each step moves by the remaining gap.
+ * Return the part (0 to 1) of a motion of the body after which its gap to a point is `near`. The
+ * gap falls by at most the length of the motion, so each step moves the body by the remaining gap.
  */
 static pzs_real free_motion(const pzs_contact *contact, const pzs_real position[3],
                             const pzs_real motion[3], pzs_real near)

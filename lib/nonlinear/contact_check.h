@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Checks of a contact beyond its active set of nodes: points between the nodes, the other face of
- * the shell, and the motion of both faces relative to the body during one load step.
+ * the shell, and the motion of both faces relative to the body during a load step.
  *
- * All bodies are convex. A convex body lies behind each of its tangent planes. Its distance is a
- * convex function of position, also along a straight line, so smallest distances are found by
- * bisection of the slope.
+ * All bodies are convex: a body lies behind each of its tangent planes, and its distance is a
+ * convex function of the position, also along a straight line. Smallest distances are therefore
+ * found by bisection of the slope.
  */
 #ifndef PZS_CONTACT_CHECK_H
 #define PZS_CONTACT_CHECK_H
@@ -14,27 +14,27 @@
 
 #if PZS_NONLINEAR
 
-/* Largest gap that counts as closed (m). */
+/* Return the largest gap that counts as closed (m). */
 pzs_real pzs_contact_closed_gap(const pzs_contact *contact);
 
 /*
- * Half of the longest diagonal of an undeformed element (m). Every point of an element is at most
- * this far from its nearest node.
+ * Return half of the longest diagonal of the undeformed elements (m). Every point of an element is
+ * at most this far from its nearest node.
  */
 pzs_real pzs_contact_reach(const pzs_contact *contact, const pzs_structure *structure);
 
 /*
  * Check whether the body penetrates the shell at the present displacement, or has passed through it
- * since the last equilibrium. Returns PZS_OK, PZS_W_BEHIND or PZS_E_PENETRATION; contact->info says
- * where.
+ * since the last equilibrium. Returns PZS_OK, PZS_W_BEHIND or PZS_E_PENETRATION and describes the
+ * penetration in contact->info.
  */
 pzs_status pzs_contact_check(pzs_contact *contact, const pzs_solver *solver);
 
 /*
- * Largest part of the way from the last equilibrium to the input values that one load step may
- * take, above 0 and at most 1: until the body is closer to a node than the reach of an element, and
- * then by half the smallest radius of the body.
- *   value [inputs] in
+ * Return the largest part (above 0, at most 1) of the way from the last equilibrium to the input
+ * values that one load step may take: until the body is closer to a node than half of the longest
+ * diagonal of an element, and then by half of the smallest radius of curvature of the body.
+ *   value [inputs] in  wanted input values
  */
 pzs_real pzs_contact_largest_part(const pzs_contact *contact, const pzs_solver *solver,
                                   const pzs_real *value);

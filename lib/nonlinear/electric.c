@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Open electrodes at a deformed shape (pzs_nonlinear.h). Their voltages V are unknowns of the same
- * Newton's method,
- *   K du - f dV = imbalance,  f' du + C dV = prescribed charge - present charge,
- * where f is the force per volt, which turns with the shell. dV is eliminated by a Schur complement
- * on the factor of K.
+ * Open electrodes at a deformed shape (pzs_nonlinear.h). Their voltages V are additional unknowns
+ * of Newton's method:
+ *   K du - f dV = force imbalance,  f' du + C dV = prescribed charge - present charge
+ * with the tangent matrix K, the capacitance C and the force f per volt, which turns with the
+ * shell. A Schur complement on the factors of K eliminates dV.
  */
 #include "../model/electrode.h"
 #include "../core/guard.h"
@@ -22,8 +22,8 @@ static pzs_circuit *circuit_of(pzs_solver_option *option)
 }
 
 /*
- * Charge of an electrode at the present displacement: minus the resultants of one volt times the
- * strains, plus the charge that flows while the shell cannot deform.
+ * Return the charge of an electrode at the present displacement: minus the stress resultants of one
+ * volt times the strains, plus the charge that flows while the shell cannot deform.
  */
 static pzs_real charge_at(const pzs_solver *solver, const pzs_electrodes *tables,
                           uint32_t electrode)
@@ -54,7 +54,10 @@ pzs_status pzs_charges_at(const pzs_solver *solver, const pzs_electrodes *tables
     return PZS_OK;
 }
 
-/* Force of one volt on open electrode a.  force [free_dof] out */
+/*
+ * Compute the force [free_dof] of one volt on an open electrode, given its number among the open
+ * ones.
+ */
 static void unit_voltage_force(const pzs_circuit *circuit, pzs_solver *solver, uint32_t open,
                                pzs_real *force)
 {
@@ -62,7 +65,10 @@ static void unit_voltage_force(const pzs_circuit *circuit, pzs_solver *solver, u
     pzs_nonlinear_unit_force(solver, pzs_electrode_open_input(circuit->state.tables, open), force);
 }
 
-/* vector [free_dof] = K^-1 z, with the dof of the prescribed motion held. */
+/*
+ * Solve for the displacement under a force with the factors of the tangent matrix, in place, with
+ * the degrees of freedom of the prescribed motion held.
+ */
 static void solve_free(pzs_solver *solver, pzs_real *vector)
 {
     pzs_nonlinear_clear_prescribed(solver, vector);
@@ -70,8 +76,9 @@ static void solve_free(pzs_solver *solver, pzs_real *vector)
 }
 
 /*
- * Assemble and factor the charge per volt between open electrodes at the present displacement. f, z
- * [free_dof] are work. Returns false if the matrix is singular.
+ * Compute and factor the matrix of the charges of the open electrodes per volt on each other, at
+ * the present displacement. Returns false if the matrix is singular.
+ *   force, response [free_dof] out  work arrays
  */
 static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *force,
                         pzs_real *response)
@@ -92,8 +99,8 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
     }
     const linalg_inertia inertia = pzs_linalg_factor(&circuit->state.open);
     /*
-     * Inertia is additive: each negative pivot of the electrodes cancels one of K, because an open
-     * electrode stiffens that mode.
+     * An open electrode stiffens the structure: each negative pivot of the charge matrix cancels
+     * one negative pivot of the tangent matrix, because the inertia of a matrix is additive.
      */
     solver->info.negative_pivots -= inertia.negative < solver->info.negative_pivots
                                         ? inertia.negative
@@ -101,7 +108,10 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
     return inertia.zero < 0;
 }
 
-/* Charge that electrode k still needs: that of the imbalance (NEWTON), or per unit of an input. */
+/*
+ * Return the charge that an electrode still needs: the difference to its prescribed charge (input =
+ * NEWTON), or the charge per unit of an input.
+ */
 static pzs_real charge_to_add(const pzs_circuit *circuit, const pzs_solver *solver, uint32_t k,
                               uint32_t input)
 {
@@ -139,8 +149,8 @@ static bool condense(pzs_solver_option *option, pzs_solver *solver, uint32_t inp
 }
 
 /*
- * Write the voltages of the open electrodes into the input values and the prescribed resultants of
- * the solver.
+ * Write the voltages of the open electrodes into the input values and the prescribed stress
+ * resultants of the solver.
  */
 static void set_voltages(const pzs_circuit *circuit, pzs_solver *solver)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Displacement, force and normal of a face of the shell (face.h). */
+/* Displacement, force, base vectors and normal of a face of the shell (face.h). */
 #include "face.h"
 #include "../model/model.h"
 #include "../model/shell.h"

@@ -2,14 +2,15 @@
 /*
  * Follower loads: pressures that turn with a face of the shell (pzs_nonlinear.h).
  *
- * At a corner let G_a be the base vectors of the deformed face, t = e3 + difference/h the director,
- * and U_a = G_a - (g_a . e3) t. The pressure acts along
- *   n = U_1 x U_2
- * on the loaded face. Where the base vectors are chords that lean out of the tangent plane, it also
- * acts along
- *   side = lean_1 t x U_2 + lean_2 U_1 x t
- * on the middle surface, as it does at the end of an arc that is divided into chords. All terms are
- * polynomials in the displacement; the unit normal divides by |n|.
+ * At a corner of an element let G_a be the base vectors of the deformed face, t its director, and
+ * U_a = G_a - (g_a . e3) t, with the undeformed base vectors g_a and the normal e3. The pressure
+ * acts on the loaded face along
+ *   n = U_1 x U_2.
+ * Where flat elements approximate a curved shell, g_a has a component lean_a along e3, and the
+ * pressure also acts on the middle surface along
+ *   side = lean_1 t x U_2 + lean_2 U_1 x t,
+ * as at the end of an arc that is divided into chords. All terms are polynomials in the
+ * displacement; the unit normal divides by |n|.
  */
 #include "face.h"
 #include "../core/guard.h"
@@ -21,8 +22,8 @@
 #if PZS_NONLINEAR
 
 /*
- * A vector at a corner and its derivative: by the displacement of normal_face at the four corners,
- * then by the director t.
+ * A vector at a corner with its derivatives: with respect to the displacement of the face at the
+ * four corners (12 columns), then with respect to the director of the corner (3 columns).
  */
 enum { BY_DIRECTOR = 12, VARIABLES = 15 };
 typedef struct vector_slope {
@@ -30,11 +31,12 @@ typedef struct vector_slope {
 } vector_slope;
 
 /*
- * Dof of an element that move a face: mean and difference/h at four corners, six for each corner.
+ * Number of degrees of freedom that move a face: mean displacement and difference over the
+ * thickness, six for each of the four corners of an element.
  */
 enum { CORNER_DOF = 6, FACE_DOF = 24 };
 
-/* sum += factor x x y, with derivatives */
+/* Add the vector product of two vectors, times a factor, to `sum`, with its derivatives. */
 static void add_cross(pzs_real factor, const vector_slope *left, const vector_slope *right,
                       vector_slope *sum)
 {
@@ -52,7 +54,7 @@ static void add_cross(pzs_real factor, const vector_slope *left, const vector_sl
     }
 }
 
-/* x / |n| with its derivative; size = |n|. */
+/* Divide `vector` by the length `size` of `normal`, with its derivatives. */
 static void normalise(const vector_slope *normal, pzs_real size, vector_slope *vector)
 {
     const pzs_real inverse = size > 0 ? 1 / size : 0;
@@ -67,7 +69,10 @@ static void normalise(const vector_slope *normal, pzs_real size, vector_slope *v
     }
 }
 
-/* Base vector U_a at corner r with its derivative. */
+/*
+ * Set the base vector U_a = G_a - (g_a . e3) t of the face at one corner, with its derivatives: G_a
+ * and g_a are the deformed and undeformed base vectors, e3 the normal, t the director.
+ */
 static void set_base(const pzs_element_type *type, pzs_real height, unsigned corner,
                      unsigned direction, const pzs_real face_base[3], const vector_slope *director,
                      vector_slope *base)
@@ -87,8 +92,11 @@ static void set_base(const pzs_element_type *type, pzs_real height, unsigned cor
 }
 
 /*
- * Vectors n and side at corner r of an element type, per reference area.  displacement [4][3]
- * displacement of the face, t [3] director
+ * Compute the directions n and side of the pressure at one corner, per undeformed area, with their
+ * derivatives.
+ *   displacement [4][3] in   displacement of the face at the corners (m)
+ *   director_at  [3]    in   director of the corner
+ *   normal, side        out  directions, multiplied by the ratio of the areas
  */
 static void pressure_force(const pzs_follower *load, const pzs_structure *structure, uint16_t type,
                            const pzs_real (*displacement)[3], const pzs_real director_at[3],
@@ -120,8 +128,8 @@ static void pressure_force(const pzs_follower *load, const pzs_structure *struct
 }
 
 /*
- * Add to the force on corner r the factor `part` of vector x at another corner, and add its
- * derivative to slope [24][24]; slope may be NULL.
+ * Add `part` times a vector of one corner to the force on loaded_corner, and its derivatives to
+ * slope [24][24]. slope may be NULL.
  */
 static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real z_load,
                              pzs_real height, unsigned corner, unsigned loaded_corner,
@@ -141,8 +149,10 @@ static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real
     }
 }
 
-/* Row of pzs_follower.share for the pressure of `corner` carried by corner r: 0 the corner itself,
- * 1 a neighbour, 2 the opposite corner. */
+/*
+ * Index in pzs_follower.share for the pressure at `corner` that loaded_corner carries: 0 for the
+ * same corner, 1 for a neighbour, 2 for the opposite corner.
+ */
 static unsigned share_index(unsigned loaded_corner, unsigned corner)
 {
     if (loaded_corner == corner)
@@ -151,10 +161,11 @@ static unsigned share_index(unsigned loaded_corner, unsigned corner)
 }
 
 /*
- * Forces of one element at the present displacement, in the frames of its corners.
- *   load_value     in  input value that scales the load
- *   force [24]     out
- *   slope [24][24] out derivative S of the forces; NULL: not computed
+ * Compute the forces of a follower load on one element at the present displacement, in the frames
+ * of its corners.
+ *   load_value     in   input value that scales the load
+ *   force [24]     out  forces (N and N m)
+ *   slope [24][24] out  derivatives of the forces; NULL: not computed
  */
 static void element_forces(const pzs_follower *load, const pzs_solver *solver, uint32_t element,
                            pzs_real load_value, pzs_real *force, pzs_real (*slope)[FACE_DOF])
@@ -191,8 +202,8 @@ static void element_forces(const pzs_follower *load, const pzs_solver *solver, u
 /* ---- over the dof of an element ---------------------------------------- */
 
 /*
- * Index in 0 to 23 of dof i of an element among those that move a face, or FACE_DOF if it moves
- * none.
+ * Index (0 to 23) of degree of freedom i of an element among those that move a face, or FACE_DOF if
+ * it moves none.
  */
 static unsigned face_dof_of(unsigned i, unsigned dof_per_node)
 {
@@ -200,7 +211,7 @@ static unsigned face_dof_of(unsigned i, unsigned dof_per_node)
                                          : FACE_DOF;
 }
 
-/* vector [free_dof] += factor times the forces [24] of an element */
+/* Add the forces [24] of an element, times a factor, to `vector` [free_dof]. */
 static void scatter_forces(const pzs_solver *solver, uint32_t element, pzs_real factor,
                            const pzs_real *force, pzs_real *vector)
 {
@@ -214,7 +225,10 @@ static void scatter_forces(const pzs_solver *solver, uint32_t element, pzs_real 
                       vector);
 }
 
-/* k [packed lower triangle] = -(S + S')/2 */
+/*
+ * Compute the symmetric part of the tangent of the load, minus half of the sum of the derivatives
+ * and their transpose, as a packed lower triangle.
+ */
 static void symmetric_tangent(pzs_real (*slope)[FACE_DOF], unsigned dof_per_node, pzs_real *k)
 {
     unsigned face_dof[SHELL_MAX];
@@ -256,7 +270,10 @@ static void add_unit_force(pzs_solver_option *option, pzs_solver *solver, uint32
     }
 }
 
-/* y [free_dof] += factor (S - S')/2 x */
+/*
+ * Add the skew-symmetric part of the derivative of the forces, times x and a factor, to y; both
+ * vectors are [free_dof].
+ */
 static void add_skew(pzs_solver_option *option, pzs_solver *solver, const pzs_real *x,
                      pzs_real factor, pzs_real *y)
 {

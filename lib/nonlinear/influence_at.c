@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Influence at a deformed shape (pzs_nonlinear.h), by the factored tangent there. Where follower
- * loads make the exact tangent unsymmetric, each column is corrected by generalised conjugate
- * gradients preconditioned by the symmetric factor.
+ * Influence matrix at a deformed shape (pzs_nonlinear.h), from the factors of the tangent matrix.
+ * Where follower loads make the exact tangent unsymmetric, each column is corrected by generalised
+ * conjugate gradients that are preconditioned by the factors of the symmetric part.
  */
 #include "nonlinear.h"
 #include "../core/guard.h"
@@ -14,8 +14,8 @@
 
 enum {
     SKEW_ITERATIONS = 60
-}; /* Most iterations for the skew-symmetric part of the tangent, per column of the influence
-      matrix. */
+}; /* Largest number of iterations, in each column of the influence matrix, for the skew-symmetric
+      part of the tangent. */
 
 static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 {
@@ -24,8 +24,9 @@ static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 }
 
 /*
- * Force per unit of the input that prescribes a motion.  force [free_dof] in/out, zero before. The
- * tangent is assembled and factored anew for it.
+ * Compute the force per unit of the input that prescribes a motion. The tangent matrix is assembled
+ * and factored anew for it.
+ *   force [free_dof] in/out  in: zero; out: force (N and N m)
  */
 static void prescribed_motion_force(pzs_solver *solver, pzs_real *force)
 {
@@ -40,7 +41,9 @@ static void prescribed_motion_force(pzs_solver *solver, pzs_real *force)
     solver->state.model->state.stage = STAGE_AT_SHAPE;
 }
 
-/* Add the outputs of displacement [free_dof] to the column of one input in the influence matrix. */
+/*
+ * Add the outputs of a displacement [free_dof] to the column of one input in the influence matrix.
+ */
 static void add_outputs(const pzs_structure *structure, const pzs_real *displacement,
                         uint32_t input, pzs_real *influence)
 {
@@ -49,7 +52,7 @@ static void add_outputs(const pzs_structure *structure, const pzs_real *displace
             pzs_model_observe_row(structure, displacement, i);
 }
 
-/* Whether an option leaves a skew-symmetric part out of the tangent. */
+/* Whether an option leaves a skew-symmetric part out of the tangent matrix. */
 static bool has_skew_part(const pzs_solver *solver)
 {
     bool found = false;
@@ -60,8 +63,9 @@ static bool has_skew_part(const pzs_solver *solver)
 }
 
 /*
- * y [free_dof] += factor W x, where K - W is the exact tangent and W is skew-symmetric; zero at the
- * dof of the prescribed motion.
+ * Add the product W x, times a factor, to y, both [free_dof]. W is the skew-symmetric part of the
+ * derivative of all forces, which the factored tangent K leaves out: K - W is the exact tangent.
+ * The result is zero at the degrees of freedom of the prescribed motion.
  */
 static void add_skew(pzs_solver *solver, const pzs_real *x, pzs_real factor, pzs_real *y)
 {
@@ -72,15 +76,15 @@ static void add_skew(pzs_solver *solver, const pzs_real *x, pzs_real factor, pzs
 }
 
 /*
- * Correct the column of one input in the influence matrix for the skew-symmetric part W, by the
- * generalised conjugate gradients of Concus, Golub and Widlund:
+ * Correct the column of one input in the influence matrix for the skew-symmetric part W of the
+ * tangent, by the generalised conjugate gradients of Concus, Golub and Widlund:
  *   z = K^-1 r
  *   omega = 1 / (1 + z'r / (z'r omega of the last iteration)), 1 in the first iteration
  *   d = omega z + (omega - 1) d
  *   next r = (1 - omega) (r of the last iteration) + omega W z
- * with r the residual force and d the correction of the displacement. Where K has no negative pivot
- * they converge whatever the size of W.
- *   d [free_dof] in  solution of the symmetric tangent; overwritten
+ * with the symmetric tangent K, the residual force r and the correction d of the displacement.
+ * Where K has no negative pivot, the iteration converges for every W.
+ *   d [free_dof] in/out  in: solution of the symmetric tangent; then work array
  */
 static pzs_status correct_column(pzs_solver *solver, uint32_t input, pzs_real *d,
                                  pzs_real *influence)

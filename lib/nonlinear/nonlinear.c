@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Equilibrium at large rotation by Newton's method with independent resultants (pzs_nonlinear.h).
+ * Equilibrium of the shell at large rotation, by Newton's method with independent stress resultants
+ * and load steps (pzs_nonlinear.h).
  */
 #include "nonlinear.h"
 #include "../core/guard.h"
@@ -15,7 +16,8 @@
 enum {
     STEP_SOLVES = 40,
     STEP_HALVINGS = 6
-}; /* most linear solves of a load step; most halvings of the first load step */
+}; /* STEP_SOLVES: largest number of linear solves in a load step. STEP_HALVINGS: largest number of
+      times that the first load step is halved. */
 
 static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 {
@@ -26,8 +28,8 @@ static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 /* ---- init ------------------------------------------------------------- */
 
 /*
- * Whether the numbers of entries are ones that tables of this structure can have. A damaged number
- * must lead neither the checksum nor the check of indices beyond the tables.
+ * Whether the numbers of entries are possible for tables of this structure. Otherwise a damaged
+ * number could lead the checksum or the check of indices beyond the tables.
  */
 static bool counts_fit(const pzs_nonlinear *tables, const pzs_structure *structure)
 {
@@ -89,8 +91,9 @@ static bool tables_in_range(const pzs_nonlinear *tables, const pzs_structure *st
 }
 
 /*
- * Powers of two that scale the undeformed stiffness to unit diagonal. The solver scales all its
- * tangents by them. Returns the first free dof without stiffness, or -1.
+ * Find the powers of two that scale the undeformed stiffness matrix to unit diagonal. The solver
+ * scales all tangent matrices by them. Returns the first free degree of freedom without stiffness,
+ * or -1.
  */
 static int32_t find_undeformed_scale(pzs_model *model)
 {
@@ -303,8 +306,8 @@ void pzs_nonlinear_clear_prescribed(const pzs_solver *solver, pzs_real *internal
 }
 
 /*
- * Apply the prescribed motion to the right-hand side right_side [free_dof] and to the tangent.
- * Returns the squared norm of the reaction forces, in scaled rows.
+ * Apply the prescribed motion to the right-hand side [free_dof] and to the tangent matrix. Returns
+ * the squared norm of the reaction forces, in scaled rows.
  */
 static pzs_real prescribe_all(pzs_solver *solver, pzs_real *right_side)
 {
@@ -374,8 +377,10 @@ bool pzs_nonlinear_condense(pzs_solver *solver, uint32_t input, pzs_real *du)
 }
 
 /*
- * One linear solve and the update of displacement and resultants. du [free_dof] receives the
- * increment. Returns false if the tangent is singular or an option cannot take part.
+ * Make one linear solve and update displacement and stress resultants.
+ *   du [free_dof] out  increment of the displacement (m and 1)
+ * Returns false if the tangent matrix is singular or the unknowns of an option cannot be solved
+ * for.
  */
 static bool solve_and_update(pzs_solver *solver, bool uses_true_resultants, pzs_real *du)
 {
@@ -402,7 +407,7 @@ static bool solve_and_update(pzs_solver *solver, bool uses_true_resultants, pzs_
 
 /* ---- one load step ---------------------------------------------------- */
 
-/* Status of an option that has not converged at the present displacement, or PZS_OK. */
+/* Return the status of an option that has not converged at the present displacement, or PZS_OK. */
 static pzs_status unconverged_option(pzs_solver *solver)
 {
     pzs_status open = PZS_OK;
@@ -412,7 +417,7 @@ static pzs_status unconverged_option(pzs_solver *solver)
     return open;
 }
 
-/* Add the force of actuation at the present displacement to vector [free_dof]. */
+/* Add the force of actuation at the present displacement to `vector` [free_dof]. */
 static void add_actuation(const pzs_solver *solver, pzs_real *vector)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
@@ -429,14 +434,17 @@ static void add_actuation(const pzs_solver *solver, pzs_real *vector)
     }
 }
 
-/* A force imbalance below this part of the displacement, in scaled rows, is rounding. */
+/*
+ * A force imbalance counts as a rounding error if its norm, in scaled rows, is below this part of
+ * the norm of the displacement.
+ */
 #define IMBALANCE_ROUNDING (256 * PZS_EPSILON)
 
 /*
- * Assess the present displacement: compute its true resultants, its residual and its factored
- * tangent.
- *   next [free_dof] out  the increment that Newton's method would make from here
- * Returns false if the tangent is singular or a result is not finite.
+ * Assess the present displacement: compute its stress resultants, its force imbalance and the
+ * factors of its tangent matrix.
+ *   next [free_dof] out  increment that Newton's method would make next (m and 1)
+ * Returns false if the tangent matrix is singular or a result is not finite.
  */
 static bool assess_equilibrium(pzs_solver *solver, pzs_real *next)
 {
@@ -466,7 +474,7 @@ static bool assess_equilibrium(pzs_solver *solver, pzs_real *next)
 
 /*
  * Whether the iteration may continue. Close to convergence it may take twice as many linear solves.
- * It has diverged after four successive increments of about the size of the load step.
+ * It counts as divergent after four successive increments of about the size of the load step.
  */
 static bool may_continue(const pzs_solver *solver, uint32_t divergence_count)
 {
@@ -476,12 +484,13 @@ static bool may_continue(const pzs_solver *solver, uint32_t divergence_count)
 }
 
 /*
- * Newton's method at the present input values. It has converged when the last increment and the
- * predicted next one are below the tolerance relative to the displacement of the load step, and the
- * force imbalance is no larger than the applied forces, or is rounding. Where a load step moves
- * less than a thousandth of the whole displacement (a tenth in float, because of rounding), the
- * increments are compared with that part of the whole displacement. Returns whether it has
- * converged; state.pending_error holds the status of an option that has not.
+ * Iterate by Newton's method at the present input values. The iteration has converged when the last
+ * increment and the predicted next one are below the tolerance, relative to the displacement of the
+ * load step, and the force imbalance is not larger than the applied force or is a rounding error.
+ * Where a load step moves less than a thousandth of the whole displacement (a tenth in float,
+ * because of rounding), the increments are compared with that part of the whole displacement.
+ * Returns whether the iteration has converged. state.pending_error holds the status of an option
+ * that has not.
  */
 static bool iterate(pzs_solver *solver)
 {
@@ -570,7 +579,7 @@ static bool options_accept(pzs_solver *solver)
 }
 
 /*
- * One load step by `part` of the remaining way to the input values. Returns whether it has
+ * Try one load step by `part` of the remaining way to the input values. Returns whether it has
  * converged and is accepted; only then is it saved as the last equilibrium.
  */
 static bool try_load_step(pzs_solver *solver, const pzs_real *value, pzs_real part)
@@ -591,7 +600,8 @@ static bool try_load_step(pzs_solver *solver, const pzs_real *value, pzs_real pa
 }
 
 /*
- * Why a load step failed. negative_before is the number of negative pivots at the last equilibrium.
+ * Return the error for a failed load step. negative_before is the number of negative pivots at the
+ * last equilibrium.
  */
 static pzs_status failure_status(const pzs_solver *solver, uint32_t negative_before)
 {
@@ -609,7 +619,10 @@ static pzs_status failure_status(const pzs_solver *solver, uint32_t negative_bef
                : PZS_E_DIVERGED;
 }
 
-/* Largest part of the remaining way to the input values that all options allow in one load step. */
+/*
+ * Return the largest part of the remaining way to the input values that all options allow in one
+ * load step.
+ */
 static pzs_real largest_part(const pzs_solver *solver, const pzs_real *value)
 {
     pzs_real part = 1;
@@ -622,8 +635,8 @@ static pzs_real largest_part(const pzs_solver *solver, const pzs_real *value)
 }
 
 /*
- * The way to the input values, in equal units: in total, done, in the next load step, in the
- * longest load step.
+ * Progress on the way to the input values, which is divided into equal units: units in total, units
+ * done, units of the next load step, and units of the longest load step.
  */
 typedef struct load_progress {
     uint32_t total, done, stride, longest;
@@ -646,8 +659,8 @@ static void refine_units(load_progress *progress, pzs_real part)
 }
 
 /*
- * Units of the next load step, 0 if the options allow none. *is_short tells whether an option
- * shortens it.
+ * Return the number of units of the next load step, or 0 if the options allow none. *is_short tells
+ * whether an option shortens the load step.
  */
 static uint32_t next_step_units(const pzs_solver *solver, load_progress *progress,
                                 const pzs_real *value, bool *is_short)
@@ -665,9 +678,10 @@ static uint32_t next_step_units(const pzs_solver *solver, load_progress *progres
 }
 
 /*
- * All load steps. The way is divided into at least load_steps * 2^STEP_HALVINGS units, so that the
- * last load step ends exactly at the input values. A load step that does not converge is halved;
- * after one that does, the next is doubled, up to the first size.
+ * Run all load steps. The way to the input values is divided into load_steps * 2^STEP_HALVINGS
+ * units or more, so that the last load step ends exactly at the input values. A load step that does
+ * not converge is halved. After one that converges, the next is doubled, up to the size of the
+ * first.
  */
 static pzs_status run_load_steps(pzs_solver *solver, const pzs_real *value)
 {

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Tangent of the GEX7P4 element at a deformed shape (shell.h), in closed form.
+ * Tangent stiffness of the shell element GEX7P4 at a deformed shape (shell.h), in closed form.
  *
- * A strain has the same sum over the nodes in all modes 00, 01, 10, 11, apart from the signs xi1^r1
- * xi2^r2. So one array A of nodal strains serves every mode m: L_m = A sign_m. The signs of the
- * row's node and of the column's node combine the four products D_m A into the stresses of each
- * node p,
- *   Y_p = sum_m sign_m(p) sign_m D_m A,
- * and the rows of node p are
- *   K_p = A_p^T Y_p + geometric part,  p = 0..3.
- * The columns are ordered as four nodes of 6 dof (mean, difference/h), then the four q; q
- * contributes to five strains only.
+ * The strains of all modes 00, 01, 10, 11 are the same sums over the four nodes, apart from the
+ * signs xi1^r1 xi2^r2 of the nodes. One array A of nodal strains thus serves every mode m: its
+ * strain matrix L_m is A with the sign of m at each node. With the stiffness D_m of the modes, the
+ * products D_m A are combined, with the signs of both nodes, into the stresses of each node p,
+ *   Y_p = sum over m of sign_m(p) sign_m D_m A,
+ * and the rows of node p in the tangent stiffness are
+ *   K_p = A_p^T Y_p + geometric part,  p = 0 to 3.
+ * The columns are the six degrees of freedom of each of the four nodes (mean, difference over the
+ * thickness), followed by the excess q of the middle surface at the four nodes, which contributes
+ * to five strains only.
  */
 #include "../model/shell.h"
 #include "../model/shell_corner.h"
@@ -23,22 +24,23 @@
 enum { NODE_DOF = 6, HALF = 12, FIRST_Q = 24, COLUMNS = 28 };
 
 /*
- * Strains in the order of the rows of A. The mean displacements do not contribute to the first two.
+ * Strains in the order of the rows of the nodal strain array. The mean displacements do not
+ * contribute to the first two.
  */
 enum { A33M, A33D, A13, A23, A11M, A11D, A22M, A22D, A12M, A12D };
 enum { ROWS = SHELL_STRAINS, WITH_Q = 5, WITHOUT_MEAN = 2 };
 static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D, E12M, E12D};
 
 /*
- * Rows of A to which q contributes. The row of the mean strain 12 is one of them because the warp
- * adds transverse shears to it. In the list of each mode below, the rows of q come first, or are at
- * the same positions as here.
+ * Rows of the nodal strain array to which the excess q of the middle surface contributes. The row
+ * of the mean strain 12 is one of them because warp adds transverse shear to it. In rows_of_mode
+ * the rows with q come first, or are at the positions that they have here.
  */
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
 /*
- * Rows of each mode: their number, how many of them contain q, the first row of D_m A, and which
- * strains they are.
+ * Rows of one strain mode: number of rows, number of rows to which the excess q of the middle
+ * surface contributes, first row in the array of stress rows, and strains of the rows.
  */
 typedef struct mode_rows {
     uint8_t count, with_q, start, strain[ROWS];
@@ -51,12 +53,13 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * Pairs of stress rows Y1 and Y2 of different modes. The rows of every node need only the sum or
- * the difference of a pair, so these two replace the pair. Which of them a node needs depends on
- * the product of two signs of mode `mode`: that of the node itself and that of the node of the
- * column. In each column the sum is stored in the first row if the column's sign is negative, else
- * in the second. Then the first row belongs to all nodes of negative sign, and the second to all
- * nodes of positive sign. The first PAIRS_WITH_Q pairs are replaced in the columns of q too.
+ * A pair of stress rows of different modes. The rows of each node in the tangent need only the sum
+ * or the difference of a pair, so these two replace the pair. Which of them a node needs depends on
+ * the product of two signs of the mode `mode`: the sign at the node, and that at the node of the
+ * column. In each column the sum is stored in the first row if the sign of the column is negative,
+ * and else in the second. The first row then serves all nodes of negative sign, and the second all
+ * nodes of positive sign. In the columns of the excess q only the first PAIRS_WITH_Q pairs are
+ * replaced.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
@@ -69,8 +72,8 @@ static const row_pair row_pairs[PAIRS] = {
 };
 
 /*
- * For each node, the rows that contain its ten stresses after all pairs have been combined, in the
- * order of the rows of A.
+ * Rows that contain the ten stresses of each node after all pairs have been combined, in the order
+ * of the rows of the nodal strain array.
  */
 static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
@@ -81,7 +84,7 @@ static const uint8_t stress_row[4][ROWS] = {
 
 /* ---- nodal strains ---------------------------------------------------- */
 
-/* y = M^T x */
+/* y = transposed matrix times x */
 static void transposed(pzs_real y[3], const pzs_real matrix[3][3], const pzs_real x[3])
 {
     for (int j = 0; j < 3; j++)
@@ -89,9 +92,10 @@ static void transposed(pzs_real y[3], const pzs_real matrix[3][3], const pzs_rea
 }
 
 /*
- * Derivative of node p's strain with respect to its displacement: y = S_a^T own + T_a^T other. The
- * tangent vector lam_a has the factor `own` at node p and the factor `other` at its neighbour in
- * direction a.
+ * Compute the derivative of a strain at one node with respect to the displacement of this node. The
+ * base vector in direction a contributes with the factor `own` at the node itself and with the
+ * factor `other` at its neighbour in this direction, through the transposed coupling matrices S and
+ * T.
  */
 static void transpose_derivative(const pzs_element_type *type, int node, int direction,
                                  const pzs_real own[3], const pzs_real other[3], pzs_real row[3])
@@ -104,8 +108,8 @@ static void transpose_derivative(const pzs_element_type *type, int node, int dir
 }
 
 /*
- * Rows of a mean strain and of its difference at one node, from the derivatives of the mean and
- * difference vectors.
+ * Write the rows of a mean strain and of the difference strain at one node, from the derivatives of
+ * the mean and of the difference of the base vectors.
  */
 static void write_mean_and_difference(pzs_real thickness, const pzs_real mean[3],
                                       const pzs_real diff[3], pzs_real *row_mean,
@@ -120,7 +124,7 @@ static void write_mean_and_difference(pzs_real thickness, const pzs_real mean[3]
     }
 }
 
-/* In-plane strains of node p: 11 and 22 along one direction each, 12 along both. */
+/* In-plane strains of one node: 11 and 22 from one direction each, 12 from both. */
 static void in_plane(const pzs_element_type *type, const shell_corner shape[4], int node,
                      pzs_real nodal[ROWS][COLUMNS])
 {
@@ -149,7 +153,7 @@ static void in_plane(const pzs_element_type *type, const shell_corner shape[4], 
                               nodal[A12D] + NODE_DOF * node);
 }
 
-/* Transverse strains 33, 13 and 23 of node p. */
+/* Transverse strains 33, 13 and 23 of one node. */
 static void transverse(const pzs_element_type *type, const shell_corner shape[4], int node,
                        pzs_real nodal[ROWS][COLUMNS])
 {
@@ -179,9 +183,9 @@ static void transverse(const pzs_element_type *type, const shell_corner shape[4]
 }
 
 /*
- * Warped geometry mixes other strains into the mean strain 12: add these contributions to the row
- * of the mean strain 12 at node p. Some of them depend on the signs of the modes 01 and 10 at the
- * node p. They can be included in the row, because the mean strain 12 is used in mode 00 only.
+ * Add the effect of warp to the row of the mean strain 12 at one node: a linear combination of
+ * other strains. Some of its factors depend on the signs of the modes 01 and 10 at the node. The
+ * combination can be part of the row because the mean strain 12 is used in mode 00 only.
  */
 static void add_warp(const pzs_element_type *type, int node, pzs_real nodal[ROWS][COLUMNS])
 {
@@ -208,9 +212,9 @@ static void nodal_strains(const pzs_element_type *type, const shell_corner shape
 /* ---- material part ---------------------------------------------------- */
 
 /*
- * Innermost loop of the tangent: the 12 entries of `to` become sum over t of factor[t stride]
- * row[t][column ...]. The list of rows ends with NULL. With a known number of rows, gcc would
- * vectorise over t with slow gather instructions.
+ * Innermost loop of the tangent: set the 12 entries of `to` to the sum over the rows t of factor[t
+ * stride] times row[t], from `column` on. The list of rows ends with NULL: with a known number of
+ * rows, gcc would vectorise over the rows, with slow gather instructions.
  */
 static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                     const pzs_real *const *restrict row, int column)
@@ -233,8 +237,8 @@ static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int 
 }
 
 /*
- * The sum of combine for the four columns of q. Only the `count` rows to which q contributes are
- * added.
+ * Like combine, but for the four columns of the excess q, over the `count` rows to which q
+ * contributes.
  */
 static void combine_q(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                       const pzs_real *const *row, int count)
@@ -249,13 +253,17 @@ static void combine_q(pzs_real *restrict to, const pzs_real *restrict factor, in
     }
 }
 
-/* Whether row s in the list of a mode contains q. */
+/* Whether the excess q of the middle surface contributes to a row in the list of a mode. */
 static bool has_q(const mode_rows *mode, int row)
 {
     return mode->with_q == WITH_Q ? row <= A23 || row == A12M : row < mode->with_q;
 }
 
-/* Compute stress_row_of [22][columns], the products D_m A of all modes. */
+/*
+ * Compute the products of the mode stiffnesses with the nodal strains, for all modes.
+ *   nodal         [ROWS][COLUMNS] in   nodal strains
+ *   stress_row_of [22][COLUMNS]   out  products, in the order of rows_of_mode
+ */
 static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
                         pzs_real nodal[ROWS][COLUMNS], pzs_real stress_row_of[22][COLUMNS])
 {
@@ -281,8 +289,8 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Strains of the modes in one column of A, of node p. Rows without q have no entry in the columns
- * of q.
+ * Collect the strains of all modes in one column of the nodal strains, which belongs to `node`.
+ * Rows without the excess q are zero in the columns of q.
  */
 static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
                           pzs_real strains[4][10])
@@ -296,7 +304,7 @@ static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
         }
 }
 
-/* Write the resultants of one column as entries of the stress rows, without the signs of node p. */
+/* Write the resultants of one column into the stress rows, without the signs of its node. */
 static void scatter_column(pzs_real resultant[4][10], int column, int node,
                            pzs_real stress_row_of[22][COLUMNS])
 {
@@ -306,7 +314,10 @@ static void scatter_column(pzs_real resultant[4][10], int column, int node,
                 mode_sign[mode][node] * resultant[mode][in_d[rows_of_mode[mode].strain[row]]];
 }
 
-/* The rows of stress_rows for a skewed element, whose modes are coupled, column by column. */
+/*
+ * Compute the products of stress_rows for a skewed element, whose modes are coupled, column by
+ * column.
+ */
 static void skewed_stress_rows(const pzs_element_type *type, unsigned dof_per_node,
                                pzs_real nodal[ROWS][COLUMNS], pzs_real stress_row_of[22][COLUMNS])
 {
@@ -321,8 +332,8 @@ static void skewed_stress_rows(const pzs_element_type *type, unsigned dof_per_no
 }
 
 /*
- * Replace x and y by their sum and their difference in `count` columns. The sum is stored in x if
- * sum_in_x, else in y.
+ * Replace two rows by their sum and their difference in `count` columns. The first row receives the
+ * sum if sum_in_x, and else the second.
  */
 static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict second, int sum_in_x,
                                int count)
@@ -354,21 +365,25 @@ static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COL
 /* ---- geometric part --------------------------------------------------- */
 
 /*
- * Geometric stiffness between two nodes: mean with mean, and mean with difference. Difference with
- * difference is mean with mean times h^2/4.
+ * Geometric stiffness between two nodes: `mean` couples mean displacements, `cross` couples a mean
+ * with a difference. The coupling of two differences is that of two means times a quarter of the
+ * squared thickness.
  */
 typedef struct block {
     pzs_real mean[9];
     pzs_real cross[9];
 } block;
 
-/* Index of the pair of nodes p >= other. */
+/* Index of a pair of nodes, for node >= other. */
 static int pair_of(int node, int other)
 {
     return node * (node + 1) / 2 + other;
 }
 
-/* z += L' R, times a mean stress and times a stress difference. */
+/*
+ * Add the product of two coupling matrices, times a mean stress and times a stress difference, to
+ * the geometric stiffness of a pair of nodes.
+ */
 static void add_product(block *restrict pair, const pzs_real *restrict left_map,
                         const pzs_real *restrict right_map, pzs_real mean, pzs_real cross)
 {
@@ -382,8 +397,10 @@ static void add_product(block *restrict pair, const pzs_real *restrict left_map,
 }
 
 /*
- * Contribution of corner r: sum over a and b of t_ab lam_a . lam_b, with lam_a = S_a u_r + T_a
- * u_r'.  stress [10] stresses at the corner
+ * Add the geometric stiffness of the in-plane stresses at one corner: the sum over the directions a
+ * and b of stress_ab times the product of the derivatives lambda_a and lambda_b.
+ *   stress [10]  in      stresses at the corner
+ *   pair   [10]  in/out  geometric stiffness of all pairs of nodes
  */
 static void add_in_plane(const pzs_element_type *type, int corner, const pzs_real stress[10],
                          block pair[10])
@@ -402,7 +419,10 @@ static void add_in_plane(const pzs_element_type *type, int corner, const pzs_rea
                             mean[row % 2 + column % 2], cross[row % 2 + column % 2]);
 }
 
-/* Entry of a packed lower triangle, for a row and a column on either side of the diagonal. */
+/*
+ * Address of an entry in a packed lower triangle, for a row and a column on either side of the
+ * diagonal.
+ */
 static pzs_real *entry(pzs_real *stiffness, unsigned row, unsigned column)
 {
     return row >= column ? stiffness + row * (row + 1) / 2 + column
@@ -410,8 +430,8 @@ static pzs_real *entry(pzs_real *stiffness, unsigned row, unsigned column)
 }
 
 /*
- * Contribution of the transverse stresses at corner r: products of beta and q with the other
- * derivatives.
+ * Add the geometric stiffness of the transverse stresses at one corner: products of the director
+ * and of the excess q with the other derivatives.
  */
 static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, int corner,
                            const pzs_real stress[10], pzs_real *stiffness)
@@ -443,8 +463,8 @@ static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, 
 /* ---- the tangent ------------------------------------------------------ */
 
 /*
- * Write row i of node p, up to its diagonal, to its place in k: products A' Y plus the geometric
- * stiffness.
+ * Write row i of one node, up to its diagonal, to its place in the packed stiffness: product of
+ * nodal strains and stresses plus geometric stiffness.
  */
 static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_real hh4,
                       unsigned dof_per_node, int node, int i, pzs_real *restrict stiffness)
@@ -465,8 +485,8 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
 }
 
 /*
- * Write the rows of node p except that of q.  stress [11] stress rows of the node, the last one
- * NULL
+ * Write the rows of one node, except the row of the excess q, into the packed stiffness.
+ *   stress [ROWS + 1] in  stress rows of the node, followed by NULL
  */
 static void write_node(const pzs_element_type *type, unsigned dof_per_node, int node,
                        pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
@@ -483,7 +503,7 @@ static void write_node(const pzs_element_type *type, unsigned dof_per_node, int 
     }
 }
 
-/* Write row and column of the dof q of node p. */
+/* Write row and column of the excess q of one node into the packed stiffness. */
 static void write_q(int node, pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
                     pzs_real *stiffness)
 {
@@ -505,7 +525,10 @@ static void write_q(int node, pzs_real nodal[ROWS][COLUMNS], const pzs_real *con
     }
 }
 
-/* k from the deformed corners and the stresses corner_stress [4][10] at them. */
+/*
+ * Compute the packed tangent stiffness from the deformed base vectors and the stresses [4][10] at
+ * the corners.
+ */
 static void tangent(const pzs_element_type *type, unsigned dof_per_node,
                     const shell_corner shape[4], pzs_real corner_stress[4][10], pzs_real *stiffness)
 {
