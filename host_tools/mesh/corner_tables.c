@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Corner tables of an element type (corner_tables.h). */
+/*
+ * Corner tables of an element type, which map the displacements of the corners to strains
+ * (corner_tables.h).
+ */
 #include "corner_tables.h"
 #include <math.h>
 #include <string.h>
 #include "../quads/vector.h"
 
 /*
- * One corner of an element: its surface point, the neighbouring corner along theta_a, and the sign
- * of the way there towards increasing theta_a.
+ * One corner of an element with its neighbour along one coordinate: their surface points, the
+ * number of the coordinate (0: theta1, 1: theta2), and the sign of the step to the neighbour along
+ * that coordinate.
  */
 typedef struct corner_pair {
     const surface_point *own, *other;
@@ -16,8 +20,9 @@ typedef struct corner_pair {
 } corner_pair;
 
 /*
- * Corner tables of local kinematics: components are interpolated in the triad that turns with the
- * surface; derivatives use A, k and B of the corner.
+ * Compute the corner tables of local kinematics: displacement components in the triad that turns
+ * with the surface are interpolated, and their derivatives use the Lame parameter, the curvature
+ * and the geodesic curvature at the corner.
  */
 static void local_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                          double g_mean[3], double g_diff[3])
@@ -39,8 +44,9 @@ static void local_tables(const corner_pair *pair, double own[3][3], double other
 }
 
 /*
- * Corner tables of Cartesian kinematics: differences of vectors between the corners, in the
- * corner's own triad, divided by the length of the chord or of the element.
+ * Compute the corner tables of Cartesian kinematics: differences of displacement vectors between
+ * neighbouring corners, in the triad of the corner itself, divided by the length of the chord or of
+ * the element.
  */
 static void cartesian_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                              double g_mean[3], double g_diff[3])

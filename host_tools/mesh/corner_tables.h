@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Corner tables s, t, g_mean and g_diff of an element type. */
+/*
+ * Corner tables of an element type: the matrices s and t and the base vectors g_mean and g_diff
+ * that map the displacements of corners to strains.
+ */
 #ifndef CORNER_TABLES_H
 #define CORNER_TABLES_H
 
@@ -7,17 +10,23 @@
 #include "pzs.h"
 #include "../scene/surface.h"
 
-/* What the corner tables of an element are made from. */
+/* Geometry of an element from which its corner tables are computed. */
 typedef struct corner_data {
-    const surface_point *point[4]; /* corners (-,-) (+,-) (+,+) (-,+) */
-    bool is_cartesian; /* differences of vectors between the corners; else derivatives in the triad
-                          that turns with the surface */
-    double range[2];   /* lengths of the element in theta1, theta2; not used if is_cartesian */
-    double length[2];  /* lengths that differences are divided by; 0: each edge's own chord */
-    double middle;     /* height of the mean of the faces above the reference surface */
+    const surface_point *point[4]; /* surface points of the corners, in the order (-,-) (+,-) (+,+)
+                                      (-,+) of the signs of xi1 and xi2 */
+    bool is_cartesian; /* true: strains from differences of displacement vectors between corners;
+                          false: from derivatives of components in the triad that turns with the
+                          surface */
+    double range[2];   /* ranges of theta1 and theta2 in the element (length or rad); not used if
+                          is_cartesian is true */
+    double length[2];  /* lengths by which differences along directions 1 and 2 are divided (m); 0:
+                          the chord of each edge */
+    double middle;     /* height of the middle of the laminate above the reference surface (m) */
 } corner_data;
 
-/* Fill s, t, g_mean and g_diff of the type, whose other members are not touched. */
+/*
+ * Fill the members s, t, g_mean and g_diff of an element type; its other members keep their values.
+ */
 void corner_tables_fill(const corner_data *data, pzs_element_type *type);
 
 #endif

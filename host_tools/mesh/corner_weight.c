@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Shares of the corners in the area of an element (corner_weight.h). */
+/* Shares of the four corners in the area of an element (corner_weight.h). */
 #include "corner_weight.h"
 
 static const double xi1[4] = {-1, 1, 1, -1}, xi2[4] = {-1, -1, 1, 1};

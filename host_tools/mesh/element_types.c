@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* List of the element types of a mesh (element_types.h). */
+/* List of the element types of a mesh, in which equal elements share one type (element_types.h). */
 #include "element_types.h"
 #include <math.h>
 #include "warp.h"
 
 /*
- * Largest difference of equal element types, relative: positions that are computed are rounded in
- * their last digits, those of a mesh file by the program that wrote it.
+ * Largest relative difference of element types that count as equal. Computed node positions are
+ * rounded in their last digits, those of a mesh file by the program that wrote the file.
  */
 static const double computed = 1e-12, in_file = 1e-9;
 
 /*
- * Whether two arrays are equal up to the rounding of node positions: within `near` of their largest
- * entry, or of `scale` where all entries are smaller.
+ * Return whether two arrays are equal up to the rounding of node positions: their differences are
+ * at most `near` times their largest entry, or times `scale` if all entries are smaller.
  */
 static int alike(double near, const double *first, const double *second, size_t count, double scale)
 {

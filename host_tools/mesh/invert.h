@@ -4,8 +4,9 @@
 #define INVERT_H
 
 /*
- * Invert a positive definite matrix a [n][stride] in place by Gauss-Jordan elimination. Returns 0,
- * or -1 at a pivot that is not positive.
+ * Invert a positive definite matrix in place by Gauss-Jordan elimination. The matrix has `rows`
+ * rows and columns and is stored by rows, `stride` numbers apart. Returns 0, or -1 if a pivot is
+ * not positive; the matrix is then destroyed.
  */
 int invert(double *matrix, int rows, int stride);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Stiffness, resultants and charges of a package of plies (laminate.h). */
+/* Stiffness, prescribed resultants and electric charges of a package of plies (laminate.h). */
 #include "laminate.h"
 #include <math.h>
 #include <string.h>
@@ -8,13 +8,16 @@
 
 enum { N = LAMINATE_STRAINS, M33 = 4, D33 = 5, SHEAR = 8 };
 
-/* Voigt component of each strain of the element. */
+/* Voigt component (order 11 22 33 23 13 12) of each of the ten strains of an element. */
 static const int voigt[N] = {0, 0, 1, 1, 2, 2, 5, 5, 4, 3};
 static const int is_difference[N] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 0};
 
 /* ---- plies ------------------------------------------------------------ */
 
-/* Stiffness of a ply in its own axes, from the engineering constants of its material. */
+/*
+ * Compute the stiffness matrix of a ply in its own axes from the engineering constants of its
+ * material (Voigt order 11 22 33 23 13 12). Returns 0, or -1 if it is not positive definite.
+ */
 static int ply_stiffness(const scene_material *material, double stiffness[6][6])
 {
     memset(stiffness, 0, 36 * sizeof(double));
@@ -30,8 +33,8 @@ static int ply_stiffness(const scene_material *material, double stiffness[6][6])
 }
 
 /*
- * Transformation t of engineering strains to axes turned by an angle about e3: ply strain = t shell
- * strain.
+ * Compute the matrix that transforms engineering strains in the axes of the shell to those in axes
+ * turned by an angle about e3 (Voigt order 11 22 33 23 13 12).
  */
 static void turn(double degrees, double transform[6][6])
 {
@@ -47,7 +50,10 @@ static void turn(double degrees, double transform[6][6])
     memcpy(transform, turned, sizeof turned);
 }
 
-/* y = t' x: stress of the ply in the axes of the shell. */
+/*
+ * Transform the stress of a ply from its own axes to the axes of the shell: turned = transposed
+ * transform times stress (Voigt order 11 22 33 23 13 12).
+ */
 static void turn_back(double transform[6][6], const double stress[6], double turned[6])
 {
     for (int i = 0; i < 6; i++) {
@@ -58,8 +64,8 @@ static void turn_back(double transform[6][6], const double stress[6], double tur
 }
 
 /*
- * Stress in the ply's axes, per unit of electric field along its poling, of a ply whose strains are
- * zero: C d or e.
+ * Compute the stress in the axes of a ply per unit of electric field along its poling while its
+ * strains are zero: the piezoelectric constants e, or the stiffness times the constants d.
  */
 static void field_stress(const scene_material *material, double stiffness[6][6], double stress[6])
 {
@@ -79,8 +85,8 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
         return -1;
     turn(layer->angle, transform);
     for (int i = 0; i < 6; i++)
-        turn_back(transform, stiffness[i], half[i]); /* half = C t, formed by rows because C is
-                                                        symmetric */
+        turn_back(transform, stiffness[i], half[i]); /* stiffness times transform, formed by rows
+                                                        because the stiffness is symmetric */
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) {
             ply->c[i][j] = 0;
@@ -88,8 +94,8 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
                 ply->c[i][j] += transform[k][i] * half[k][j];
         }
     /*
-     * A volt across the ply is the field -1/h along e3; the free strain d E causes the prescribed
-     * stress -C d E.
+     * One volt across a ply of thickness h is the electric field -1/h along e3. The field causes
+     * the free strain d E, and so the prescribed stress -C d E with C the stiffness.
      */
     field_stress(material, stiffness, stress);
     for (int i = 0; i < 6; i++)
@@ -102,8 +108,9 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
     }
     turn_back(transform, stress, ply->stress_per_kelvin);
     /*
-     * D3 = e strain + permittivity E3 + p temperature, along the poling; the upper electrode
-     * carries the charge -D3 per area.
+     * The electric displacement along the poling is e times strain + permittivity times field +
+     * pyroelectric constant times temperature. The upper electrode carries the charge -D3 per area,
+     * with D3 the electric displacement along e3.
      */
     ply->capacitance = material->permittivity / layer->thickness;
     ply->pyroelectric_charge = layer->poling < 0 ? material->pyroelectric : -material->pyroelectric;
@@ -147,9 +154,11 @@ static const double gauss_w[POINTS] = {0.1713244923791704, 0.3607615730481386, 0
                                        0.4679139345726910, 0.3607615730481386, 0.1713244923791704};
 
 /*
- * Metric shares s_11 s_22 s_33 s_23 s_13 s_12 at height z of an element along lines of curvature,
- * and the area ratio c1 c2. All are 1 where the scene's element has no metric. The shares of any
- * other element are 1, because natural_stiffness and natural_stress take the metric into account.
+ * Compute the factors (order 11 22 33 23 13 12) by which strains at height z are divided because
+ * lines of curvature are longer or shorter there than in the reference surface. Returns the area at
+ * height z over that of the reference surface. All values are 1 if the scene's element option
+ * `metric` is off. For an element that does not lie along lines of curvature the factors are 1,
+ * because natural_stiffness and natural_stress take the metric into account.
  */
 static double metric_at(const scene_element *element, const laminate_place *place, double z,
                         double share[6])
@@ -170,8 +179,9 @@ double laminate_area_ratio(const scene_element *element, const laminate_place *p
 }
 
 /*
- * Stiffness c [6][6] of a ply at height z in the element's own directions: t' C t. Along lines of
- * curvature it is the ply's own, and the shares of metric_at are applied to it.
+ * Compute the stiffness of a ply at height z in the directions of the element (Voigt order 11 22 33
+ * 23 13 12). On an element along lines of curvature it is the stiffness of the ply, and the factors
+ * of metric_at are applied to it elsewhere.
  */
 static void natural_stiffness(const scene_element *element, const laminate_place *place,
                               const laminate_ply *ply, double z, double stiffness[6][6])
@@ -195,7 +205,10 @@ static void natural_stiffness(const scene_element *element, const laminate_place
         }
 }
 
-/* Stress at height z in the element's own directions: t' stress; see natural_stiffness. */
+/*
+ * Compute the stress of a ply at height z in the directions of the element from the stress in the
+ * axes of the shell (Voigt order 11 22 33 23 13 12).
+ */
 static void natural_stress(const scene_element *element, const laminate_place *place, double z,
                            const double stress[6], double natural[6])
 {
@@ -208,8 +221,9 @@ static void natural_stress(const scene_element *element, const laminate_place *p
 }
 
 /*
- * D(i,j) = sum over the plies of the integral of N_i N_j C c1 c2/(s_i s_j) dz; N is 1 for a mean
- * and height over thickness for a difference.
+ * Integrate the stiffness of the plies that are present over the thickness, for the ten strains of
+ * an element: each strain enters with the function 1 if it is a mean of both faces, and with height
+ * over thickness if it is their difference.
  */
 static void integrate_stiffness(const laminate *laminate, const scene_element *element,
                                 const laminate_place *place, double stiffness[N][N])
@@ -234,7 +248,10 @@ static void integrate_stiffness(const laminate *laminate, const scene_element *e
     }
 }
 
-/* Shear stiffness from equilibrium of the plies that are present, in material axes. */
+/*
+ * Compute the transverse shear stiffness of the plies that are present from equilibrium, in
+ * material axes (N/m). Returns 0, or -1 if there is none.
+ */
 static int shear_of_plies(const laminate *laminate, const laminate_place *place, double k[2][2])
 {
     shear_ply ply[LAMINATE_LAYERS];
@@ -248,8 +265,9 @@ static int shear_of_plies(const laminate *laminate, const laminate_place *place,
 }
 
 /*
- * Element option shear: equilibrium. The block of the transverse shears in d becomes A' K A, where
- * A turns the shears of the element's directions into those of the material axes.
+ * Replace the transverse shear stiffness in the stiffness of an element by that from equilibrium
+ * (element option shear), turned from material axes to the directions of the element. Returns 0, or
+ * -1 if there is none.
  */
 static int set_shear(const laminate *laminate, const laminate_place *place, double stiffness[N][N])
 {
@@ -272,7 +290,10 @@ static int set_shear(const laminate *laminate, const laminate_place *place, doub
     return 0;
 }
 
-/* Stiffness D of the package before the options of the modes. Returns 0, or -1 as set_shear. */
+/*
+ * Compute the stiffness of the package of plies for the ten strains of an element, before options
+ * that treat the strain modes differently. Returns 0, or -1 if no ply is present.
+ */
 static int package_stiffness(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, double stiffness[N][N])
 {
@@ -281,9 +302,9 @@ static int package_stiffness(const laminate *laminate, const scene_element *elem
 }
 
 /*
- * Size of a field at height z, in the field's unit. Across a curved ply the electric flux is
- * constant and the field falls with 1/(c1 c2); relative to the mean field voltage/thickness the
- * factor is 1/(c1 c2) over its mean.
+ * Return the value of a field at height z. A temperature is linear between the faces (K). An
+ * electric field is given relative to its mean, voltage over thickness: across a curved ply the
+ * electric flux is constant, so that the field is proportional to 1/(area ratio at height z).
  */
 static double field_at(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, const laminate_field *field, double z)
@@ -300,7 +321,7 @@ static double field_at(const laminate *laminate, const scene_element *element,
     return 1 / (metric_at(element, place, z, share) * mean);
 }
 
-/* Stress per unit of the field in ply p. */
+/* Return the prescribed stress per unit of a field in a ply [6], in the axes of the shell. */
 static const double *field_stress_of(const laminate *laminate, const laminate_field *field,
                                      int layer)
 {
@@ -313,7 +334,10 @@ static int field_acts(const laminate_place *place, const laminate_field *field, 
     return (field->ply < 0 || field->ply == layer) && place->present_plies >> layer & 1u;
 }
 
-/* h0 += integral of N stress field c1 c2/s dz over a ply */
+/*
+ * Add the prescribed resultants of one ply under a field to h0: the integral of its stress times
+ * the field over the thickness, for means and differences of the strains.
+ */
 static void integrate_stress(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_ply *ply,
                              const laminate_field *field, const double stress[6], double h0[N])
@@ -340,10 +364,12 @@ static int inverse_of(double matrix[N][N], double inverse[N][N])
 }
 
 /*
- * Element option lin33: the part of the strain e33 that is linear in z is relaxed. With o the other
- * strains and d the difference of 33: D_oo -= D_od D_do / D_dd, D_od = 0, D_dd = 1/(D^-1)_dd.
- *   h0 [N] in/out  prescribed resultants, relaxed alike: h0_o -= D_od h0_d / D_dd, h0_d = 0; or
- * NULL
+ * Relax the difference of the thickness strain e33 between the faces, the part that is linear in
+ * the height (element option lin33): its resultant becomes 0 through condensation. The compliance
+ * of this strain itself is kept.
+ *   stiffness  [10][10] in/out  stiffness of the package
+ *   h0         [10] in/out      prescribed resultants, condensed in the same way, or NULL
+ * Returns 0, or -1 if the stiffness is singular.
  */
 static int relax_e33(double stiffness[N][N], double *h0)
 {
@@ -363,9 +389,9 @@ static int relax_e33(double stiffness[N][N], double *h0)
 }
 
 /*
- * Bending flexibility 12/(E h^3) that is added to the transverse shear on coarse meshes: the
- * smaller of the two directions' difference compliances over h^2, with in-plane strains free of
- * stress along 33.
+ * Return the bending flexibility 12/(E h^3) that is added to the transverse shear flexibility on
+ * coarse meshes: the smaller compliance of the two directions' curvatures, while the other in-plane
+ * stresses and the normal stress are 0.
  */
 static double bending_flexibility(double inverse[N][N], double thickness)
 {
@@ -374,8 +400,9 @@ static double bending_flexibility(double inverse[N][N], double thickness)
 }
 
 /*
- * Whether a mode contains a strain: mode 00 contains all, 01 those of 11, 33, 13, 10 those of 22,
- * 33, 23, and 11 those of 33.
+ * Return whether a strain mode contains a strain. Mode 00 (constant over the element) contains all
+ * strains, mode 01 those of 11, 33 and 13, mode 10 those of 22, 33 and 23, and mode 11 (bilinear)
+ * those of 33.
  */
 static int kept(int mode, int strain)
 {
@@ -384,8 +411,9 @@ static int kept(int mode, int strain)
 }
 
 /*
- * Matrix of a mode: Q' D Q, or [Q' D^-1 Q]^-1 for the Hellinger-Reissner variant (hr); zero outside
- * the strains of the mode.
+ * Compute the stiffness matrix of a strain mode, which is 0 outside the strains of the mode: the
+ * block of the package's stiffness, or with the option hr (Hellinger-Reissner) the inverse of the
+ * block of its compliance. Returns 0, or -1 if that block is singular.
  */
 static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, int hr,
                        double out[N][N])
@@ -408,11 +436,12 @@ static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, i
 }
 
 /*
- * Share of the bending flexibility in the mode 01 (a = 0) or 10 (a = 1). There the bubble is
- * antisymmetric across the element and has to twist as well: 1/(1 + c (f/ft)(L_a/L_b)^2), with f
- * and ft the compliances of bending and of twist and c = 0.6. For a square isotropic element with
- * Poisson's ratio 0.3 the exact share of the bubble is 0.784, and this formula gives 0.813. It
- * bounds the torsion of a strip of any length: too soft by at most the factor 1 + 0.96 rho/c.
+ * Return the part of the bending flexibility that is used in the strain mode 01 (direction 0) or 10
+ * (direction 1). In these modes the bubble displacement is antisymmetric across the element, so
+ * that it twists the element as well: the part is 1/(1 + 0.6 (f/ft) (L_a/L_b)^2), with f and ft the
+ * compliances of bending and of twist and L_a, L_b the lengths of the element along the direction
+ * and across it. For a square isotropic element with Poisson's ratio 0.3 the exact part is 0.784,
+ * and this formula gives 0.813.
  */
 static double bubble_share(double inverse[N][N], double thickness, const laminate_place *place,
                            int direction)
@@ -424,8 +453,9 @@ static double bubble_share(double inverse[N][N], double thickness, const laminat
 }
 
 /*
- * Flexibility that is added to the two transverse shears of a mode: rho f L_a^2/12, times the
- * bubble's share in the modes 01 and 10. The published element has rho = 0.
+ * Compute the flexibility that is added to the two transverse shears of a strain mode: the element
+ * option rho times bending flexibility times squared length of the element over 12, and in the
+ * modes 01 and 10 times the part of bubble_share. The published element has rho = 0.
  */
 static void shear_flexibility(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double inverse[N][N], int mode,
@@ -441,9 +471,9 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * Strains of a mode that the transverse shears are coupled with, the shears included, in index [N].
- * Plies are turned about e3 alone, so they are the shears themselves, unless the director of the
- * element is not normal to it. Returns their number.
+ * List the strains of a mode that are coupled with the transverse shears, these included. Plies are
+ * turned about e3 alone, so that the shears are coupled with no other strain unless the director of
+ * the element is inclined to its normal. Returns the number of strains (index [10] out).
  */
 static int shear_block(double modal[N][N], int mode, int index[N])
 {
@@ -457,8 +487,8 @@ static int shear_block(double modal[N][N], int mode, int index[N])
 }
 
 /*
- * Add flexibility[a] to the transverse shear compliance of a mode, for the shears that the mode
- * contains.
+ * Add a flexibility to the compliance of each transverse shear that a strain mode contains. Returns
+ * 0, or -1 if the stiffness of the mode is singular.
  */
 static int soften_shear(double modal[N][N], int mode, const double flexibility[2])
 {
@@ -484,8 +514,9 @@ static int soften_shear(double modal[N][N], int mode, const double flexibility[2
 }
 
 /*
- * Compliance [N][N] of the in-plane strains with 33 free of stress and the transverse shears held
- * at 0: the inverse of d without its coupling with the shears.
+ * Compute the compliance of the in-plane strains while the normal stress 33 is free and the
+ * transverse shears are 0: the inverse of the stiffness without its coupling with the shears.
+ * Returns 0, or -1 if the stiffness is singular.
  */
 static int plane_compliance(double stiffness[N][N], double compliance[N][N])
 {
@@ -524,9 +555,9 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
 }
 
 /*
- * Prescribed stress of a ply. With lin33 the normal stress that it would cause is relaxed in each
- * ply, s_a - C_a3/C_33 s_33, because a strain e33 that is linear through the package cannot follow
- * a single ply.
+ * Compute the prescribed stress of a ply. With the element option lin33 the normal stress 33 is
+ * relaxed in every ply by itself, because a strain e33 that is linear through the package cannot
+ * follow a single ply.
  */
 static void ply_stress(const laminate_ply *ply, const scene_element *element,
                        const double prescribed[6], double stress[6])
@@ -537,8 +568,8 @@ static void ply_stress(const laminate_ply *ply, const scene_element *element,
 }
 
 /*
- * Thickness strain that a field would cause in the mean over the package if each ply thickened
- * freely, as the strain 33 of the element: along its director.
+ * Return the thickness strain that a field would cause, as a mean over the package, if every ply
+ * thickened freely; it is measured along the director of the element.
  */
 static double free_thickening(const laminate *laminate, const laminate_place *place,
                               const laminate_field *field)
@@ -560,8 +591,9 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 }
 
 /*
- * Stiffness D with the part of e33 that is linear in z relaxed (lin33), and prescribed resultants
- * h0 [N] alike; h0 may be NULL.
+ * Compute the stiffness of the package with the linear part of the thickness strain relaxed, and
+ * relax prescribed resultants h0 [10] in the same way (h0 may be NULL). Returns 0, or -1 if the
+ * stiffness is singular.
  */
 static int relaxed_stiffness(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, double stiffness[N][N], double *h0)
@@ -571,8 +603,8 @@ static int relaxed_stiffness(const laminate *laminate, const scene_element *elem
 }
 
 /*
- * With lin33 each ply thickens freely, by -s33/C_33 in the mean, and the mean of e33 contains this
- * thickening: besides the plies' stresses there are resultants that correspond to it.
+ * With the element option lin33 every ply thickens freely, and the mean thickness strain contains
+ * this thickening. The resultants of this strain are added to those of the plies' stresses.
  */
 void laminate_resultants(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double h0[N])
@@ -601,10 +633,11 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * The charge is the second derivative of the package's electric enthalpy with respect to both
- * fields, with its sign changed. With lin33 the thickness strain of ply p is that of the package
- * plus the ply's own free one less the mean of all, n_p - n. These strains do work on each other,
- * which adds the integral of C33 n_p n_p' less n n' D_33 to the charge.
+ * The charge is the second derivative of the electric enthalpy of the package with respect to both
+ * fields, with its sign changed. With the element option lin33 the thickness strain of a ply
+ * differs from that of the package by its own free thickening less the mean thickening of all
+ * plies. The energy of these strains adds the integral of the normal stiffness times both free
+ * thickenings of the ply, less the package's normal stiffness times both mean thickenings.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field)

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * From a package of plies to the resultants and charges of an element.
+ * Resultants and electric charges of an element from its package of plies.
  *
- * The resultants are H = D E + H0 in the ten strains E = 11m 11d 22m 22d 33m 33d 12m 12d 13 23,
- * with m the mean and d the difference of the two faces. H0 are the prescribed resultants of
- * voltages and temperatures. The charge of an electrode is -H0 E for a unit of its voltage, plus
- * the charge drawn while the strains are zero.
+ * The resultants are H = D E + H0, in which E are the ten strains 11m 11d 22m 22d 33m 33d 12m 12d
+ * 13 23 of the element (m: mean, d: difference of the two faces), D is the stiffness, and H0 are
+ * the prescribed resultants of voltages and temperatures. The charge of an electrode is the charge
+ * that is drawn while the strains are zero, less the product of E and the H0 of one volt on that
+ * electrode.
  */
 #ifndef LAMINATE_H
 #define LAMINATE_H
@@ -17,86 +18,98 @@
 enum { LAMINATE_STRAINS = 10, LAMINATE_PACKED = 55, LAMINATE_LAYERS = 32 };
 
 typedef struct laminate_ply {
-    double z[2];                  /* lower and upper face, height above the reference surface */
-    double c[6][6];               /* stiffness in the shell's axes, Voigt order 11 22 33 23 13 12 */
-    double stress_per_voltage[6]; /* prescribed stress per volt across the ply */
-    double stress_per_kelvin[6];  /* prescribed stress per kelvin: the negative of the stress of a
-                                     ply whose expansion is prevented */
-    double capacitance;         /* charge of the upper electrode per volt and area, strains zero */
-    double pyroelectric_charge; /* charge of the upper electrode per kelvin and area, strains zero
-                                 */
-    double density;             /* mass per volume */
+    double z[2]; /* heights of the lower and the upper face of a ply above the reference surface (m)
+                  */
+    double c[6][6]; /* stiffness of a ply in the axes of the shell, Voigt order 11 22 33 23 13 12
+                       (Pa) */
+    double stress_per_voltage[6]; /* prescribed stress of a ply per volt across it (Pa/V), Voigt
+                                     order 11 22 33 23 13 12 */
+    double stress_per_kelvin[6];  /* prescribed stress of a ply per kelvin (Pa/K), Voigt order 11 22
+                                     33 23 13 12: that of a ply whose thermal expansion is prevented
+                                   */
+    double capacitance; /* charge of the upper electrode per volt and area while the strains are
+                           zero (F/m2) */
+    double pyroelectric_charge; /* charge of the upper electrode per kelvin and area while the
+                                   strains are zero (C/(m2 K)) */
+    double density;             /* mass of a ply per volume (kg/m3) */
 } laminate_ply;
 
 typedef struct laminate {
     int plies;
     laminate_ply ply[LAMINATE_LAYERS];
-    double z[2]; /* heights of the two faces of the package */
+    double z[2]; /* heights of the lower and the upper face of the package above the reference
+                    surface (m) */
     double thickness;
 } laminate;
 
 /*
- * Position of a package: the plies present there, and the geometry of the element.
+ * Plies that are present in an element, and the geometry that its stiffness depends on.
  *
- * On an element along lines of curvature the base vectors are (1 + k_a z) e_a, and the plies' axes
- * are those of the surface. Any other quadrilateral has a natural_base.
+ * On an element along lines of curvature the base vectors at height z are (1 + k z) times those of
+ * the reference surface, and the axes of the plies are those of the surface. For any other
+ * quadrilateral the base vectors are given by `natural`.
  */
 typedef struct laminate_place {
-    uint32_t present_plies; /* bit i is set where ply i is present */
-    double k[2];            /* principal curvatures, for the exact metric */
-    double chord[2]; /* lengths of the element along theta1, theta2, for the shear flexibility */
+    uint32_t present_plies; /* bit i is set if ply i is present in the element */
+    double k[2];     /* principal curvatures of the element along its directions 1 and 2 (1/m) */
+    double chord[2]; /* lengths of the element along its directions 1 and 2 (m), used for the shear
+                        flexibility */
     double area;
-    double bubble_share; /* part of the element option rho that is used; 1 along lines of curvature
-                          */
-    double skew[2];  /* alpha_1, alpha_2: the area varies as 1 + alpha_1 xi2 + alpha_2 xi1; 0 along
-                        lines of curvature */
-    bool is_general; /* not along lines of curvature */
-    natural_base natural; /* base vectors of such an element */
+    double bubble_share;  /* part of the element option rho that is used on this element; 1 on an
+                             element along lines of curvature */
+    double skew[2];       /* skew alpha_1, alpha_2 of the element: its area per unit of the natural
+                             coordinates varies as 1 + alpha_1 xi2 + alpha_2 xi1 */
+    bool is_general;      /* true: the element does not lie along lines of curvature */
+    natural_base natural; /* base vectors of an element that does not lie along lines of curvature
+                           */
 } laminate_place;
 
 /*
- * Build the plies of a scene. Returns 0, or -1 with error filled where a stiffness is not positive
- * definite.
+ * Build the plies of a scene's layers. Returns 0, or -1 with error filled if the stiffness of a
+ * material is not positive definite.
  */
 int laminate_build(const scene *scene, laminate *laminate, char *error);
 
 /*
- * Area at height z over that of the reference surface; 1 where the scene's element has no metric.
+ * Return the area of an element at height z over its area in the reference surface; 1 if the
+ * scene's element option `metric` is off.
  */
 double laminate_area_ratio(const scene_element *element, const laminate_place *place, double z);
 
 /*
- * Stiffness D of the four modes times area {1, 1/(3 - alpha_1^2), 1/(3 - alpha_2^2), 1/9}, as
- * packed lower triangles. d [4][55] out. Returns 0, or -1 where no ply is present.
+ * Compute the stiffness of the four strain modes 00, 01, 10 and 11 of an element, times area,
+ * area/(3 - alpha_1^2), area/(3 - alpha_2^2) and area/9.
+ *   packed  [4][55] out  lower triangles of the matrices, packed by rows
+ * Returns 0, or -1 if no ply is present.
  */
 int laminate_modes(const laminate *laminate, const scene_element *element,
                    const laminate_place *place, double packed[4][LAMINATE_PACKED]);
 
 /*
- * A prescribed field: one volt across a ply, or where ply < 0 a temperature that is linear between
- * the faces.
+ * Prescribed field: one volt across ply number `ply`, or for ply < 0 a temperature that is linear
+ * between the faces.
  */
 typedef struct laminate_field {
     int ply;
-    double temperature[2]; /* temperature of the inner and outer face, K */
+    double temperature[2]; /* temperature of the inner and of the outer face of the package (K) */
 } laminate_field;
 
-/* Resultants H0 of the stresses of a field, times the element's area. h0 [10] out. */
+/* Compute the prescribed resultants of a field, times the area of the element (h0 [10] out). */
 void laminate_resultants(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field,
                          double h0[LAMINATE_STRAINS]);
 
 /*
- * Resultants H0, times the element's area, of one volt across a ply, or of a uniform temperature of
- * 1 K where ply < 0. h0 [10] out.
+ * Compute the prescribed resultants, times the area of the element, of one volt across a ply, or
+ * for ply < 0 of a uniform temperature of 1 K (h0 [10] out).
  */
 void laminate_unit_resultants(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, int ply, double h0[LAMINATE_STRAINS]);
 
 /*
- * Charge, times the element's area, that a field draws to the upper electrode of a ply while the
- * strains are zero. The charge of an electrode is this less the product of H0 of its voltage and
- * the strains of mode 00.
+ * Return the charge, times the area of the element, that a field draws to the upper electrode of a
+ * ply while the strains are zero. The charge of the electrode is this value less the product of the
+ * element's mean strains and the prescribed resultants of one volt on the electrode.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field);

@@ -1,14 +1,23 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* How much a laminate's transverse shear counts in its bending (laminate_bending.h). */
+/*
+ * Bending and transverse shear stiffnesses by which the influence of shear on a laminate is judged
+ * (laminate_bending.h).
+ */
 #include "laminate_bending.h"
 #include <math.h>
 #include <string.h>
 #include "laminate_shear.h"
 
-/* A ply is soft, a core, if its transverse shear modulus is below this part of the largest one. */
+/*
+ * A ply counts as a soft core if its transverse shear modulus is below this fraction of the largest
+ * one in the laminate.
+ */
 static const double soft_part = 0.1;
 
-/* Plane stress modulus of a ply along its axis 1, strain 22 held. */
+/*
+ * Return the plane stress modulus of a ply along its axis 1 while the strain along axis 2 is 0
+ * (Pa).
+ */
 static double plane_modulus(const laminate_ply *ply)
 {
     return ply->c[0][0] - ply->c[0][2] * ply->c[0][2] / ply->c[2][2];

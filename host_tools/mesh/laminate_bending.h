@@ -1,20 +1,27 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* How much a laminate's transverse shear counts in its bending. */
+/*
+ * Bending and transverse shear stiffnesses by which the influence of transverse shear on the
+ * bending of a laminate is judged.
+ */
 #ifndef LAMINATE_BENDING_H
 #define LAMINATE_BENDING_H
 
 #include "laminate.h"
 
-/* Stiffnesses per width along material axis 1. */
+/* Stiffnesses of a laminate per width, along material axis 1. */
 typedef struct laminate_bending {
-    double bending;  /* of the laminate (N m) */
-    double faces;    /* sum of the stiff plies' own bending stiffnesses (N m); 0 without a soft
-                        core */
-    double shear;    /* transverse shear from equilibrium (N/m) */
-    double constant; /* transverse shear under a strain that is constant in the height (N/m) */
+    double bending;  /* bending stiffness of the laminate (N m) */
+    double faces;    /* sum of the bending stiffnesses of the single stiff plies (N m); 0 without a
+                        soft core */
+    double shear;    /* transverse shear stiffness from equilibrium (N/m) */
+    double constant; /* transverse shear stiffness for a shear strain that is constant through the
+                        thickness (N/m) */
 } laminate_bending;
 
-/* Fill the stiffnesses of all plies of a laminate. Returns 0, or -1 where it has none. */
+/*
+ * Compute the stiffnesses of a laminate in which all plies are present. Returns 0, or -1 if it has
+ * no bending or shear stiffness.
+ */
 int laminate_bending_fill(const laminate *laminate, laminate_bending *bending);
 
 #endif

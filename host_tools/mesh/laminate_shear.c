@@ -5,10 +5,16 @@
 #include <string.h>
 #include "invert.h"
 
-/* Voigt components of the in-plane strains 11, 22, 12 and of the transverse shears 13, 23. */
+/*
+ * Voigt components (order 11 22 33 23 13 12) of the in-plane strains 11, 22, 12 and of the
+ * transverse shears 13, 23.
+ */
 static const int plane[3] = {0, 1, 5}, transverse[2] = {4, 3};
 
-/* Plane stress stiffness of a ply: s33 = 0. */
+/*
+ * Compute the plane stress stiffness of a ply for the strains 11, 22 and 12: the normal stress 33
+ * is 0.
+ */
 static void plane_stress(const shear_ply *ply, double plane_stiffness[3][3])
 {
     for (int i = 0; i < 3; i++)
@@ -32,7 +38,10 @@ int laminate_flexure(const shear_ply *ply, int plies, double flex[6][6])
     return invert(&flex[0][0], 6, 6);
 }
 
-/* In-plane stresses of a bending moment, integrated from z0 to z: sum [3][3] out. */
+/*
+ * Integrate the in-plane stresses of a ply under unit bending moments from height z0 to height z
+ * (sum [3][3] out: stresses 11, 22, 12 by moments 11, 22, 12).
+ */
 static void integrated_stress(double plane_stiffness[3][3], double flex[6][6], double z0, double z,
                               double sum[3][3])
 {
@@ -45,7 +54,10 @@ static void integrated_stress(double plane_stiffness[3][3], double flex[6][6], d
         }
 }
 
-/* work += weight P^T C_t^-1 P, with g [3][3] the integrated stresses up to this height. */
+/*
+ * Add the work of the transverse shear stresses at one height, times a weight, to `work`. The shear
+ * stresses balance the in-plane stresses integrated up to this height (stress [3][3] in).
+ */
 static void add_work(double stress[3][3], double compliance[2][2], double weight, double work[2][2])
 {
     const double shear[2][2] = {{stress[0][0], stress[2][1]}, {stress[2][0], stress[1][1]}};
@@ -57,7 +69,11 @@ static void add_work(double stress[3][3], double compliance[2][2], double weight
                         weight * shear[row][i] * compliance[row][column] * shear[column][j];
 }
 
-/* Add the work of a ply, and its integrated stresses to those of the plies below it. */
+/*
+ * Add the work of the transverse shear stresses in one ply to `work`, and the integrated in-plane
+ * stresses of the ply to those of the plies below it. Returns 0, or -1 if the ply has no shear
+ * stiffness.
+ */
 static int add_ply(const shear_ply *ply, double flex[6][6], double below[3][3], double work[2][2])
 {
     static const double point[3] = {-0.7745966692414834, 0, 0.7745966692414834};
@@ -70,7 +86,8 @@ static int add_ply(const shear_ply *ply, double flex[6][6], double below[3][3], 
             compliance[row][column] = ply->c[transverse[row]][transverse[column]];
     if (invert(&compliance[0][0], 2, 2) < 0)
         return -1;
-    for (int k = 0; k < 3; k++) { /* polynomials of degree 4: three points are exact */
+    for (int k = 0; k < 3; k++) { /* the integrand is a polynomial of degree 4, so that three Gauss
+                                     points are exact */
         integrated_stress(plane_stiffness, flex, z0, z0 + thickness * (1 + point[k]) / 2, stress);
         for (int i = 0; i < 9; i++)
             stress[i / 3][i % 3] += below[i / 3][i % 3];

@@ -2,35 +2,39 @@
 /*
  * Transverse shear stiffness of a laminate from equilibrium.
  *
- * The plies are in plane stress and bend; the transverse shear stresses follow from the change of
- * the in-plane stresses along the plate, and the stiffness from their work:
- *   G(z) = -integral from z- to z of Q (S_b + zeta S_d) dzeta,
+ * The plies are in plane stress and bend. The transverse shear stresses tau follow from the change
+ * of the in-plane stresses along the plate, and the shear stiffness K from the work of tau under
+ * the transverse forces Q13 and Q23:
+ *   G(z) = -integral from the lower face to z of Q (S_b + zeta S_d) dzeta,
  *   tau(z) = P(z) (Q13, Q23),  P = [[G_11,11, G_12,22], [G_12,11, G_22,22]],
- *   K^-1 = integral of P^T C_t^-1 P dz,
- * with Q the plane stress stiffness of a ply, C_t its transverse shear stiffness, and S_b, S_d the
- * blocks of the inverse of [[A, B], [B, D]] that give the strains of a bending moment. One
- * isotropic ply has K = 5/6 G h. A soft core between stiff faces has the stiffness of its own
- * shear, where a shear strain that is constant through the thickness gives the mean of the moduli.
+ *   K^-1 = integral over the thickness of P^T C_t^-1 P dz.
+ * Q is the plane stress stiffness of a ply, C_t its transverse shear stiffness, and S_b, S_d are
+ * those blocks of the inverse of [[A, B], [B, D]] that give the membrane strains and curvatures of
+ * a bending moment. One isotropic ply has K = 5/6 G h. The stiffness of a soft core between stiff
+ * faces is that of the core alone, where a shear strain constant through the thickness would give
+ * the mean of all moduli.
  */
 #ifndef LAMINATE_SHEAR_H
 #define LAMINATE_SHEAR_H
 
-/* One ply that is present. */
+/* Faces and stiffness of one ply that is present in a laminate. */
 typedef struct shear_ply {
-    double z[2];          /* lower and upper face */
-    const double (*c)[6]; /* [6] stiffness, Voigt order 11 22 33 23 13 12 */
+    double z[2];          /* heights of the lower and the upper face of the ply (m) */
+    const double (*c)[6]; /* [6][6] stiffness of the ply, Voigt order 11 22 33 23 13 12 (Pa) */
 } shear_ply;
 
 /*
- * Strains and curvatures per force and moment, the inverse of [[A, B], [B, D]], order 11 22 12.
- *   flex [6][6] out
- * Returns 0, or -1 where the laminate has no bending stiffness.
+ * Compute the membrane strains and curvatures per force and moment of a laminate: the inverse of
+ * [[A, B], [B, D]] in the order 11 22 12, forces before moments.
+ *   flex  [6][6] out
+ * Returns 0, or -1 if the laminate has no bending stiffness.
  */
 int laminate_flexure(const shear_ply *ply, int plies, double flex[6][6]);
 
 /*
- * Shear stiffness k of 13 and 23 (N/m) of plies listed from the lower face on. Returns 0, or -1
- * where the laminate has no bending or shear stiffness.
+ * Compute the stiffness k of the transverse shears 13 and 23 (N/m) of plies that are listed from
+ * the lower face to the upper one. Returns 0, or -1 if the laminate has no bending or shear
+ * stiffness.
  */
 int laminate_shear(const shear_ply *ply, int plies, double k[2][2]);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Mesh of a scene (mesh.h). */
+/* Nodes, elements, element types, supports and dof numbers of the mesh of a scene (mesh.h). */
 #include "mesh.h"
 #include <math.h>
 #include <stdio.h>
@@ -37,7 +37,10 @@ expr_point mesh_place(const mesh *mesh, int node)
     return place;
 }
 
-/* Text of a place on a mesh from a file. label  in  number in the file, or 0 */
+/*
+ * Return the text that describes a place on a mesh from a file; label is the number of the node or
+ * element in the file, 0 for none.
+ */
 static mesh_text place_text(const double position[3], const char *what, long long label)
 {
     mesh_text place;
@@ -82,7 +85,10 @@ static void cell_lines(const mesh *mesh, int element, int *i, int *j)
     *j = element % mesh->scene->line[1].elements;
 }
 
-/* Smallest range of a parameter that contains the nodes of an element. */
+/*
+ * Find the smallest range of a surface coordinate (direction 0: theta1, 1: theta2) that contains
+ * the nodes of an element.
+ */
 static void node_range(const mesh *mesh, int element, int direction, double range[2])
 {
     range[0] = HUGE_VAL;
@@ -109,7 +115,7 @@ void mesh_cell(const mesh *mesh, int element, double theta1[2], double theta2[2]
     }
 }
 
-/* Nodes and elements of a general mesh. */
+/* Copy the nodes and elements of a general quadrilateral mesh. */
 static void place_quads(mesh *mesh)
 {
     const quad_mesh *quads = mesh->quads;
@@ -128,7 +134,7 @@ static void place_quads(mesh *mesh)
             mesh->element[element][corner] = (uint16_t)quads->element[element][corner];
 }
 
-/* Whether mesh line i of theta1 is an edge along theta2. */
+/* Return whether mesh line i of theta1 is an edge of the mesh. */
 static int is_edge_of_theta1(const mesh *mesh, int i)
 {
     return !is_closed(mesh->scene, 0) && (i == 0 || i == mesh->lines[0] - 1);
@@ -163,8 +169,8 @@ static int in_span(const double span[2], double theta)
 }
 
 /*
- * Whether mesh line i of a direction lies in the span of a region. The first line of a closed
- * direction is also its last one.
+ * Return whether mesh line i of a direction lies in the span of a region. The first line of a
+ * closed direction is also its last line.
  */
 static int line_in_region(const mesh *mesh, const scene_where *where, int direction, int i)
 {
@@ -179,7 +185,7 @@ static int in_region(const mesh *mesh, const scene_where *where, int i, int j)
     return line_in_region(mesh, where, 0, i) && line_in_region(mesh, where, 1, j);
 }
 
-/* The nodes of a place on a mesh from a file. */
+/* List the nodes of a place on a mesh from a file. Returns their number. */
 static int select_marked(const mesh *mesh, const scene_where *where, int *node)
 {
     unsigned char *in_set = calloc((size_t)mesh->nodes, 1);
@@ -248,7 +254,10 @@ static void corner_tables(const mesh *mesh, int element, pzs_element_type *type)
     corner_tables_fill(&data, type);
 }
 
-/* Distances between the midpoints of opposite straight sides. */
+/*
+ * Compute the distances between the midpoints of opposite sides of an element, along its directions
+ * 1 and 2 (m).
+ */
 static void centre_chords(const mesh *mesh, const uint16_t node[4], double chord[2])
 {
     static const int high[2][2] = {{1, 2}, {2, 3}}, low[2][2] = {{0, 3}, {0, 1}};
@@ -266,7 +275,7 @@ static void centre_chords(const mesh *mesh, const uint16_t node[4], double chord
     }
 }
 
-/* Plies that are present at the centre of an element, as the bits of laminate_place. */
+/* Return the plies that are present at the centre of an element: bit i is set for ply i. */
 static uint32_t present_plies(const mesh *mesh, const double middle[2])
 {
     const scene *scene = mesh->scene;
@@ -283,7 +292,10 @@ static uint32_t present_plies(const mesh *mesh, const double middle[2])
     return present;
 }
 
-/* Area, curvatures and chords of an element at its centre, and the plies that are present in it. */
+/*
+ * Return the area, curvatures and lengths of an element from the surface at its centre, and the
+ * plies that are present there.
+ */
 static laminate_place element_place(const mesh *mesh, int element)
 {
     const scene *scene = mesh->scene;
@@ -306,7 +318,7 @@ static laminate_place element_place(const mesh *mesh, int element)
     return place;
 }
 
-/* Share of the warp in the membrane shear of an element (warp.h). */
+/* Return the share of the warp in the membrane shear of an element (warp.h), dimensionless. */
 static double warp_share(const mesh *mesh, const laminate_place *place)
 {
     double sum = 0;
@@ -332,7 +344,10 @@ static int build_types(mesh *mesh, type_list *list, char *error)
     return 0;
 }
 
-/* Curvatures of the nodes of a general mesh: means of those of their elements. */
+/*
+ * Set the curvatures of the nodes of a mesh from a file to the means of the curvatures of their
+ * elements.
+ */
 static void set_node_curvatures(mesh *mesh)
 {
     int *elements_at = calloc((size_t)mesh->nodes, sizeof *elements_at);
@@ -348,7 +363,9 @@ static void set_node_curvatures(mesh *mesh)
     free(elements_at);
 }
 
-/* Exact area and plies of every element between coordinate lines. */
+/*
+ * Compute the exact area of every element between mesh lines, and the plies that are present in it.
+ */
 static void measure_elements(const mesh *mesh, double *area, uint32_t *present)
 {
     for (int element = 0; element < mesh->elements; element++) {
@@ -367,7 +384,10 @@ static int build_quad_types(mesh *mesh, const quad_mesh *quads, type_list *list,
                             &mesh->quad_report, error);
 }
 
-/* Element types of a surface whose coordinate lines are not lines of curvature. */
+/*
+ * Build the element types of a surface whose coordinate lines are no lines of curvature. Returns 0,
+ * or -1 with error filled.
+ */
 static int build_general_types(mesh *mesh, type_list *list, char *error)
 {
     const size_t elements = (size_t)mesh->elements;
@@ -410,7 +430,7 @@ static int build_all_types(mesh *mesh, char *error)
 
 /* ---- supports of skewed corners --------------------------------------- */
 
-/* Whether a support tells direction 1 from direction 2. */
+/* Return whether a support constrains directions 1 and 2 of its nodes differently. */
 static int is_directed(const scene_support *support)
 {
     const unsigned first_of_pairs = 1u << 0 | 1u << 3;
@@ -418,8 +438,9 @@ static int is_directed(const scene_support *support)
 }
 
 /*
- * Refuse a support on an edge along theta1 that acts along or across it, where that edge meets the
- * next one at another angle than 90 degrees: the triad of the corner lies along the next edge.
+ * Refuse a support on an edge along theta1 that constrains displacements along or across this edge
+ * only, if the edge meets the next one at an angle other than 90 degrees: the triad of the corner
+ * node is aligned with the next edge.
  */
 static int check_corners(const scene *scene, char *error)
 {
@@ -446,13 +467,21 @@ static int check_corners(const scene *scene, char *error)
 
 /* ---- numbering -------------------------------------------------------- */
 
-/* Line at position p of a folded closed direction of n lines: 0, n-1, 1, n-2, ... */
+/*
+ * Return the mesh line at a position of a folded closed direction, whose order of lines 0, n-1, 1,
+ * n-2, ... keeps neighbours close.
+ */
 static int folded(int position, int lines)
 {
     return position % 2 ? lines - 1 - position / 2 : position / 2;
 }
 
-/* Apply a support to the dof of one node; `values` as in apply_supports. */
+/*
+ * Apply a support to the dof of one node.
+ *   values  [nodes][dof_per_node] in/out  prescribed displacement of each dof, NAN where none is
+ *                                         prescribed
+ * Returns 0, or -1 with error filled if another support prescribes another value.
+ */
 static int apply_support(mesh *mesh, const scene_support *support, int node, double *values,
                          char *error)
 {
@@ -484,8 +513,10 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
 }
 
 /*
- * Mark the dof that supports hold at 0. values [nodes][dof_per_node] out: the prescribed
- * displacement of a dof, NAN where there is none.
+ * Apply all supports: dof that they hold at 0 are marked as constrained.
+ *   values  [nodes][dof_per_node] out  prescribed displacement of each dof, NAN where none is
+ *                                      prescribed
+ * Returns 0, or -1 with error filled.
  */
 static int apply_supports(mesh *mesh, int *node, double *values, char *error)
 {
@@ -494,7 +525,7 @@ static int apply_supports(mesh *mesh, int *node, double *values, char *error)
     for (int k = 0; k < mesh->scene->supports; k++) {
         const scene_support *support = &mesh->scene->support[k];
         if (mesh->scene->quads && !support->value)
-            continue; /* held already by the general mesh itself */
+            continue; /* the mesh from a file has marked its constrained dof before */
         const int count = mesh_select(mesh, &support->where, node);
         for (int member = 0; member < count; member++)
             if (apply_support(mesh, support, node[member], values, error) < 0)
@@ -503,7 +534,10 @@ static int apply_supports(mesh *mesh, int *node, double *values, char *error)
     return 0;
 }
 
-/* List the dof with prescribed displacements in the order of their numbers. */
+/*
+ * List the dof with prescribed displacements in the order of their numbers. Returns 0, or -1 when
+ * memory runs out.
+ */
 static int list_prescribed(mesh *mesh, const double *values)
 {
     const size_t all = (size_t)mesh->nodes * mesh->dof_per_node;
@@ -524,7 +558,7 @@ static int list_prescribed(mesh *mesh, const double *values)
     return of_dof && mesh->prescribed_dof && mesh->prescribed_value ? 0 : -1;
 }
 
-/* Number the free dof of one node. */
+/* Give the free dof of one node the next numbers. */
 static void number_node(mesh *mesh, int node)
 {
     uint16_t *dof = mesh->node_dof + (size_t)node * mesh->dof_per_node;
@@ -539,7 +573,7 @@ static void number_quads(mesh *mesh)
         number_node(mesh, mesh->quads->order ? (int)mesh->quads->order[node] : node);
 }
 
-/* Mark the dof that the general mesh itself holds at 0. */
+/* Mark the dof that a mesh from a file itself constrains to 0. */
 static void constrain_quads(mesh *mesh)
 {
     for (int node = 0; node < mesh->nodes && mesh->quads->constrained; node++)
@@ -663,7 +697,7 @@ static int build_numbers(mesh *mesh, char *error)
     return status;
 }
 
-/* Refuse a closed direction with too few elements around it. */
+/* Refuse a closed direction of the mesh with fewer than three elements around it. */
 static int check_lines(const scene *scene, char *error)
 {
     for (int direction = 0; direction < 2; direction++)
@@ -718,7 +752,10 @@ int mesh_build(mesh *mesh, const scene *scene, char *error)
     return -1;
 }
 
-/* Refuse what the tables cannot hold, and a formulation that needs lines of curvature. */
+/*
+ * Refuse a general quadrilateral mesh that is too large for the tables, that branches, or whose
+ * element formulation needs lines of curvature.
+ */
 static int check_quads(const scene *scene, const quad_mesh *quads, char *error)
 {
     if (quads->nodes >= PZS_CONSTRAINED || quads->elements >= PZS_CONSTRAINED)

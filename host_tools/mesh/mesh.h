@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Mesh of a scene: nodes, elements, element types and the numbering of the free dof.
+ * Mesh of a scene: nodes, elements, element types and the numbers of the free dof.
  *
- * Node numbers increase fastest along theta2. The free dof are renumbered for the factor: the
- * direction that gives the narrower band runs fastest, and a closed slow direction is folded.
+ * The numbers of nodes on mesh lines increase fastest along theta2. The free dof are numbered for a
+ * small envelope of the factor: fastest along the direction that gives the narrower band, and
+ * folded along a closed slow direction.
  */
 #ifndef MESH_H
 #define MESH_H
@@ -13,55 +14,65 @@
 #include "../scene/surface.h"
 #include "quad_types.h"
 
-/* Springs of a mesh as rows over its free dof (springs.h). All arrays are NULL without springs. */
+/*
+ * Springs of a mesh as sparse rows over its free dof (springs.h). All arrays are NULL if there are
+ * no springs.
+ */
 typedef struct mesh_springs {
     int count;  /* number of springs and stacks */
-    int *first; /* [items + 1] first spring of each item: springs of the scene, then actuators */
-    uint32_t *start;         /* [count + 1] first entry of each spring */
-    uint16_t *dof;           /* [start[count]] free dof of each entry */
-    double *value;           /* [start[count]] elongation per unit of the dof (1) */
-    double *stiffness;       /* [count] stiffness (N/m) */
-    double envelope_without; /* number of entries of the factor without springs */
+    int *first; /* [items + 1] number of the first spring of each item; items are the springs of the
+                   scene, then the actuators */
+    uint32_t *start;         /* [count + 1] number of the first entry of each spring */
+    uint16_t *dof;           /* [start[count]] number of the free dof of each entry */
+    double *value;           /* [start[count]] elongation per unit of the dof of each entry (1) */
+    double *stiffness;       /* [count] stiffness of each spring (N/m) */
+    double envelope_without; /* number of entries that the factor would have without springs */
 } mesh_springs;
 
 typedef struct mesh {
     const scene *scene;
-    const quad_mesh *quads; /* the general mesh that this mesh was built from, or NULL: a mesh along
-                               lines of curvature */
-    bool accept_irregular;  /* elements that are too thin for an irregular mesh are reported, not
-                               refused */
+    const quad_mesh *quads; /* general quadrilateral mesh that the mesh was built from; NULL for a
+                               mesh along lines of curvature */
+    bool accept_irregular;  /* true: elements that are too thin for an irregular mesh are reported;
+                               false: they are refused */
     quad_report quad_report;
     laminate laminate;
-    int lines[2]; /* node lines along theta1, theta2; a closed direction has no last line. General
-                     mesh: all nodes, 1 */
+    int lines[2]; /* number of node lines along theta1 and theta2, in which a closed direction has
+                     no last line; on a mesh from a file: number of nodes, and 1 */
     int nodes, elements, types, free_dof;
     unsigned dof_per_node;
-    surface_point *point;     /* [nodes] position, triad, metric and curvatures */
-    double (*theta)[2];       /* [nodes] parameters theta1, theta2; general mesh: x, y */
-    uint16_t (*element)[4];   /* [elements] four nodes each, in corner order; theta2 fastest */
-    uint16_t *element_type;   /* [elements] element type of each element */
-    pzs_element_type *type;   /* [types] corner tables */
-    laminate_place *place;    /* [types] plies, curvatures and size */
-    double *stiffness;        /* [types][packed] element matrices, packed lower triangles */
-    uint16_t *node_dof;       /* [nodes][dof_per_node] free dof, or PZS_CONSTRAINED */
-    uint16_t *first_column;   /* [free_dof] first column of each row of the factor */
-    int prescribed_count;     /* dof with a prescribed displacement; numbered among the free dof */
-    uint16_t *prescribed_dof; /* [prescribed_count] their numbers, ascending */
-    double *prescribed_value; /* [prescribed_count] their displacements at full load */
+    surface_point *point; /* [nodes] position, local triad, metric and curvatures of the surface */
+    double (*theta)[2]; /* [nodes] surface coordinates theta1, theta2; on a mesh from a file x, y */
+    uint16_t (*element)[4]; /* [elements] numbers of the four corner nodes in the order (-,-) (+,-)
+                               (+,+) (-,+) */
+    uint16_t *element_type; /* [elements] number of each element's type */
+    pzs_element_type *type; /* [types] element types: corner tables and stiffness */
+    laminate_place *place;  /* [types] plies, curvatures and size of each element type */
+    double *stiffness; /* [types][packed] element stiffness matrices, lower triangles packed by rows
+                        */
+    uint16_t *node_dof;     /* [nodes][dof_per_node] number of each free dof, or PZS_CONSTRAINED */
+    uint16_t *first_column; /* [free_dof] first column of each row of the factor of the stiffness
+                               matrix */
+    int prescribed_count;   /* number of free dof whose displacement is prescribed */
+    uint16_t *prescribed_dof; /* [prescribed_count] numbers of the free dof with prescribed
+                                 displacement, ascending */
+    double *prescribed_value; /* [prescribed_count] prescribed displacements at full load (scene
+                                 unit of length) */
     mesh_springs springs;
 } mesh;
 
 /*
- * Build the mesh of a checked scene, which must outlive it. Returns 0, or -1 with error filled and
- * the mesh empty.
+ * Build the mesh of a checked scene, which must exist as long as the mesh. Returns 0, or -1 with
+ * error filled and the mesh empty.
  */
 int mesh_build(mesh *mesh, const scene *scene, char *error);
 
 /*
- * Build the mesh of a scene from a general mesh of quadrilaterals in place of the scene's surface
- * and mesh lines. Scene and quads must outlive the mesh. accept_irregular  in  elements that are
- * too thin for an irregular mesh are not refused Returns 0, or -1 with error filled and the mesh
- * empty.
+ * Build the mesh of a scene from a general quadrilateral mesh in place of the scene's surface and
+ * mesh lines. Scene and quads must exist as long as the mesh.
+ *   accept_irregular  in  elements that are too thin for an irregular mesh are reported; otherwise
+ *                         they are refused
+ * Returns 0, or -1 with error filled and the mesh empty.
  */
 int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, bool accept_irregular,
                      char *error);
@@ -70,29 +81,32 @@ void mesh_free(mesh *mesh);
 
 /*
  * Build the springs of a mesh whose dof are numbered and whose element types are built, and widen
- * the envelope by them (springs.h). Returns 0, or -1 with error filled.
+ * the envelope of the factor by them (springs.h). Returns 0, or -1 with error filled.
  */
 int mesh_springs_build(mesh *mesh, char *error);
 
 void mesh_springs_free(mesh_springs *springs);
 
 /*
- * Build a mesh of points without elements: the outputs of the scene's measured influence matrix,
- * with one dof each, along z. Where the scene gives no coordinates, the points stand along x in the
- * order of the outputs, for pictures alone. theta1 and theta2 are NAN.
- * Returns 0, or -1 with error filled and the mesh empty.
+ * Build a mesh of points without elements for a measured influence matrix: one point for each
+ * output, with one dof along z. If the scene gives no coordinates, the points lie along x in the
+ * order of the outputs, for pictures only. theta1 and theta2 of the points are NAN. Returns 0, or
+ * -1 with error filled and the mesh empty.
  */
 int mesh_points(mesh *mesh, const scene *scene, char *error);
 
-/* Node at line i of theta1 and line j of theta2; line numbers of closed directions wrap around. */
+/*
+ * Return the number of the node on line i of theta1 and line j of theta2; line numbers wrap around
+ * in closed directions.
+ */
 int mesh_node(const mesh *mesh, int i, int j);
 
-/* Coordinates of a node as the variables of a formula. */
+/* Return the coordinates of a node as the variables of a formula. */
 expr_point mesh_place(const mesh *mesh, int node);
 
 /*
- * The place of a node, or the extent of an element, in words for a message: theta1 and theta2, or
- * on a mesh from a file x, y, z (of an element's middle) and the number in the file.
+ * Text for a message: the place of a node or the extent of an element as theta1 and theta2, or on a
+ * mesh from a file as x, y, z (of the element's centre) with the number in the file.
  */
 typedef struct mesh_text {
     char text[112];
@@ -100,42 +114,55 @@ typedef struct mesh_text {
 mesh_text mesh_node_text(const mesh *mesh, int node);
 mesh_text mesh_element_text(const mesh *mesh, int element);
 
-/* Node of a place that is a single node: a point, or the first node of a set. */
+/* Return the node of a place that is a single node: that of a point, or the first node of a set. */
 int mesh_point_node(const mesh *mesh, const scene_where *where);
 
-/* List the nodes of a region in node order. node [nodes] out. Returns their number. */
+/* List the nodes of a place in ascending order (node [nodes] out). Returns their number. */
 int mesh_select(const mesh *mesh, const scene_where *where, int *node);
 
-/* One side of an element: its nodes and its length. */
+/* One side of an element: the numbers of its two nodes, and its length (m). */
 typedef struct mesh_side {
     int node[2];
     double length;
 } mesh_side;
 
-/* Number of sides of an edge, or of an edge set of a mesh from a file; -1 for other places. */
+/*
+ * Return the number of element sides on an edge, or in an edge set of a mesh from a file; -1 for
+ * any other place.
+ */
 int mesh_sides(const mesh *mesh, const scene_where *where);
 
-/* Side k of an edge or edge set. */
+/* Return side number k of an edge or of an edge set. */
 mesh_side mesh_side_at(const mesh *mesh, const scene_where *where, int k);
 
-/* Area of each node: the shares of its elements. area [nodes] out */
+/*
+ * Compute the area that belongs to each node, the sum of its shares in the areas of its elements
+ * (area [nodes] out, m2).
+ */
 void mesh_node_areas(const mesh *mesh, double *area);
 
 /*
- * Add to each node its share of the length of the sides of a place, or of the area of the elements
- * whose nodes are all in the place. share [nodes] in/out. mesh_length_shares returns the number of
- * sides, -1 where the place has none.
+ * Add to each node its share of the length of the sides of a place (mesh_length_shares), or of the
+ * area of the elements whose nodes all belong to the place (mesh_area_shares).
+ *   share  [nodes] in/out  length (m) or area (m2) of each node
+ * mesh_length_shares returns the number of sides, or -1 if the place has no sides.
  */
 int mesh_length_shares(const mesh *mesh, const scene_where *where, double *share);
 void mesh_area_shares(const mesh *mesh, const scene_where *where, double *share);
 
-/* Parameter ranges of an element: theta1 [2] out, theta2 [2] out. */
+/* Find the ranges of theta1 and theta2 in an element (theta1 [2] out, theta2 [2] out). */
 void mesh_cell(const mesh *mesh, int element, double theta1[2], double theta2[2]);
 
-/* Half bandwidth of the factor: largest number of entries left of the diagonal in a row. */
+/*
+ * Return the half bandwidth of the factor: the largest number of entries left of the diagonal in a
+ * row.
+ */
 int mesh_half_bandwidth(const mesh *mesh);
 
-/* Number of entries of the factor: of each row from its first column to the diagonal. */
+/*
+ * Return the number of entries of the factor, which are those from the first column of each row to
+ * the diagonal.
+ */
 double mesh_envelope(const mesh *mesh);
 
 #endif

@@ -13,7 +13,8 @@ static void fill(mesh *mesh)
         mesh->node_dof[node] = (uint16_t)node;
         for (int axis = 0; axis < 3; axis++) {
             mesh->point[node].x[axis] = influence->place ? influence->place[node][axis] : 0;
-            mesh->point[node].e[axis][(axis + 2) % 3] = 1; /* the one dof, along e1, is along z */
+            mesh->point[node].e[axis][(axis + 2) % 3] = 1; /* the only dof of a node acts along e1,
+                                                              which is set to the z axis */
         }
         if (!influence->place)
             mesh->point[node].x[0] = node;

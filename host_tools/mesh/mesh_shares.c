@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sides and areas of places, and the shares of their nodes (mesh.h). */
+/* Sides and areas of places on a mesh, and the shares that belong to each node (mesh.h). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +9,10 @@
 
 /* ---- sides ---------------------------------------------------------------- */
 
-/* Side of an edge set of a mesh from a file; its length is that of its chord. */
+/*
+ * Return side number i of an edge set of a mesh from a file; its length is that of the straight
+ * line between its nodes.
+ */
 static mesh_side side_of_set(const mesh *mesh, const quad_set *set, size_t i)
 {
     const uint16_t *element = mesh->element[set->index[i] / 4];
@@ -21,7 +24,7 @@ static mesh_side side_of_set(const mesh *mesh, const quad_set *set, size_t i)
     return found;
 }
 
-/* Side k of an edge of a mesh of lines. */
+/* Return side number k of an edge of a mesh that consists of mesh lines. */
 static mesh_side side_of_lines(const mesh *mesh, scene_edge edge, int k)
 {
     const int along = edge == EDGE_THETA1_MINUS || edge == EDGE_THETA1_PLUS ? 1 : 0;
@@ -88,7 +91,7 @@ void mesh_node_areas(const mesh *mesh, double *area)
         add_area(mesh, e, area);
 }
 
-/* Whether all nodes of an element are marked. */
+/* Return whether all four nodes of an element are marked. */
 static bool is_inside(const mesh *mesh, int element, const unsigned char *marked)
 {
     bool inside = true;

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Points of a mesh between its nodes (mesh_spot.h). */
+/* Points of a mesh that need not be nodes (mesh_spot.h). */
 #include "mesh_spot.h"
 #include <math.h>
 #include "../quads/vector.h"
 
-/* Natural coordinates of the corners of an element. */
+/* Natural coordinates xi1 and xi2 of the four corners of an element. */
 static const int corner_xi[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
 
-/* Largest distance outside an element, in natural coordinates, at which a point counts as inside.
+/*
+ * Largest distance outside an element, in natural coordinates, at which a point still counts as
+ * inside.
  */
 static const double slack = 1e-6;
 
@@ -17,7 +19,7 @@ mesh_spot mesh_spot_of_node(int node)
     return spot;
 }
 
-/* Spot at natural coordinates of an element. */
+/* Return the spot at natural coordinates xi [2] of an element. */
 static mesh_spot spot_in(const mesh *mesh, int element, const double xi[2])
 {
     mesh_spot spot = {.count = 4};
@@ -39,7 +41,10 @@ void mesh_spot_place(const mesh *mesh, const mesh_spot *spot, double x[3])
 
 /* ---- mesh lines --------------------------------------------------------- */
 
-/* Interval of mesh lines that contains a coordinate, and the natural coordinate in it. */
+/*
+ * Return the number of the interval between mesh lines that contains a coordinate; *xi becomes the
+ * natural coordinate (-1 to 1) within this interval.
+ */
 static int interval(const scene_line *line, double theta, double *xi)
 {
     int i = 0;
@@ -62,7 +67,10 @@ static int find_on_lines(const mesh *mesh, const double point[3], mesh_spot *spo
 
 /* ---- general meshes ------------------------------------------------------ */
 
-/* Position of natural coordinates of an element and the derivatives along them. */
+/*
+ * Compute the position at natural coordinates xi [2] of an element, and its derivatives with
+ * respect to them.
+ */
 static void position(const mesh *mesh, int element, const double xi[2], double x[3],
                      double base[2][3])
 {
@@ -79,8 +87,9 @@ static void position(const mesh *mesh, int element, const double xi[2], double x
 }
 
 /*
- * Move natural coordinates to the foot of the point on the surface of an element, by Gauss and
- * Newton's method. Returns the distance of the point from the foot.
+ * Find the natural coordinates of the point of an element's surface that is nearest to a given
+ * point, by the Gauss-Newton method from the values given in xi. Returns the distance between both
+ * points (m).
  */
 static double find_foot(const mesh *mesh, int element, const double point[3], double xi[2])
 {
@@ -106,7 +115,10 @@ static double find_foot(const mesh *mesh, int element, const double point[3], do
     return vector_length(away);
 }
 
-/* Whether a point is so near to an element that the element may contain its foot. */
+/*
+ * Return whether a point is so near to an element that its nearest point on the mesh may lie in
+ * this element.
+ */
 static bool is_near(const mesh *mesh, int element, const double point[3])
 {
     const double middle[2] = {0, 0};

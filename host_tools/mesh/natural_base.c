@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Base vectors of any quadrilateral at a height (natural_base.h). */
+/* Base vectors of a quadrilateral element at any height (natural_base.h). */
 #include "natural_base.h"
 
 static double determinant(double j[3][3])
@@ -9,7 +9,7 @@ static double determinant(double j[3][3])
            j[0][2] * (j[1][0] * j[2][1] - j[1][1] * j[2][0]);
 }
 
-/* b = inverse of j [3][3] */
+/* Compute the inverse of a 3x3 matrix j of base vectors. */
 static void inverse_base(double j[3][3], double inverse[3][3])
 {
     const double size = determinant(j);
@@ -21,7 +21,7 @@ static void inverse_base(double j[3][3], double inverse[3][3])
         }
 }
 
-/* Base vectors at height z, the columns of j [3][3]. */
+/* Compute the base vectors of an element at height z, the columns of the 3x3 matrix j. */
 static void base_at(const natural_base *natural, double z, double j[3][3])
 {
     for (int i = 0; i < 3; i++)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Geometry of one quadrilateral (quad_geometry.h). */
+/* Geometry of one quadrilateral element at its centre (quad_geometry.h). */
 #include "quad_geometry.h"
 #include <math.h>
 #include <string.h>
@@ -7,7 +7,10 @@
 
 static const double xi[2][4] = {{-1, 1, 1, -1}, {-1, -1, 1, 1}};
 
-/* Sum over the corners of xi_1^p xi_2^q times the vectors, divided by 4. */
+/*
+ * Sum vectors over the four corners, each divided by 4 and multiplied by xi1 of the corner if
+ * has_xi1 is 1 and by xi2 if has_xi2 is 1.
+ */
 static void corner_sum(const double (*vector)[3], const uint32_t node[4], int has_xi1, int has_xi2,
                        double sum[3])
 {
@@ -19,7 +22,11 @@ static void corner_sum(const double (*vector)[3], const uint32_t node[4], int ha
     }
 }
 
-/* alpha from [g_a . g_b] alpha = [g_a . g_h]. Returns the determinant of [g_a . g_b]. */
+/*
+ * Compute the skew coefficients alpha of an element: the hourglass vector is alpha_1 g_1 + alpha_2
+ * g_2 plus a part normal to the base vectors g_1, g_2. Returns the determinant of the matrix of
+ * products g_a . g_b.
+ */
 static double fill_skew(const double base[2][3], const double hourglass[3], double skew[2])
 {
     const double a11 = vector_dot(base[0], base[0]), a22 = vector_dot(base[1], base[1]);
@@ -31,7 +38,10 @@ static double fill_skew(const double base[2][3], const double hourglass[3], doub
     return size;
 }
 
-/* Curvatures along the element's directions, and the principal ones. size: of fill_skew */
+/*
+ * Compute the curvatures of an element along its directions, and its principal curvatures (1/m);
+ * `size` is the determinant that fill_skew returned.
+ */
 static void fill_curvature(quad_geometry *geometry, double size)
 {
     const double a11 = vector_dot(geometry->base[0], geometry->base[0]),
@@ -55,8 +65,9 @@ static void fill_curvature(quad_geometry *geometry, double size)
 /* ---- area -------------------------------------------------------------- */
 
 /*
- * Middle of side s of the curved element: the chord bent so that it is tangent to the surface at
- * both ends, (X_r + X_r')/2 + (t_r - t_r')/8, with t the chord projected on the tangent planes.
+ * Compute the middle of one side of the curved element. The side is bent so that it is tangent to
+ * the surface at both ends: (X + X')/2 + (t - t')/8, with X, X' the positions of its ends and t, t'
+ * its chord projected on the tangent planes there.
  */
 static void side_middle(const quad_mesh *mesh, const uint32_t node[4], int side, double middle[3])
 {
@@ -72,7 +83,9 @@ static void side_middle(const quad_mesh *mesh, const uint32_t node[4], int side,
                     (lean_to * director_to[i] - lean_from * director_from[i]) / 8;
 }
 
-/* Derivatives along xi1 and xi2 of the eight-node shape functions: four corners, then sides 0 to 3.
+/*
+ * Compute the derivatives along xi1 = s and xi2 = t of the shape functions of a quadrilateral with
+ * eight nodes: four corners, then the middles of sides 0 to 3.
  */
 static void shape_slopes(double s, double t, double slope[2][8])
 {
@@ -89,7 +102,10 @@ static void shape_slopes(double s, double t, double slope[2][8])
     }
 }
 
-/* Area of the surface through the corners and the bent sides; exact where the element is flat. */
+/*
+ * Return the area of the surface through the corners and the bent sides of an element (m2); it is
+ * exact if the element is flat.
+ */
 static double curved_area(const quad_mesh *mesh, const uint32_t node[4])
 {
     static const double point[3] = {-0.7745966692414834, 0, 0.7745966692414834};

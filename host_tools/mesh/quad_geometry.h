@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Geometry of one quadrilateral at its centre, from the positions and directors of its nodes alone:
- * the mesh needs no parameter plane and no formula of the surface.
+ * Geometry of one quadrilateral element at its centre, from the positions X_r and directors D_r of
+ * its four nodes alone: the mesh needs no surface coordinates and no formula of the surface. xi1_r
+ * and xi2_r are the natural coordinates of the corners.
  */
 #ifndef QUAD_GEOMETRY_H
 #define QUAD_GEOMETRY_H
@@ -9,21 +10,31 @@
 #include "../quads/quad_mesh.h"
 
 typedef struct quad_geometry {
-    double base[2][3]; /* g_a = 1/4 sum_r xi_a,r X_r: position per unit of xi_a at the centre (m) */
-    double turn[2][3]; /* d_a = 1/4 sum_r xi_a,r D_r: director per unit of xi_a at the centre (1) */
-    double director[3];  /* unit vector along the sum of the corners' directors */
-    double normal[3];    /* unit vector along g_1 x g_2 */
-    double length[2];    /* L_a = 2 |g_a| (m) */
-    double skew[2];      /* alpha_a = g_h . g^a, with g_h = 1/4 sum_r xi1_r xi2_r X_r (1) */
-    double curvature[3]; /* B_11, B_22, B_12 along the unit vectors of g_1, g_2:
-                            B_ab = 2 (g_a . d_b + g_b . d_a)/(L_a L_b) (1/m) */
-    double principal[2]; /* principal curvatures (1/m) */
-    double area;         /* (m2) */
-    double jacobian; /* smallest corner value of 1 + alpha_1 xi2 + alpha_2 xi1; 1: parallelogram */
-    double upright;  /* smallest cosine of a corner's director with the normal */
+    double base[2][3]; /* base vectors g_a = 1/4 sum of xi_a X_r: derivative of the position by xi_a
+                          at the centre (m) */
+    double turn[2][3]; /* derivatives of the director by xi_a at the centre, d_a = 1/4 sum of xi_a
+                          D_r (1) */
+    double director[3]; /* unit vector along the sum of the directors of the corners */
+    double normal[3]; /* unit normal of the element, along the cross product of its base vectors */
+    double length[2]; /* lengths of the element along its directions 1 and 2, twice the lengths of
+                         the base vectors (m) */
+    double skew[2]; /* skew coefficients alpha_1, alpha_2: components along the base vectors of the
+                       hourglass vector 1/4 sum of xi1 xi2 X_r (1) */
+    double curvature[3]; /* curvatures B_11, B_22, B_12 along the unit vectors of the base vectors
+                            g_a: B_ab = 2 (g_a . d_b + g_b . d_a)/(L_a L_b), with L_a the lengths of
+                            the element and d_a the derivatives of the director (1/m) */
+    double principal[2]; /* principal curvatures of the element (1/m) */
+    double area;         /* area of the element (m2) */
+    double jacobian; /* smallest area per unit of the natural coordinates at a corner, relative to
+                        the centre; 1 for a parallelogram */
+    double upright;  /* smallest cosine of the angle between a corner's director and the normal of
+                        the element */
 } quad_geometry;
 
-/* Fill the geometry of an element. Returns 0, or -1 where the element has no extent. */
+/*
+ * Compute the geometry of an element. Returns 0, or -1 if the element has no extent or a number is
+ * not finite.
+ */
 int quad_geometry_fill(const quad_mesh *mesh, size_t element, quad_geometry *geometry);
 
 #endif

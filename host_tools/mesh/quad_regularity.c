@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Irregularity of a general mesh (quad_regularity.h). */
+/*
+ * Irregularity of a general quadrilateral mesh, and the treatment of irregular thin elements
+ * (quad_regularity.h).
+ */
 #include "quad_regularity.h"
 #include <math.h>
 #include <stdlib.h>
@@ -8,7 +11,10 @@
 
 /* ---- nodes -------------------------------------------------------------- */
 
-/* Sums over the edges at a node: the vectors to its neighbours and their lengths. */
+/*
+ * Sums over the edges that meet at a node: the vectors to the neighbouring nodes, and their
+ * lengths.
+ */
 typedef struct edge_sum {
     double vector[3], length;
     bool is_border;
@@ -55,8 +61,9 @@ int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irre
 /* ---- rule --------------------------------------------------------------- */
 
 /*
- * Gate of the asymptotic part: 1 where both directions of the element are asymptotic, 0 where
- * |B_11 B_22| reaches B_12^2/2, as on cylinders, spheres and along lines of curvature.
+ * Return a factor that is 1 if both directions of an element are asymptotic (normal curvature 0),
+ * and 0 if |B_11 B_22| reaches B_12^2/2, as on cylinders, on spheres and along lines of curvature;
+ * B_ab are the curvatures along the directions of the element.
  */
 static double asymptotic_gate(const quad_geometry *geometry)
 {

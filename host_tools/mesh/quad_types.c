@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Element types of a general mesh (quad_types.h). */
+/* Element types of a general quadrilateral mesh, and the checks of its elements (quad_types.h). */
 #include "quad_types.h"
 #include <math.h>
 #include <stdio.h>
@@ -16,13 +16,19 @@ static uint32_t element_of(const quad_side *side)
     return side->edge / 4;
 }
 
-/* Whether an element passes through its side from the higher node to the lower one. */
+/*
+ * Return whether an element runs along one of its sides from the node with the higher number to
+ * that with the lower one.
+ */
 static bool is_reversed(const quad_mesh *quads, const quad_side *side)
 {
     return quads->element[element_of(side)][side->edge % 4] != side->low;
 }
 
-/* Check two elements at a common side. side [2] in */
+/*
+ * Check that two elements run along their common side in opposite directions (side [2] in). Returns
+ * 0, or -1 with error filled.
+ */
 static int check_pair(const scene *scene, const quad_mesh *quads, const quad_side *side,
                       char *error)
 {
@@ -34,7 +40,10 @@ static int check_pair(const scene *scene, const quad_mesh *quads, const quad_sid
                        element_of(&side[0]), element_of(&side[1]), side[0].low, side[0].high);
 }
 
-/* Check all elements at their common sides. side [count] in, as listed by quad_sides */
+/*
+ * Check the elements at all common sides, which are neighbours in the sorted list of sides (side
+ * [count] in, from quad_sides). Returns 0, or -1 with error filled.
+ */
 static int check_sorted(const scene *scene, const quad_mesh *quads, const quad_side *side,
                         size_t count, char *error)
 {
@@ -68,7 +77,10 @@ int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error)
 
 /* ---- one element -------------------------------------------------------- */
 
-/* Unit vectors of the material axes as rows: the direction projected, its normal, the element's. */
+/*
+ * Compute the unit vectors of an element's material axes, as rows: the given direction projected on
+ * the element, the axis normal to it in the element, and the normal of the element.
+ */
 static void material_axes(const quad_geometry *geometry, const double direction[3],
                           double axes[3][3])
 {
@@ -83,7 +95,10 @@ static void material_axes(const quad_geometry *geometry, const double direction[
     vector_cross(axes[2], axes[0], axes[1]);
 }
 
-/* alpha with what is rounding error of the node positions set to 0. */
+/*
+ * Copy the skew coefficients of an element; values that are rounding error of the node positions
+ * become 0.
+ */
 static void set_skew(const quad_geometry *geometry, double skew[2])
 {
     for (int direction = 0; direction < 2; direction++)
@@ -114,17 +129,17 @@ static laminate_place quad_place(const quad_geometry *geometry, const quad_regio
     return place;
 }
 
-/* What a general mesh is built into. */
+/* Input and output of the construction of a general quadrilateral mesh's element types. */
 typedef struct quad_build {
     type_list *list;
     const quad_mesh *quads;
     const surface_point *point;
-    const double *irregularity; /* [nodes] */
+    const double *irregularity; /* [nodes] irregularity of each node (quad_irregularity) */
     uint16_t *element_type;
     quad_report *report;
 } quad_build;
 
-/* Corner tables, thickness and skew of an element. */
+/* Fill the corner tables, the thickness and the skew of an element's type. */
 static void start_type(const quad_build *build, int element, const quad_geometry *geometry,
                        pzs_element_type *type)
 {
@@ -167,7 +182,7 @@ static int add_quad(quad_build *build, int element, const quad_geometry *geometr
 
 /* ---- checks ------------------------------------------------------------- */
 
-enum { NAMED = 4 }; /* elements named in a message */
+enum { NAMED = 4 }; /* largest number of elements that a message lists */
 
 static int check_shape(const scene *scene, int element, int status, const quad_geometry *geometry,
                        char *error)
@@ -189,7 +204,10 @@ static int check_shape(const scene *scene, int element, int status, const quad_g
     return 0;
 }
 
-/* Whether an element is too coarse for its curvature: L^2 |B| > 8 h on a thin, irregular mesh. */
+/*
+ * Return whether an element is too coarse for its curvature on a thin, irregular mesh: squared
+ * length times curvature is larger than eight thicknesses.
+ */
 static int is_coarse(const quad_rule *rule, const quad_geometry *geometry, double thickness)
 {
     return rule->thinness > 8 &&
@@ -213,7 +231,10 @@ static void add_to_report(quad_report *report, const quad_rule *rule, const quad
     }
 }
 
-/* List the numbers of the first locking elements. named [NAMED] in */
+/*
+ * List the numbers of the first elements that are too stiff in bending (named [NAMED] in) as a
+ * text.
+ */
 static void name_elements(const int *named, int count, char *text, size_t size)
 {
     size_t at = 0;
@@ -240,7 +261,7 @@ static int refuse_locking(const quad_build *build, const int *named, double lock
 
 /* ---- all elements ------------------------------------------------------- */
 
-/* Largest irregularity of the nodes of an element. */
+/* Return the largest irregularity of the nodes of an element. */
 static double of_nodes(const quad_build *build, int element)
 {
     double largest = 0;
@@ -249,7 +270,7 @@ static double of_nodes(const quad_build *build, int element)
     return largest;
 }
 
-/* Number of an element for messages: that in its mesh file, if it comes from one. */
+/* Return the number of an element for messages: its number in the mesh file, or else its index. */
 static int label_of(const quad_mesh *quads, int element)
 {
     const int64_t label = quads->element_label ? quads->element_label[element] : element;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Element types of a general mesh: corner tables, stiffness, warp and skew of quadrilaterals in any
- * arrangement, and the checks that such a mesh must pass.
+ * Element types of a general quadrilateral mesh, whose elements may have any shape and arrangement:
+ * corner tables, stiffness, warp and skew, and the checks that such a mesh must pass.
  */
 #ifndef QUAD_TYPES_H
 #define QUAD_TYPES_H
@@ -10,34 +10,43 @@
 #include "../scene/surface.h"
 #include "element_types.h"
 
-/* What is to be reported about a general mesh: numbers of elements, and the worst of them. */
+/*
+ * Summary of the doubtful elements of a general quadrilateral mesh: their numbers, and their worst
+ * values.
+ */
 typedef struct quad_report {
-    int locking; /* too thin for the irregular mesh around them, and accepted: bending is far too
-                    stiff, free edges and inextensional motions most of all */
-    int coarse;  /* thin, irregular and curved over their length: bending is too stiff, as without
-                    the shear flexibility of coarse meshes */
-    int strips;  /* distorted elements along the straight lines of a thin twisted strip */
-    int narrow;  /* one corner is wide: the area at the corner is below 0.3 of that at the centre */
-    double thinness; /* largest curvature times length^2/thickness of the locking or coarse ones */
-    double irregularity; /* largest irregularity of these (quad_regularity.h) */
-    double jacobian;     /* smallest area at a corner over that at the centre, all elements */
+    int locking; /* number of elements that are too thin for the irregular mesh around them and were
+                    accepted: their bending is far too stiff, most of all at free edges and in
+                    inextensional motions */
+    int coarse;  /* number of thin, irregular elements that are curved over their length: their
+                    bending is too stiff, as if the shear flexibility of coarse meshes were missing
+                  */
+    int strips;  /* number of distorted elements along the straight lines of a thin twisted strip */
+    int narrow;  /* number of elements with an obtuse corner: the area per unit of the natural
+                    coordinates is below 0.3 of that at the centre */
+    double thinness;     /* largest thinness (curvature times squared length over thickness) of the
+                            locking and coarse elements */
+    double irregularity; /* largest irregularity of the locking and coarse elements
+                            (quad_regularity.h) */
+    double jacobian; /* smallest area per unit of the natural coordinates at a corner relative to
+                        the centre, over all elements */
 } quad_report;
 
 /*
- * Check that every edge belongs to at most two elements, which pass it in opposite directions.
- * Returns 0, or -1 with error filled.
+ * Check that every edge of a mesh belongs to at most two elements, which run along it in opposite
+ * directions. Returns 0, or -1 with error filled.
  */
 int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error);
 
 /*
- * Build the element types of a general mesh.
- *   list         in/out   types are added; its laminate must be filled
- *   point        [nodes]    in  positions and triads
- *   accept_irregular        in  elements that are too thin for an irregular mesh are reported, not
- *                               refused
- *   element_type [elements] out number of the type of each element
- *   report                  out
- * Returns 0, or -1 with error filled: an element is degenerate, nearly a triangle or stands against
+ * Build the element types of a general quadrilateral mesh.
+ *   list              in/out          types are added; the laminate of the list must be filled
+ *   point             [nodes] in      positions and triads of the nodes
+ *   accept_irregular  in              elements that are too thin for an irregular mesh are
+ *                                     reported; otherwise they are refused
+ *   element_type      [elements] out  number of the type of each element
+ *   report            out             doubtful elements
+ * Returns 0, or -1 with error filled: an element is degenerate, nearly a triangle or inclined to
  * its directors, or elements are too thin for the irregular mesh around them.
  */
 int quad_types_build(type_list *list, const quad_mesh *quads, const surface_point *point,

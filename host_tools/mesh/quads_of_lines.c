@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* General mesh of coordinate lines (quads_of_lines.h). */
+/* General quadrilateral mesh from the coordinate lines of a surface (quads_of_lines.h). */
 #include "quads_of_lines.h"
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +20,10 @@ static int allocate(const line_mesh *lines, quad_mesh *quads)
            quads->element_region && quads->region;
 }
 
-/* Number of the region with these plies, added if it is new. */
+/*
+ * Return the number of the region of a mesh in which exactly these plies are present; a new region
+ * is added if there is none.
+ */
 static uint32_t region_of(quad_mesh *quads, uint32_t present_plies)
 {
     size_t k = 0;

@@ -1,24 +1,26 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* General mesh of the elements between the coordinate lines of a surface that is not meshed along
- * its lines of curvature. */
+/*
+ * General quadrilateral mesh of the elements between the coordinate lines of a surface, for
+ * surfaces whose coordinate lines are no lines of curvature.
+ */
 #ifndef QUADS_OF_LINES_H
 #define QUADS_OF_LINES_H
 
 #include "../quads/quad_mesh.h"
 #include "../scene/surface.h"
 
-/* Nodes and elements between coordinate lines. */
+/* Nodes and elements between the coordinate lines of a surface. */
 typedef struct line_mesh {
-    const surface_point *point; /* [nodes] */
+    const surface_point *point; /* [nodes] surface points of the nodes */
     size_t nodes, elements;
-    uint16_t (*element)[4];        /* [elements] nodes of the corners */
-    const double *area;            /* [elements] exact areas */
-    const uint32_t *present_plies; /* [elements] */
+    uint16_t (*element)[4];        /* [elements] numbers of the four corner nodes */
+    const double *area;            /* [elements] exact areas of the elements (m2) */
+    const uint32_t *present_plies; /* [elements] plies that are present: bit i for ply i */
 } line_mesh;
 
 /*
- * Build the general mesh; its elements' direction 1 is that of theta1. quads out, to be released
- * with quad_mesh_free. Returns 0, or -1 without memory and quads empty.
+ * Build the general quadrilateral mesh; direction 1 of its elements is that of theta1. The caller
+ * releases quads with quad_mesh_free. Returns 0, or -1 with quads empty when memory runs out.
  */
 int quads_of_lines(const line_mesh *lines, quad_mesh *quads);
 

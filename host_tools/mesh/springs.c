@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Springs of a scene as rows over the free dof (springs.h). */
+/* Springs and stack actuators of a scene as sparse rows over the free dof (springs.h). */
 #include "springs.h"
 #include <math.h>
 #include <stdlib.h>
@@ -8,17 +8,20 @@
 #include "corner_weight.h"
 #include "mesh_spot.h"
 
-/* Most entries of a spring: two ends of four nodes, means and differences of three components. */
+/*
+ * Largest number of entries of a spring's row: two ends, four nodes each, means and differences of
+ * three displacement components.
+ */
 enum { MOST_ENTRIES = 2 * 4 * 6 };
 
-/* The row of one spring. */
+/* Sparse row of one spring: elongation per unit of each dof. */
 typedef struct spring_row {
     int entries;
     uint16_t dof[MOST_ENTRIES];
     double value[MOST_ENTRIES];
 } spring_row;
 
-/* Springs under construction. node, weight [nodes] are work. */
+/* Springs while they are built; the arrays node and weight [nodes] are scratch memory. */
 typedef struct spring_builder {
     mesh *mesh;
     mesh_springs *springs;
@@ -37,7 +40,7 @@ static int fault_of_memory(const spring_builder *builder)
 
 /* ---- one row ------------------------------------------------------------ */
 
-/* Add a value at a dof of a node; a constrained dof does not move. */
+/* Add a value to the entry of one dof of a node; constrained dof have no entry. */
 static void add_entry(const mesh *mesh, int node, int i, double value, spring_row *row)
 {
     const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + (size_t)i];
@@ -53,7 +56,10 @@ static void add_entry(const mesh *mesh, int node, int i, double value, spring_ro
     row->value[k] += value;
 }
 
-/* Vector of a direction in space; that of a component of the triad is the one at a node. */
+/*
+ * Compute the unit vector of a direction in space; a direction along an axis of the local triad is
+ * taken at the given surface point.
+ */
 static void direction_at(const surface_point *point, const scene_direction *direction, double v[3])
 {
     const bool is_vector = vector_length(direction->vector) > 0;
@@ -66,7 +72,7 @@ static void direction_at(const surface_point *point, const scene_direction *dire
     }
 }
 
-/* Height of a face above the middle of the laminate. */
+/* Return the height of a face above the middle of the laminate (m). */
 static double face_height(const mesh *mesh, scene_face face)
 {
     if (face == FACE_OUTER)
@@ -74,7 +80,9 @@ static double face_height(const mesh *mesh, scene_face face)
     return face == FACE_INNER ? -mesh->laminate.thickness / 2 : 0;
 }
 
-/* Add the displacement of a node, at a face, along a vector in space. */
+/*
+ * Add the displacement of a node at a face, along a vector in space and times a factor, to a row.
+ */
 static void add_node(const spring_builder *builder, int node, double factor, const double v[3],
                      spring_row *row)
 {
@@ -88,8 +96,9 @@ static void add_node(const spring_builder *builder, int node, double factor, con
 }
 
 /*
- * Add the rotation of a node about an axis: with the normal D and the difference of the faces beta,
- * the rotation vector in the surface is D x beta.
+ * Add the rotation of a node about an axis to a row. With D the normal and beta the difference of
+ * the displacements of both faces over the thickness, the rotation vector in the surface is D x
+ * beta.
  */
 static void add_rotation(const spring_builder *builder, int node, double factor,
                          const double axis[3], spring_row *row)
@@ -103,7 +112,9 @@ static void add_rotation(const spring_builder *builder, int node, double factor,
 
 /* ---- two ends ------------------------------------------------------------ */
 
-/* Vector from the other end to a spot. Returns its length. */
+/*
+ * Compute the vector from the node at the other end of a spring to a spot. Returns its length (m).
+ */
 static double span(const mesh *mesh, const mesh_spot *spot, int other, double v[3])
 {
     mesh_spot_place(mesh, spot, v);
@@ -112,8 +123,11 @@ static double span(const mesh *mesh, const mesh_spot *spot, int other, double v[
     return vector_length(v);
 }
 
-/* Add the other end of a spring at a spot, and give the spring the line between both as direction
- * unless it has one.  v  out  the direction at the other end */
+/*
+ * Add the other end of a spring to its row, and find the direction of the spring there: the given
+ * direction, or else that of the line between both ends (v [3] out). Returns 0, or -1 with error
+ * filled if both ends coincide.
+ */
 static int add_other_end(const spring_builder *builder, const mesh_spot *spot, double v[3],
                          spring_row *row)
 {
@@ -141,7 +155,7 @@ static int refuse_axis(const spring_builder *builder, int node)
                        mesh_node_text(builder->mesh, node).text);
 }
 
-/* Build the row of one spring at a spot. */
+/* Compute the row of one spring at a spot. Returns 0, or -1 with error filled. */
 static int fill_row(const spring_builder *builder, const mesh_spot *spot, spring_row *row)
 {
     const mesh *mesh = builder->mesh;
@@ -169,7 +183,7 @@ static int fill_row(const spring_builder *builder, const mesh_spot *spot, spring
 
 /* ---- list of rows -------------------------------------------------------- */
 
-/* Make room for one more row. */
+/* Make room for one more row. Returns 0, or -1 when memory runs out. */
 static int grow(spring_builder *builder)
 {
     mesh_springs *springs = builder->springs;
@@ -196,7 +210,10 @@ static int grow(spring_builder *builder)
     return 0;
 }
 
-/* Append the spring at a spot. */
+/*
+ * Append the spring at a spot, with its stiffness, to the springs of the mesh. Returns 0, or -1
+ * with error filled.
+ */
 static int append(spring_builder *builder, const mesh_spot *spot, double stiffness)
 {
     mesh_springs *springs = builder->springs;
@@ -235,7 +252,10 @@ static int append_points(spring_builder *builder)
     return 0;
 }
 
-/* Length of the sides of a place, or area of its elements, that belongs to each node. */
+/*
+ * Compute the length of edge, or the area, that belongs to each of the `count` nodes of a place.
+ * Returns 0, or -1 with error filled.
+ */
 static int share(spring_builder *builder, int count)
 {
     const mesh *mesh = builder->mesh;
@@ -298,7 +318,10 @@ static int append_all(spring_builder *builder)
 
 /* ---- envelope -------------------------------------------------------------- */
 
-/* Let the envelope contain the products of all entries of each spring. */
+/*
+ * Widen the envelope of the factor so that it contains the products of all pairs of entries of
+ * every spring.
+ */
 static void widen_envelope(mesh *mesh)
 {
     const mesh_springs *springs = &mesh->springs;
@@ -312,7 +335,7 @@ static void widen_envelope(mesh *mesh)
     }
 }
 
-/* Refuse springs between distant nodes that fill a large factor. */
+/* Refuse springs between distant nodes if they make the factor too large. */
 static int check_envelope(mesh *mesh, char *error)
 {
     const double largest = 4e8;

@@ -6,14 +6,14 @@
 #include <string.h>
 
 /*
- * Columns are the factors c of the eight rows of warp.h. Equations are the tilts of four nodes'
- * directors about two axes.
+ * Unknowns of the linear system of warp.h are the eight factors of the rows (ROWS); its equations
+ * are the tilts of four directors about two axes (TILTS).
  */
 enum { ROWS = 8, TILTS = 8 };
 
 /*
- * Linear system a c = y for c [ROWS]: the columns of a are the strains of the rows under each tilt,
- * y is the 12 difference under each tilt.
+ * Linear system a c = y for the eight factors c of warp.h: column k of a is the strain of row k
+ * under each tilt of a director, and y is the difference of the shear strain 12 under each tilt.
  */
 typedef struct tilt_system {
     double a[TILTS][ROWS], y[TILTS];
@@ -21,12 +21,12 @@ typedef struct tilt_system {
 
 static const int neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
 
-/* xi2 and xi1 at the corners: the signs of the modes 01 and 10. */
+/* Natural coordinates xi2 and xi1 of the corners: the signs of the strain modes 01 and 10. */
 static const double xi2[4] = {-1, -1, 1, 1}, xi1[4] = {-1, 1, 1, -1};
 
 /*
- * Derivative along direction a, at corner r, of a unit tilt along e_(j+1) of the director of node
- * p.
+ * Compute the derivative along a direction of the element, at a corner, of a unit tilt of one
+ * node's director along the axis e1 (j = 0) or e2 (j = 1).
  */
 static void tilt_derivative(const pzs_element_type *type, int corner, int direction, int node,
                             int j, double out[3])
@@ -39,8 +39,9 @@ static void tilt_derivative(const pzs_element_type *type, int corner, int direct
 }
 
 /*
- * Add the strains at corner r under a tilt of node p along e_(j+1), with the weights of the modes
- * of the rows.
+ * Add the strains at a corner under a unit tilt of one node's director along e1 (j = 0) or e2 (j =
+ * 1), each with the sign of its strain mode, to `row` [8], and the difference of the shear strain
+ * 12 to *shear.
  */
 static void add_corner(const pzs_element_type *type, int corner, int node, int j, double row[ROWS],
                        double *shear)
@@ -72,8 +73,8 @@ static void fill_system(const pzs_element_type *type, tilt_system *equations)
 }
 
 /*
- * Divide every column by its largest entry, which is returned in `scale`: bending strains contain
- * the thickness, shears do not.
+ * Divide every column of the matrix by its largest entry, which becomes scale [8]: strains of
+ * bending contain the thickness, those of transverse shear do not.
  */
 static void scale_columns(tilt_system *equations, double scale[ROWS])
 {
@@ -93,7 +94,10 @@ static void swap(double *first, double *second)
     *second = kept;
 }
 
-/* Largest entry of the matrix from row and column `from` on. */
+/*
+ * Find the largest entry of the matrix in the rows and columns from `from` on. Returns its absolute
+ * value.
+ */
 static double find_pivot(const tilt_system *equations, int from, int *row, int *column)
 {
     double largest = -1;
@@ -107,7 +111,7 @@ static double find_pivot(const tilt_system *equations, int from, int *row, int *
     return largest;
 }
 
-/* Eliminate column `step` from all equations but its own. */
+/* Eliminate column `step` from all equations except equation number `step`. */
 static void eliminate(tilt_system *equations, int step)
 {
     for (int i = 0; i < TILTS; i++) {
@@ -121,8 +125,8 @@ static void eliminate(tilt_system *equations, int step)
 }
 
 /*
- * Gauss-Jordan elimination with complete pivoting. order [ROWS] out: the variable of each column.
- * Returns the rank.
+ * Reduce the linear system by Gauss-Jordan elimination with complete pivoting (order [8] out: the
+ * unknown of each column). Returns the rank.
  */
 static int reduce(tilt_system *equations, int order[ROWS])
 {
@@ -146,9 +150,9 @@ static int reduce(tilt_system *equations, int order[ROWS])
 }
 
 /*
- * Solve for c [ROWS], with 0 for the variables beyond the rank. Entries that are rounding error,
- * relative to the scales of the columns, are set to 0. Returns -1 where an equation beyond the rank
- * is not satisfied or a number is not finite.
+ * Solve the linear system for the factors [8]; unknowns beyond the rank are 0, and so are values
+ * that are rounding error relative to the scales of the columns. Returns 0, or -1 if an equation
+ * beyond the rank is not satisfied or a number is not finite.
  */
 static int solve(tilt_system *equations, double factors[ROWS])
 {
@@ -183,6 +187,6 @@ int warp_fill(pzs_element_type *type, double share)
         return -1;
     type->warp[0] = share;
     for (int k = 0; k < ROWS; k++)
-        type->warp[1 + k] = 0 - share * factors[k]; /* avoids -0 */
+        type->warp[1 + k] = 0 - share * factors[k]; /* subtraction from 0 avoids a negative zero */
     return 0;
 }
