@@ -73,6 +73,9 @@ static int read_format(number_table *table, const char *path, const char *bytes,
         return table_npy_read(table, bytes, count, message);
     if (count >= sizeof fits_magic - 1 && memcmp(bytes, fits_magic, sizeof fits_magic - 1) == 0)
         return table_fits_read(table, path, message);
+    if (count >= 3 && bytes[0] == 'P' && (bytes[1] == '2' || bytes[1] == '5') &&
+        strchr(" \t\r\n#", bytes[2]))
+        return table_pgm_read(table, bytes, count, message);
     if (count >= 2 && bytes[0] == 'P' && bytes[1] == 'K') {
         snprintf(message, NUMBER_ERROR,
                  "this is a ZIP or .npz archive; save one array alone, with numpy.save");

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * A table of numbers read from a file: text with commas, semicolons, tabs or blanks between the
- * numbers, a NumPy array (.npy), or the image of a FITS file. The first bytes of the file tell its
- * format.
+ * numbers, a NumPy array (.npy), the image of a FITS file, or the grey values of a picture (.pgm),
+ * whose rows run from top to bottom. The first bytes of the file tell its format.
  *
  * Text: lines that begin with # are comments, and empty lines are skipped. The first line may hold
  * the names of the columns, and the first column the names of the rows.
@@ -56,6 +56,7 @@ void number_table_place(const number_table *table, size_t row, size_t column, ch
  */
 int table_text_read(number_table *table, const char *bytes, size_t count, char *error);
 int table_npy_read(number_table *table, const char *bytes, size_t count, char *error);
+int table_pgm_read(number_table *table, const char *bytes, size_t count, char *error);
 /* Read a table from a FITS file; without the library cfitsio, every FITS file is refused. */
 int table_fits_read(number_table *table, const char *path, char *error);
 

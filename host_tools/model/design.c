@@ -9,6 +9,7 @@
 #include "../../lib/model/shell.h"
 #include "../mesh/corner_weight.h"
 #include "../mesh/springs.h"
+#include "../scene/outline_shares.h"
 
 /* ---- sparse rows under construction ----------------------------------- */
 
@@ -301,7 +302,8 @@ static void add_unit_resultants(const mesh *mesh, int element, int ply, double f
         h0[i] += factor * one[i];
 }
 
-int design_patch(const mesh *mesh, int element, const scene_patches *patches)
+/* Patch of whole elements, second index fastest, that contains an element, or -1. */
+static int patch_in(const mesh *mesh, int element, const scene_patches *patches)
 {
     double t[2][2];
     const double *range[2] = {patches->theta1, patches->theta2};
@@ -319,6 +321,30 @@ int design_patch(const mesh *mesh, int element, const scene_patches *patches)
     return patch;
 }
 
+int design_patches_in(const mesh *mesh, int element, const scene_patches *patches,
+                      design_part *list)
+{
+    if (patches->outlines) {
+        const scene_outlines *outlines = patches->outlines;
+        const size_t first = outlines->start[element], end = outlines->start[element + 1];
+        for (size_t i = first; i < end && list; i++)
+            list[i - first] = (design_part){outlines->electrode_of[i], outlines->share[i]};
+        return (int)(end - first);
+    }
+    const int patch = patch_in(mesh, element, patches);
+    if (patch >= 0 && list)
+        *list = (design_part){patch, 1};
+    return patch >= 0;
+}
+
+/* Part of an element that a patch covers, from 0 to 1. */
+static double share_of(const mesh *mesh, int element, const scene_patches *patches, int patch)
+{
+    if (patches->outlines)
+        return outline_share(patches->outlines, patch, element);
+    return patch_in(mesh, element, patches) == patch;
+}
+
 int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell, int element,
                      double h0[LAMINATE_STRAINS])
 {
@@ -328,9 +354,10 @@ int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell,
         add_unit_resultants(mesh, element, -1, 1, h0);
     for (int k = 0; k < actuator->drives; k++) {
         const scene_patches *patches = &mesh->scene->patches[actuator->drive[k].patches];
-        if (design_patch(mesh, element, patches) != cell)
+        const double share = share_of(mesh, element, patches, cell);
+        if (!(share > 0))
             continue;
-        add_unit_resultants(mesh, element, patches->layer, actuator->drive[k].factor, h0);
+        add_unit_resultants(mesh, element, patches->layer, share * actuator->drive[k].factor, h0);
         acts = 1;
     }
     return acts;

@@ -128,11 +128,20 @@ laminate_field design_temperatures(const scene_load *load);
 void design_temperature_resultants(const mesh *mesh, const scene_load *load, int element,
                                    double h0[LAMINATE_STRAINS]);
 
+/* A patch (second index fastest) in an element, and the part of the element that it covers. */
+typedef struct design_part {
+    int patch;
+    double share; /* above 0 to 1; 1 for patches of whole elements */
+} design_part;
+
 /*
- * Index of the patch of a grid that contains an element, second grid index fastest, or -1 where no
- * patch contains it.
+ * Find the patches in an element: one at most of patches of whole elements, several where outlines
+ * are given.
+ *   list [number] out  NULL: only count
+ * Returns their number.
  */
-int design_patch(const mesh *mesh, int element, const scene_patches *patches);
+int design_patches_in(const mesh *mesh, int element, const scene_patches *patches,
+                      design_part *list);
 
 /*
  * Index of a target row in lists of values. For a measured influence matrix this is the row in the

@@ -3,6 +3,7 @@
 #include "electrodes.h"
 #include <stdlib.h>
 #include "../../lib/model/electrode.h"
+#include "../scene/outline_common.h"
 
 /*
  * Action of an input in one element: the voltage of the input, multiplied by a factor, lies across
@@ -11,77 +12,116 @@
 typedef struct across {
     int input, ply;
     double factor;
+    double share; /* part of the element that the electrode covers */
+    const scene_patches *patches;
+    int patch;
 } across;
+
+/* The actions in one element. */
+typedef struct across_list {
+    across *entry;
+    design_part *part; /* work: the patches of one item in the element */
+    int count, room;
+    bool is_full; /* memory ran out */
+} across_list;
+
+/* Make room for a number of further actions. */
+static void make_room(across_list *list, int more)
+{
+    int full = 0;
+    if (list->count + more <= list->room)
+        return;
+    list->room = 2 * (list->count + more);
+    list->entry = design_grow(list->entry, (size_t)list->room, sizeof *list->entry, &full);
+    list->part = design_grow(list->part, (size_t)list->room, sizeof *list->part, &full);
+    list->is_full = list->is_full || full;
+}
 
 /*
  * Append the actions of one actuator or sensor in an element, of which `first` is the first input.
  * Different drives may name one ply. Returns the new number of actions.
  */
-static int append_across(const mesh *mesh, const scene_actuator *actuator, int first, int element,
-                         across *list)
+static void append_across(const mesh *mesh, const scene_actuator *actuator, int first, int element,
+                          across_list *list)
 {
-    int count = 0;
     for (int k = 0; k < actuator->drives; k++) {
         const scene_patches *patches = &mesh->scene->patches[actuator->drive[k].patches];
-        const int patch = design_patch(mesh, element, patches);
-        const across one = {first + patch, patches->layer, actuator->drive[k].factor};
-        if (patch >= 0)
-            list[count++] = one;
+        const int count = design_patches_in(mesh, element, patches, NULL);
+        make_room(list, count);
+        if (list->is_full)
+            return;
+        design_patches_in(mesh, element, patches, list->part);
+        for (int i = 0; i < count; i++)
+            list->entry[list->count++] =
+                (across){first + list->part[i].patch, patches->layer, actuator->drive[k].factor,
+                         list->part[i].share,         patches,        list->part[i].patch};
     }
-    return count;
+}
+
+/* Find all actions in one element. */
+static void all_across(const design *design, int element, across_list *list)
+{
+    const scene *scene = design->scene;
+    list->count = 0;
+    for (int k = 0; k < scene->actuators; k++)
+        append_across(&design->mesh, &scene->actuator[k], scene->actuator[k].first, element, list);
+    for (int k = 0; k < scene->sensors; k++)
+        append_across(&design->mesh, &scene->sensor[k],
+                      design->sensor_first + scene->sensor[k].first, element, list);
 }
 
 /*
- * List the actions of all actuators and sensors in one element.
- *   list [patch grids] out
- * Returns the number of actions.
+ * Part of an element in which two electrodes lie over each other. Those of one layer do not
+ * overlap.
  */
-static int all_across(const design *design, int element, across *list)
+static double common_share(const design *design, int element, const across *one,
+                           const across *other)
 {
-    const scene *scene = design->scene;
-    int count = 0;
-    for (int k = 0; k < scene->actuators; k++)
-        count += append_across(&design->mesh, &scene->actuator[k], scene->actuator[k].first,
-                               element, list + count);
-    for (int k = 0; k < scene->sensors; k++)
-        count +=
-            append_across(&design->mesh, &scene->sensor[k],
-                          design->sensor_first + scene->sensor[k].first, element, list + count);
-    return count;
+    if (one->patches == other->patches && one->patch == other->patch)
+        return one->share;
+    if (one->ply == other->ply)
+        return 0;
+    if (!one->patches->outlines || !other->patches->outlines)
+        return one->share * other->share;
+    return outline_common_share(design->scene, one->patches, one->patch, other->patches,
+                                other->patch, element);
 }
 
 /*
  * Add the charge that a unit of every input causes on the electrodes of one element at zero strain.
  *   dense [electrodes][inputs] in/out
  */
-static void add_element(const design *design, int element, across *list, double *dense)
+static void add_element(const design *design, int element, across_list *list, double *dense)
 {
     const mesh *mesh = &design->mesh;
     const scene *scene = design->scene;
     const laminate_place *place = &mesh->place[mesh->element_type[element]];
-    const int count = all_across(design, element, list);
-    for (int i = 0; i < count; i++) {
-        const across *own = &list[i];
+    all_across(design, element, list);
+    for (int i = 0; i < list->count; i++) {
+        const across *own = &list->entry[i];
         double *row =
             dense + (size_t)electrodes_of(design, own->input) * design->structure.input.count;
-        for (int j = 0; j < count; j++) {
-            const laminate_field voltage = {list[j].ply, {0, 0}};
-            row[list[j].input] +=
-                own->factor * list[j].factor *
-                laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &voltage);
+        for (int j = 0; j < list->count; j++) {
+            const across *other = &list->entry[j];
+            const laminate_field voltage = {other->ply, {0, 0}};
+            const double share = common_share(design, element, own, other);
+            if (share > 0)
+                row[other->input] +=
+                    share * own->factor * other->factor *
+                    laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &voltage);
         }
         for (int k = 0; k < scene->actuators; k++) {
             const laminate_field kelvin = {-1, {1, 1}};
             if (scene->actuator[k].is_temperature)
                 row[scene->actuator[k].first] +=
-                    own->factor *
+                    own->share * own->factor *
                     laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &kelvin);
         }
         for (int k = 0; k < scene->loads; k++)
             if (scene->load[k].type == LOAD_TEMPERATURE) {
                 const laminate_field kelvin = design_temperatures(&scene->load[k]);
                 row[design->amplifiers + k] +=
-                    own->factor *
+                    own->share * own->factor *
                     laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &kelvin);
             }
     }
@@ -137,9 +177,9 @@ int electrodes_build(design *design, char *error)
     uint16_t *input = calloc(inputs + 1, sizeof *input), *dof = NULL;
     uint8_t *open = calloc(inputs + 1, sizeof *open);
     uint32_t *start = calloc(inputs + 1, sizeof *start);
-    across *list = calloc((size_t)design->scene->patch_grids + 1, sizeof *list);
+    across_list list = {NULL, NULL, 0, 0, false};
     double *dense = NULL, *value = NULL;
-    const int wanted = is_wanted(design->scene), ready = input && open && start && list;
+    const int wanted = is_wanted(design->scene), ready = input && open && start;
     tables->input = input;
     tables->open = open;
     tables->count = wanted && ready ? list_inputs(design, input, open) : 0;
@@ -148,16 +188,17 @@ int electrodes_build(design *design, char *error)
     value = calloc(tables->count * inputs + 1, sizeof *value);
     if (ready && dense && dof && value) {
         for (int element = 0; element < design->mesh.elements && tables->count > 0; element++)
-            add_element(design, element, list, dense);
+            add_element(design, element, &list, dense);
         sparse(dense, tables->count, inputs, start, dof, value);
     }
     const pzs_rows direct = {tables->count, start, dof, value};
     tables->direct = direct;
     tables->format = PZS_TABLE_FORMAT;
     tables->scene = design->scene->hash;
-    free(list);
+    free(list.entry);
+    free(list.part);
     free(dense);
-    if (!ready || !dense || !dof || !value)
+    if (!ready || !dense || !dof || !value || list.is_full)
         return scene_fault(design->scene, design->scene->at_surface, error,
                            "electrodes do not fit into memory");
     tables->crc = pzs_electrode_crc(tables, (uint32_t)inputs);

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "report_outlines.h"
 #include "report_quads.h"
 #include "../text/words.h"
 
@@ -220,10 +221,15 @@ static bool do_overlap(const scene *scene, const scene_actuator *x, const scene_
     for (int k = 0; k < x->drives * y->drives; k++) {
         const scene_patches *patches = &scene->patches[x->drive[k / y->drives].patches];
         const scene_patches *q = &scene->patches[y->drive[k % y->drives].patches];
-        if (patches->patch
-                ? quads_overlap(scene, patches, q)
-                : patches->theta1[0] < q->theta1[1] && q->theta1[0] < patches->theta1[1] &&
-                      patches->theta2[0] < q->theta2[1] && q->theta2[0] < patches->theta2[1])
+        bool is_over;
+        if (patches->outlines || q->outlines)
+            is_over = outlines_meet(patches, q);
+        else if (patches->patch)
+            is_over = quads_overlap(scene, patches, q);
+        else
+            is_over = patches->theta1[0] < q->theta1[1] && q->theta1[0] < patches->theta1[1] &&
+                      patches->theta2[0] < q->theta2[1] && q->theta2[0] < patches->theta2[1];
+        if (is_over)
             return true;
     }
     return false;
@@ -385,7 +391,7 @@ static void draw_tile(const shell *s, int amplifier, const tile *t, double volta
     fputs("</g>\n", s->file);
 }
 
-/* Draw one patch of a mesh from a file with its voltage. */
+/* Draw one patch of a mesh from a file, or one electrode of any outline, with its voltage. */
 static void draw_set(const shell *s, const scene_patches *patches, int patch, int amplifier,
                      double voltage, shell_mark mark, const draw_scale *scale)
 {
@@ -393,14 +399,14 @@ static void draw_set(const shell *s, const scene_patches *patches, int patch, in
     char name[SCENE_LABEL];
     tile t;
     memset(&t, 0, sizeof t);
-    quads_patch_room(s, patches, patch, t.at, &t.width);
+    (patches->outlines ? outlines_room : quads_patch_room)(s, patches, patch, t.at, &t.width);
     t.height = t.width;
     scene_amplifier_name(s->m->scene, amplifier, name);
     put(s->file, "<g><title>%t: %q%s</title><path class=\"%s\" d=\"", name, voltage, scale->unit,
         limit_words[mark], draw_class(scale, draw_level(scale, voltage)));
-    quads_patch(s, patches, patch);
+    (patches->outlines ? outlines_area : quads_patch)(s, patches, patch);
     put(s->file, "\"/><path class=\"%s %s\" d=\"", style[mark], draw_tone(scale, voltage));
-    quads_patch_outline(s, patches, patch);
+    (patches->outlines ? outlines_border : quads_patch_outline)(s, patches, patch);
     fputs("\"/>", s->file);
     if (isfinite(voltage))
         write_voltage(s->file, scale, &t, voltage, mark);
@@ -415,7 +421,7 @@ static void draw_actuator(const shell *s, const scene_actuator *actuator, const 
     for (int k = actuator->drives * cells - 1; k >= 0; k--) {
         const int cell = k % cells, amplifier = actuator->first + cell;
         const scene_patches *patches = &s->m->scene->patches[actuator->drive[k / cells].patches];
-        if (patches->patch) {
+        if (patches->patch || patches->outlines) {
             draw_set(s, patches, cell, amplifier, voltage[amplifier], mark[amplifier], scale);
             continue;
         }

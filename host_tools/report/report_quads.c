@@ -167,6 +167,14 @@ static void place_inside(const double corner[4][2], double a, double b, double a
     }
 }
 
+void quads_inside(const shell *s, int element, const double natural[2], double at[2])
+{
+    double corner[4][2];
+    for (int r = 0; r < 4; r++)
+        place_node(s, s->m->element[element][r], corner[r]);
+    place_inside((const double(*)[2])corner, (1 + natural[0]) / 2, (1 + natural[1]) / 2, at);
+}
+
 /* Paint an element in pieces x pieces parts, each in the colour of the value at its middle. */
 static void paint_element(const shell *s, int element, const double *value, const draw_scale *scale,
                           int pieces)

@@ -24,6 +24,10 @@ bool quads_is_thinned(const mesh *mesh);
 /* Write the direction in which a map is seen. */
 void quads_words(const shell *s);
 
+/* Place in the picture of a point of an element. natural [2] in  from -1 to 1; at [2] out  pixels
+ */
+void quads_inside(const shell *s, int element, const double natural[2], double at[2]);
+
 /* Whether any elements belong to patches of both grids. */
 bool quads_overlap(const scene *scene, const scene_patches *x, const scene_patches *y);
 

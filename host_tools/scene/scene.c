@@ -30,8 +30,10 @@ static void free_quads(scene *scene)
     int i;
     for (i = 0; i < scene->layers; i++)
         free(scene->layer[i].present);
-    for (i = 0; i < scene->patch_grids; i++)
+    for (i = 0; i < scene->patch_grids; i++) {
         free(scene->patches[i].patch);
+        outlines_free(scene->patches[i].outlines);
+    }
     if (!scene->quads)
         return;
     quad_mesh_free(&scene->quads->mesh);

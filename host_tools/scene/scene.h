@@ -11,7 +11,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "../quads/quad_read.h"
-#include "expr.h"
+#include "outline.h"
 #include "scene_error.h"
 #include "spline.h"
 
@@ -159,6 +159,10 @@ typedef struct scene_patches { /* Rectangular grid of piezoelectric patches on o
                   */
     int *patch;  /* [elements] number of the patch in each element of a mesh from a file, or -1
                     without a patch; NULL on other meshes */
+    outline_plane plane; /* plane of the outlines */
+    int cut; /* 1: of an outline that reaches beyond the surface, the part on it counts */
+    scene_outlines *outlines; /* electrodes of any outline, which take the place of ranges and sets;
+                                 NULL: patches of whole elements */
     scene_at at;
 } scene_patches;
 

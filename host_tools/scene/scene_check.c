@@ -384,11 +384,13 @@ static int check_patches(scene *scene, char *error)
     int i, j;
     for (i = 0; i < scene->patch_grids; i++) {
         scene_patches *patches = &scene->patches[i];
+        if (patches->outlines)
+            continue;
         if (check_edges(scene, patches, 0, patches->theta1, error) != 0 ||
             check_edges(scene, patches, 1, patches->theta2, error) != 0)
             return -1;
         for (j = 0; j < i; j++)
-            if (overlap(patches, &scene->patches[j]))
+            if (!scene->patches[j].outlines && overlap(patches, &scene->patches[j]))
                 return scene_fault(scene, patches->at, error,
                                    "patches '%s' and '%s' overlap on one layer; move one",
                                    scene->patches[j].name, patches->name);
@@ -480,6 +482,8 @@ int scene_check(scene *scene, char *error)
 {
     if (scene_check_names(scene, error) != 0 || check_layers(scene, error) != 0 ||
         check_geometry(scene, error) != 0)
+        return -1;
+    if (check_outlines(scene, error) != 0)
         return -1;
     return check_loads(scene, error) != 0 ? -1 : check_kinematics(scene, error);
 }

@@ -534,10 +534,42 @@ static const field patch_fields[] = {
      .form = &grid_form, .help = "Number of patches along theta1 and theta2; default [1, 1]."},
     {"sets", read_patch_sets, .form = &labels_form,
      .help = "Mesh from a file: element sets, each of which is a patch; * stands for any text."},
+    {"plane", read_plane, offsetof(scene_patches, plane), .form = &plane_form,
+     .help = "Plane of the outlines: theta (theta1, theta2; default on mesh lines), or the surface "
+             "seen along an axis: xy (default on a mesh from a file), xz, yz."},
+    {"cut", read_flag, offsetof(scene_patches, cut),
+     .help = "Of an outline that reaches beyond the surface, keep the part on it; default false: "
+             "refuse it."},
+    {"outlines", read_outlines, .form = &outlines_form,
+     .help = "Electrodes of any outline on a continuous layer, in place of ranges and sets; they "
+             "may end anywhere in an element and are name_1_1, name_2_1 ... in their order."},
     {.key = NULL}};
 
 static const form patch_form = {.type = FORM_MAP, .fields = patch_fields};
 const form patches_form = {.type = FORM_LIST, .item = &patch_form, .most = 1000};
+
+/*
+ * Read patches whose outlines are given: they lie on a layer that is continuous, and have neither
+ * ranges nor sets.
+ */
+static int read_outlined(reader *reader, int node, scene_patches *patches)
+{
+    static const char *const foreign[] = {"theta1", "theta2", "grid", "sets"};
+    patches->plane = reader->s->quads ? OUTLINE_XY : OUTLINE_THETA;
+    for (int i = 0; i < 4; i++)
+        if (tree_find(reader->t, node, foreign[i]))
+            return tree_fault(reader->t, tree_find(reader->t, node, foreign[i]),
+                              "'%s' belongs to patches of whole elements; remove it, or 'outlines'",
+                              foreign[i]);
+    if (read_map(reader, node, patch_fields, patches) != 0)
+        return -1;
+    if (!reader->s->layer[patches->layer].patched)
+        return 0;
+    return tree_fault(reader->t, tree_find(reader->t, node, "layer"),
+                      "the layer '%s' is patched: its material ends where patches end, and these "
+                      "are whole elements; remove 'patched', or use patches without 'outlines'",
+                      reader->s->layer[patches->layer].name);
+}
 
 /* Read patches on a mesh from a file, where each patch is an element set. */
 static int read_set_patch(reader *reader, int node, scene_patches *patches)
@@ -551,7 +583,8 @@ static int read_set_patch(reader *reader, int node, scene_patches *patches)
                               foreign[i]);
     if (!tree_find(reader->t, node, "sets"))
         return tree_fault(reader->t, node,
-                          "'sets' is missing in patches; name the element sets of the mesh file");
+                          "'sets' is missing in patches; name the element sets of the mesh file, "
+                          "or give 'outlines'");
     return read_map(reader, node, patch_fields, patches);
 }
 
@@ -560,6 +593,13 @@ static int read_patch(reader *reader, int node, scene_patches *patches)
     const scene_line *line = reader->s->line;
     patches->at = node_at(reader, node);
     patches->grid[0] = patches->grid[1] = 1;
+    if (tree_find(reader->t, node, "outlines"))
+        return read_outlined(reader, node, patches);
+    for (int i = 0; i < 2; i++)
+        if (tree_find(reader->t, node, i ? "cut" : "plane"))
+            return tree_fault(reader->t, tree_find(reader->t, node, i ? "cut" : "plane"),
+                              "'%s' belongs to 'outlines'; add them, or remove it",
+                              i ? "cut" : "plane");
     if (reader->s->quads)
         return read_set_patch(reader, node, patches);
     patches->theta1[0] = line[0].point[0];

@@ -14,8 +14,9 @@ static int check_overlaps(const scene *scene, char *error)
     for (int i = 0; i < scene->patch_grids; i++)
         for (int j = 0; j < i; j++) {
             const scene_patches *own = &scene->patches[i], *other = &scene->patches[j];
-            for (size_t element = 0;
-                 element < scene->quads->mesh.elements && own->layer == other->layer; element++)
+            if (!own->patch || !other->patch || own->layer != other->layer)
+                continue; /* outline_overlap.c compares electrodes that are given by outlines */
+            for (size_t element = 0; element < scene->quads->mesh.elements; element++)
                 if (own->patch[element] >= 0 && other->patch[element] >= 0)
                     return scene_fault(scene, own->at, error,
                                        "patches '%s' and '%s' overlap on one layer, in element "
@@ -45,7 +46,8 @@ static uint32_t layers_in(const scene *scene, size_t element)
             (!scene->layer[i].present || scene->layer[i].present[element]))
             layers |= 1u << i;
     for (int grid = 0; grid < scene->patch_grids; grid++)
-        if (scene->patches[grid].patch[element] >= 0 && scene->patches[grid].layer < 32)
+        if (scene->patches[grid].patch && scene->patches[grid].patch[element] >= 0 &&
+            scene->patches[grid].layer < 32)
             layers |= 1u << scene->patches[grid].layer;
     return layers;
 }

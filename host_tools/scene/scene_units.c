@@ -183,6 +183,35 @@ static dimension of_point(const reader *reader, int node)
     return surface_is_angle(&reader->s->surface, direction) ? OF_RADIANS : OF_LENGTH;
 }
 
+/* Return the patches whose outlines contain a node: the mapping with the key `outlines`. */
+static int outlines_owner(const tree *tree, int node)
+{
+    while (node && !(tree->node[node].key && strcmp(tree->node[node].key, "outlines") == 0))
+        node = tree->node[node].parent;
+    return tree->node[node].parent;
+}
+
+/*
+ * Return the dimension of a number in an outline: a length in a plane of space. In the plane of
+ * theta1 and theta2 the two numbers of a point have the dimensions of these, and a radius or gap is
+ * a length where both are lengths.
+ */
+static dimension of_outline(const reader *reader, int node)
+{
+    const tree_node *const n = reader->t->node;
+    const int map = outlines_owner(reader->t, node), list = n[node].parent;
+    const char *plane = text_of(reader->t, map, "plane");
+    const int is_pair = n[list].kind == TREE_LIST && n[list].count == 2 &&
+                        !(n[list].key && strcmp(n[list].key, "radii") == 0);
+    const int angle[2] = {surface_is_angle(&reader->s->surface, 1),
+                          surface_is_angle(&reader->s->surface, 2)};
+    if (reader->s->quads || (*plane && strcmp(plane, "theta") != 0))
+        return OF_LENGTH;
+    if (is_pair)
+        return angle[node != n[list].first] ? OF_RADIANS : OF_LENGTH;
+    return angle[0] || angle[1] ? OF_NUMBER : OF_LENGTH;
+}
+
 static dimension resolve(const reader *reader, int node, dimension of)
 {
     const int map = map_of(reader->t, node);
@@ -191,6 +220,7 @@ static dimension resolve(const reader *reader, int node, dimension of)
     case OF_COORDINATE: return of_coordinate(reader, node);
     case OF_POINT: return of_point(reader, node);
     case OF_SPRING: return of_spring(reader->t, map);
+    case OF_OUTLINE: return of_outline(reader, node);
     case OF_SUPPORT: return of_support(reader->t, map);
     case OF_LOAD: return of_load(reader->t, map);
     case OF_OUTPUT: return of_output(reader->t, map);

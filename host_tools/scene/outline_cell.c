@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Elements in the plane of the outlines of electrodes (outline_cell.h). */
+#include "outline_cell.h"
+
+#include <math.h>
+#include <string.h>
+#include "../quads/vector.h"
+#include "surface.h"
+
+static const double full_turn = 6.283185307179586476925287;
+
+/* Coordinates of a corner that span each plane. */
+static const int plane_axes[4][2] = {{3, 4}, {0, 1}, {0, 2}, {1, 2}};
+
+int outline_elements(const scene *scene)
+{
+    return scene->quads ? (int)scene->quads->mesh.elements
+                        : scene->line[0].elements * scene->line[1].elements;
+}
+
+/* ---- corners ---------------------------------------------------------- */
+
+static void corners_of_quad(const quad_mesh *mesh, int element, double at[4][OUTLINE_AXES])
+{
+    for (int r = 0; r < 4; r++) {
+        memset(at[r], 0, sizeof at[r]);
+        memcpy(at[r], mesh->position[mesh->element[element][r]], 3 * sizeof at[r][0]);
+    }
+}
+
+/* Elements between mesh lines are numbered with theta2 fastest. */
+static void corners_on_lines(const scene *scene, int element, double at[4][OUTLINE_AXES])
+{
+    const int i = element / scene->line[1].elements, j = element % scene->line[1].elements;
+    for (int r = 0; r < 4; r++) {
+        at[r][3] = scene->line[0].point[i + (r == 1 || r == 2)];
+        at[r][4] = scene->line[1].point[j + (r >= 2)];
+        const surface_point point = surface_at(&scene->surface, at[r][3], at[r][4]);
+        memcpy(at[r], point.x, sizeof point.x);
+    }
+}
+
+/* ---- area of the surface over that of the plane ----------------------- */
+
+/*
+ * Areas of the parallelograms that the two sides at a corner span, in space and in the plane; the
+ * latter is negative where the corners run clockwise.
+ */
+static void corner_areas(const outline_cell *cell, const int axis[2], int r, double area[2])
+{
+    const double *here = cell->at[r], *next = cell->at[(r + 1) % 4], *last = cell->at[(r + 3) % 4];
+    double along[3], across[3], normal[3];
+    for (int i = 0; i < 3; i++) {
+        along[i] = next[i] - here[i];
+        across[i] = last[i] - here[i];
+    }
+    vector_cross(along, across, normal);
+    area[0] = vector_length(normal);
+    area[1] = (next[axis[0]] - here[axis[0]]) * (last[axis[1]] - here[axis[1]]) -
+              (next[axis[1]] - here[axis[1]]) * (last[axis[0]] - here[axis[0]]);
+}
+
+/* Linear function through the ratios at four corners, by least squares. */
+static void fit_ratio(outline_cell *cell, const int axis[2], const double ratio[4])
+{
+    double square[3] = {0, 0, 0}, right[2] = {0, 0}, mean = 0;
+    for (int r = 0; r < 4; r++)
+        mean += ratio[r] / 4;
+    for (int r = 0; r < 4; r++) {
+        const double u = cell->at[r][axis[0]] - cell->centre[0],
+                     v = cell->at[r][axis[1]] - cell->centre[1];
+        square[0] += u * u;
+        square[1] += u * v;
+        square[2] += v * v;
+        right[0] += u * (ratio[r] - mean);
+        right[1] += v * (ratio[r] - mean);
+    }
+    const double determinant = square[0] * square[2] - square[1] * square[1];
+    cell->ratio[0] = mean;
+    cell->ratio[1] = (square[2] * right[0] - square[1] * right[1]) / determinant;
+    cell->ratio[2] = (square[0] * right[1] - square[1] * right[0]) / determinant;
+}
+
+/* Compute everything of a cell that follows from its corners. */
+static void finish(outline_cell *cell, outline_plane plane)
+{
+    const double steepest = 0.1; /* cosine of 84 degrees */
+    const int *axis = plane_axes[plane];
+    double ratio[4], sum = 0;
+    int turned = 0;
+    cell->is_steep = false;
+    cell->centre[0] = cell->centre[1] = 0;
+    for (int r = 0; r < 4; r++) {
+        double area[2];
+        corner_areas(cell, axis, r, area);
+        turned += area[1] < 0;
+        sum += area[1];
+        cell->is_steep |= plane != OUTLINE_THETA && !(fabs(area[1]) > steepest * area[0]);
+        ratio[r] = area[0] / fabs(area[1]);
+        for (int a = 0; a < 2; a++)
+            cell->centre[a] += cell->at[r][axis[a]] / 4;
+    }
+    cell->is_steep |= turned % 4 != 0;
+    cell->is_mirrored = sum < 0;
+    for (int r = 0; r < 4; r++)
+        for (int a = 0; a < 2; a++)
+            cell->quad[r][a] = cell->at[cell->is_mirrored ? 3 - r : r][axis[a]];
+    cell->box = polygon_box_of((const double(*)[2])cell->quad, 4);
+    fit_ratio(cell, axis, ratio);
+    const polygon_sums sums = polygon_sums_of((const double(*)[2])cell->quad, 4, cell->centre);
+    cell->plane_area = sums.area;
+    cell->area = cell->ratio[0] * sums.area + cell->ratio[1] * sums.moment[0] +
+                 cell->ratio[2] * sums.moment[1];
+}
+
+void outline_cell_of(const scene *scene, outline_plane plane, int element, outline_cell *cell)
+{
+    if (scene->quads)
+        corners_of_quad(&scene->quads->mesh, element, cell->at);
+    else
+        corners_on_lines(scene, element, cell->at);
+    finish(cell, plane);
+}
+
+void outline_cell_part(const outline_cell *whole, outline_plane plane, const double low[2],
+                       const double high[2], outline_cell *part)
+{
+    const double corner[4][2] = {
+        {low[0], low[1]}, {high[0], low[1]}, {high[0], high[1]}, {low[0], high[1]}};
+    for (int r = 0; r < 4; r++)
+        outline_cell_at(whole, corner[r], part->at[r]);
+    finish(part, plane);
+}
+
+void outline_cell_shift(outline_cell *cell, const double shift[2])
+{
+    for (int a = 0; a < 2; a++) {
+        for (int r = 0; r < 4; r++)
+            cell->quad[r][a] += shift[a];
+        cell->centre[a] += shift[a];
+        cell->box.low[a] += shift[a];
+        cell->box.high[a] += shift[a];
+    }
+}
+
+/* ---- moves ------------------------------------------------------------ */
+
+bool outline_cell_move(const scene *scene, outline_plane plane, int k, double shift[2])
+{
+    const int turns[2] = {k % 3, k / 3};
+    for (int a = 0; a < 2; a++) {
+        shift[a] = full_turn * (turns[a] == 2 ? -1 : turns[a]);
+        if (turns[a] != 0 &&
+            (plane != OUTLINE_THETA || scene->quads || !surface_closes(&scene->surface, a + 1)))
+            return false;
+    }
+    return true;
+}
+
+/* ---- points inside ---------------------------------------------------- */
+
+/* Weights of the four corners at a point, and their derivatives along one natural coordinate. */
+static void corner_weights(const double natural[2], double weight[4])
+{
+    static const double sign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    for (int r = 0; r < 4; r++)
+        weight[r] = (1 + sign[r][0] * natural[0]) * (1 + sign[r][1] * natural[1]) / 4;
+}
+
+void outline_cell_at(const outline_cell *cell, const double natural[2], double at[OUTLINE_AXES])
+{
+    double weight[4];
+    corner_weights(natural, weight);
+    for (int i = 0; i < OUTLINE_AXES; i++) {
+        at[i] = 0;
+        for (int r = 0; r < 4; r++)
+            at[i] += weight[r] * cell->at[r][i];
+    }
+}
+
+expr_point outline_cell_point(const scene *scene, const outline_cell *cell, const double natural[2])
+{
+    double at[OUTLINE_AXES];
+    outline_cell_at(cell, natural, at);
+    if (!scene->quads) {
+        const surface_point point = surface_at(&scene->surface, at[3], at[4]);
+        memcpy(at, point.x, sizeof point.x);
+    }
+    return (expr_point){at[0], at[1], at[2], at[3], at[4]};
+}
+
+/* Derivatives of the coordinates along natural coordinate a; they are exact differences. */
+static void derivative(const outline_cell *cell, const double natural[2], int a,
+                       double slope[OUTLINE_AXES])
+{
+    double low[2] = {natural[0], natural[1]}, high[2] = {natural[0], natural[1]};
+    double from[OUTLINE_AXES], to[OUTLINE_AXES];
+    low[a] = -1;
+    high[a] = 1;
+    outline_cell_at(cell, low, from);
+    outline_cell_at(cell, high, to);
+    for (int i = 0; i < OUTLINE_AXES; i++)
+        slope[i] = (to[i] - from[i]) / 2;
+}
+
+/* The map is bilinear: Newton's method from the middle converges on every convex element. */
+void outline_cell_natural(const outline_cell *cell, outline_plane plane, const double point[2],
+                          double natural[2])
+{
+    enum { ITERATIONS = 12 };
+    const int *axis = plane_axes[plane];
+    natural[0] = natural[1] = 0;
+    for (int k = 0; k < ITERATIONS; k++) {
+        double at[OUTLINE_AXES], along[OUTLINE_AXES], across[OUTLINE_AXES];
+        outline_cell_at(cell, natural, at);
+        derivative(cell, natural, 0, along);
+        derivative(cell, natural, 1, across);
+        const double gap[2] = {point[0] - at[axis[0]], point[1] - at[axis[1]]};
+        const double determinant =
+            along[axis[0]] * across[axis[1]] - along[axis[1]] * across[axis[0]];
+        natural[0] += (gap[0] * across[axis[1]] - gap[1] * across[axis[0]]) / determinant;
+        natural[1] += (gap[1] * along[axis[0]] - gap[0] * along[axis[1]]) / determinant;
+        for (int a = 0; a < 2; a++)
+            natural[a] = fmax(-1, fmin(1, natural[a]));
+    }
+}
+
+double outline_cell_stretch(const outline_cell *cell, const double natural[2])
+{
+    double along[OUTLINE_AXES], across[OUTLINE_AXES], normal[3];
+    derivative(cell, natural, 0, along);
+    derivative(cell, natural, 1, across);
+    vector_cross(along, across, normal);
+    return vector_length(normal);
+}

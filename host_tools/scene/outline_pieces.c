@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Pieces of electrodes for pictures (outline_pieces.h). */
+#include "outline_pieces.h"
+
+#include <string.h>
+#include "outline_cover.h"
+#include "outline_formula.h"
+#include "outline_shares.h"
+
+/* What is drawn of one polygon in one element. */
+typedef struct piece_drawing {
+    outline_plane plane;
+    outline_cell cell;  /* the element */
+    outline_cell moved; /* the element moved to where the polygon is */
+    double shift[2];    /* of this move */
+    int element;
+    outline_draw *draw;
+    void *context;
+    clip_room room;
+} piece_drawing;
+
+/* Natural coordinates of points of the plane, in place. */
+static void to_natural(const piece_drawing *drawing, double (*point)[2], size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        const double at[2] = {point[i][0] - drawing->shift[0], point[i][1] - drawing->shift[1]};
+        outline_cell_natural(&drawing->cell, drawing->plane, at, point[i]);
+    }
+}
+
+static void draw_area(const piece_drawing *drawing, const polygon *polygon)
+{
+    const size_t count = polygon_clip((const double(*)[2])polygon->point, polygon->count,
+                                      (const double(*)[2])drawing->moved.quad, drawing->room.work,
+                                      drawing->room.out);
+    to_natural(drawing, drawing->room.out, count);
+    if (count >= 3)
+        drawing->draw(drawing->context, drawing->element, (const double(*)[2])drawing->room.out,
+                      count);
+}
+
+/*
+ * Cut a line to the part on the left of another one. Returns false where nothing is left.
+ */
+static bool cut_line(const double a[2], const double b[2], double (*line)[2])
+{
+    double left[2];
+    for (int i = 0; i < 2; i++)
+        left[i] = (b[0] - a[0]) * (line[i][1] - a[1]) - (b[1] - a[1]) * (line[i][0] - a[0]);
+    if (left[0] < 0 && left[1] < 0)
+        return false;
+    for (int i = 0; i < 2; i++) {
+        if (left[i] >= 0)
+            continue;
+        const double part = left[i] / (left[i] - left[1 - i]);
+        for (int k = 0; k < 2; k++)
+            line[i][k] += part * (line[1 - i][k] - line[i][k]);
+    }
+    return true;
+}
+
+/* Draw the parts of the sides of a polygon that lie in the element. */
+static void draw_sides(const piece_drawing *drawing, const polygon *polygon)
+{
+    for (size_t i = 0; i < polygon->count; i++) {
+        double line[2][2];
+        bool is_inside = true;
+        memcpy(line[0], polygon->point[i], sizeof *line);
+        memcpy(line[1], polygon->point[(i + 1) % polygon->count], sizeof *line);
+        for (int k = 0; k < 4 && is_inside; k++)
+            is_inside = cut_line(drawing->moved.quad[k], drawing->moved.quad[(k + 1) % 4], line);
+        if (!is_inside)
+            continue;
+        to_natural(drawing, line, 2);
+        drawing->draw(drawing->context, drawing->element, (const double(*)[2])line, 2);
+    }
+}
+
+static void draw_polygons(piece_drawing *drawing, const scene *scene, const scene_outline *outline,
+                          bool draws_outline)
+{
+    for (int k = 0; k < OUTLINE_MOVES; k++) {
+        if (!outline_cell_move(scene, drawing->plane, k, drawing->shift))
+            continue;
+        drawing->moved = drawing->cell;
+        outline_cell_shift(&drawing->moved, drawing->shift);
+        for (int i = 0; i < outline->polygons; i++) {
+            const polygon *polygon = &outline->polygon[i];
+            const polygon_box box =
+                polygon_box_of((const double(*)[2])polygon->point, polygon->count);
+            if (polygon_boxes_meet(&box, &drawing->moved.box))
+                (draws_outline ? draw_sides : draw_area)(drawing, polygon);
+        }
+    }
+}
+
+int outline_pieces(const scene *scene, const scene_patches *patches, int electrode, int element,
+                   bool draws_outline, outline_draw *draw, void *context)
+{
+    const scene_outline *outline = &patches->outlines->electrode[electrode];
+    char error[SCENE_ERROR];
+    piece_drawing drawing = {
+        .plane = patches->plane, .element = element, .draw = draw, .context = context};
+    if (!(outline_share(patches->outlines, electrode, element) > 0))
+        return 0;
+    outline_cell_of(scene, patches->plane, element, &drawing.cell);
+    if (outline->inside) {
+        formula_grid value;
+        const int status = formula_sample(scene, &drawing.cell, outline, value, error);
+        if (status == 0)
+            formula_pieces(value, element, draws_outline, draw, context);
+        return status;
+    }
+    const int status = clip_room_open(&drawing.room, outline_most_points(outline));
+    if (status == 0)
+        draw_polygons(&drawing, scene, outline, draws_outline);
+    clip_room_close(&drawing.room);
+    return status;
+}

@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Part of each element that electrodes of any outline cover (outline_shares.h). */
+#include "outline_shares.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "outline_cover.h"
+#include "outline_formula.h"
+
+/*
+ * A part below ROUNDING of an element is nothing, and one that leaves less is the whole element:
+ * so an outline along the sides of elements gives exactly 0 and 1.
+ */
+static const double ROUNDING = 1e-12;
+
+/* ---- shares of all elements ------------------------------------------- */
+
+typedef struct share_entry {
+    int element, electrode;
+    double share;
+} share_entry;
+
+typedef struct share_list {
+    share_entry *entry;
+    size_t count, room;
+    bool is_full; /* memory ran out */
+} share_list;
+
+static void append(share_list *list, int element, int electrode, double share)
+{
+    if (list->count == list->room) {
+        const size_t room = 2 * list->room + 256;
+        share_entry *bigger = realloc(list->entry, room * sizeof *bigger);
+        list->is_full |= !bigger;
+        if (!bigger)
+            return;
+        list->entry = bigger;
+        list->room = room;
+    }
+    list->entry[list->count++] = (share_entry){element, electrode, share};
+}
+
+/* Everything about the patches whose shares are being computed. */
+typedef struct outline_work {
+    const scene *scene;
+    scene_patches *patches;
+    outline_cell *cell; /* [elements] */
+    int elements;
+    share_list list;
+    char *error;
+} outline_work;
+
+/* Whether the layer of the patches exists in an element. */
+static bool has_layer(const outline_work *work, int element)
+{
+    const scene_layer *layer = &work->scene->layer[work->patches->layer];
+    return !layer->present || layer->present[element];
+}
+
+/* Sums over all elements that tell where an electrode lies. */
+typedef struct electrode_sums {
+    double plane_area; /* covered in the plane */
+    bool is_mirrored, is_direct;
+} electrode_sums;
+
+static int refuse_steep(const outline_work *work, int electrode, const outline_cell *cell)
+{
+    return scene_fault(work->scene, work->patches->outlines->electrode[electrode].at, work->error,
+                       "electrode %d of patches '%s' reaches an element near x = %g, y = %g, z = "
+                       "%g that stands upright on the plane of the outline or is folded there; "
+                       "choose another 'plane'",
+                       electrode + 1, work->patches->name, cell->at[0][0], cell->at[0][1],
+                       cell->at[0][2]);
+}
+
+/* Append the share of one element. Returns 0, or -1 with error filled. */
+static int add_share(outline_work *work, int electrode, int element, clip_room *room,
+                     electrode_sums *sums)
+{
+    const scene_outline *outline = &work->patches->outlines->electrode[electrode];
+    const outline_cell *cell = &work->cell[element];
+    double share;
+    if (outline->inside) {
+        formula_grid value;
+        if (formula_sample(work->scene, cell, outline, value, work->error) != 0)
+            return -1;
+        share = formula_share(cell, value);
+    } else {
+        const outline_area part =
+            outline_cover(work->scene, work->patches->plane, cell, outline, room);
+        if (part.plane_area > ROUNDING * cell->plane_area && cell->is_steep)
+            return refuse_steep(work, electrode, cell);
+        share = part.area / cell->area;
+        sums->plane_area += part.plane_area;
+    }
+    if (!(share > ROUNDING))
+        return 0;
+    sums->is_mirrored |= cell->is_mirrored;
+    sums->is_direct |= !cell->is_mirrored;
+    append(&work->list, element, electrode, share > 1 - ROUNDING ? 1 : share);
+    return 0;
+}
+
+/* Refuse an electrode of polygons that lies beside the surface, wholly or in part. */
+static int check_place(const outline_work *work, int electrode, const electrode_sums *sums)
+{
+    const double theta_most = 1e-9, space_most = 0.05; /* parts that may lie outside */
+    const scene_outline *outline = &work->patches->outlines->electrode[electrode];
+    const double outside = 1 - sums->plane_area / outline_plane_area(outline);
+    const bool is_folded = sums->is_mirrored && sums->is_direct;
+    if (is_folded || outside < -0.01)
+        return scene_fault(work->scene, outline->at, work->error,
+                           "electrode %d of patches '%s' meets the surface twice in the plane of "
+                           "the outlines; choose another 'plane'",
+                           electrode + 1, work->patches->name);
+    if (work->patches->cut ||
+        outside <= (work->patches->plane == OUTLINE_THETA ? theta_most : space_most))
+        return 0;
+    return scene_fault(work->scene, outline->at, work->error,
+                       "%.3g %% of electrode %d of patches '%s' lie outside the surface or the "
+                       "layer; move or shrink it, or keep the part inside by 'cut: true'",
+                       100 * outside, electrode + 1, work->patches->name);
+}
+
+/* Append the shares of one electrode. Returns 0, or -1 with error filled. */
+static int add_electrode(outline_work *work, int electrode)
+{
+    const scene_outline *outline = &work->patches->outlines->electrode[electrode];
+    const size_t before = work->list.count;
+    electrode_sums sums = {0, false, false};
+    clip_room room;
+    int status = clip_room_open(&room, outline_most_points(outline));
+    if (status < 0)
+        scene_fault(work->scene, outline->at, work->error, "the outlines do not fit into memory");
+    for (int e = 0; e < work->elements && status == 0; e++)
+        if (has_layer(work, e))
+            status = add_share(work, electrode, e, &room, &sums);
+    clip_room_close(&room);
+    if (status == 0 && work->list.count == before)
+        return scene_fault(work->scene, outline->at, work->error,
+                           "electrode %d of patches '%s' lies outside the surface or its layer; "
+                           "move it",
+                           electrode + 1, work->patches->name);
+    if (status == 0 && !outline->inside)
+        status = check_place(work, electrode, &sums);
+    return status;
+}
+
+/* Sort the entries by elements, in each of them by electrodes. Returns 0, or -1: out of memory. */
+static int sort_entries(const share_list *list, int elements, scene_outlines *outlines)
+{
+    outlines->elements = elements;
+    outlines->start = calloc((size_t)elements + 2, sizeof *outlines->start);
+    outlines->electrode_of = calloc(list->count + 1, sizeof *outlines->electrode_of);
+    outlines->share = calloc(list->count + 1, sizeof *outlines->share);
+    if (!outlines->start || !outlines->electrode_of || !outlines->share || list->is_full)
+        return -1;
+    for (size_t i = 0; i < list->count; i++)
+        outlines->start[list->entry[i].element + 2]++;
+    for (int e = 0; e < elements; e++)
+        outlines->start[e + 2] += outlines->start[e + 1];
+    for (size_t i = 0; i < list->count; i++) { /* entries of an electrode follow each other */
+        const size_t to = outlines->start[list->entry[i].element + 1]++;
+        outlines->electrode_of[to] = list->entry[i].electrode;
+        outlines->share[to] = list->entry[i].share;
+    }
+    return 0;
+}
+
+int outline_find_shares(const scene *scene, scene_patches *patches, char *error)
+{
+    outline_work work = {scene, patches, NULL, outline_elements(scene), {NULL, 0, 0, false}, error};
+    int status = 0;
+    work.cell = calloc((size_t)work.elements, sizeof *work.cell);
+    if (!work.cell)
+        return scene_fault(scene, patches->at, error, "the outlines do not fit into memory");
+    for (int e = 0; e < work.elements; e++)
+        outline_cell_of(scene, patches->plane, e, &work.cell[e]);
+    for (int k = 0; k < patches->outlines->electrodes && status == 0; k++)
+        status = add_electrode(&work, k);
+    if (status == 0 && sort_entries(&work.list, work.elements, patches->outlines) < 0)
+        status = scene_fault(scene, patches->at, error, "the outlines do not fit into memory");
+    free(work.cell);
+    free(work.list.entry);
+    return status;
+}
+
+double outline_share(const scene_outlines *outlines, int electrode, int element)
+{
+    for (size_t i = outlines->start[element]; i < outlines->start[element + 1]; i++)
+        if (outlines->electrode_of[i] == electrode)
+            return outlines->share[i];
+    return 0;
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Part of the area of each element that an electrode of any outline covers.
+ *
+ * Polygons are clipped against the element, whose sides are straight in the plane of the outlines.
+ * The area of the surface over that of the plane is taken to be linear over an element, so that the
+ * parts are exact on plates and on polar meshes in theta1 and theta2, and of second order in the
+ * size of the elements elsewhere. A formula is taken to be linear on triangles of a 16 x 16 grid in
+ * each element. The parts of electrodes that cover an element together add up to 1.
+ */
+#ifndef OUTLINE_SHARES_H
+#define OUTLINE_SHARES_H
+
+#include "scene.h"
+
+/* Covered part of an element, from 0 to 1; the scene has been checked. */
+double outline_share(const scene_outlines *outlines, int electrode, int element);
+
+/*
+ * Find the shares of all elements for one item of `patches`; refuse electrodes that leave the
+ * surface or their layer. Returns 0, or -1 with error filled.
+ */
+int outline_find_shares(const scene *scene, scene_patches *patches, char *error);
+
+#endif
