@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The command `pzs calibrate` (command_calibrate.h). */
+/*
+ * The command `pzs calibrate`: reads voltages and shapes, computes the influence matrix, prints and
+ * writes it (command_calibrate.h).
+ */
 #include "command_calibrate.h"
 #include <math.h>
 #include <stdio.h>
@@ -10,15 +13,19 @@
 #include "../system/progress.h"
 #include "outfile.h"
 
-/* A calibration with its files and, where a scene is the model, what was fitted. */
+/*
+ * A calibration with its input files and, where a scene is the model, the fitted material factors
+ * and faults.
+ */
 typedef struct run {
     const scene *scene;
     number_table voltages, shapes;
     pokes pokes;
-    calibration_model model; /* empty without a structure */
+    calibration_model model; /* fitted structure; empty where the model is no structure */
     int faults;
     wiring_fault fault[WIRING_FAULTS];
-    double *acting; /* [pokes][actuators] voltages that act, with the faults of a measured model */
+    double *acting; /* [pokes][actuators] voltages that act on the electrodes with the wiring faults
+                       that were found (V) */
     calibration result;
 } run;
 
@@ -66,7 +73,7 @@ static int read_pokes(run *run, const options *options)
     return 0;
 }
 
-/* Name of an actuator: that of the scene, or of the file of voltages, or a number. */
+/* Name of an actuator: its name in the scene, or in the file of voltages, or its number. */
 static void actuator_name(const run *run, size_t k, char name[SCENE_LABEL])
 {
     if (run->scene)
@@ -79,7 +86,10 @@ static void actuator_name(const run *run, size_t k, char name[SCENE_LABEL])
 
 /* ---- fit -------------------------------------------------------------- */
 
-/* Faults with a measured matrix as the model, and the fit. */
+/*
+ * Find wiring faults with a measured matrix as the model, and compute the influence matrix. Returns
+ * 0, or -1 with error filled.
+ */
 static int fit_to_matrix(run *run, char *error)
 {
     const scene_influence *influence = &run->scene->influence;
@@ -99,7 +109,10 @@ static int fit_to_matrix(run *run, char *error)
     return calibrate(&run->result, &acting, influence->matrix, error);
 }
 
-/* Material factors and faults of a structure, and the fit. */
+/*
+ * Fit the material factors of a structure, find wiring faults, and compute the influence matrix.
+ * Returns 0, or -1 with error filled.
+ */
 static int fit_to_structure(run *run, char *error)
 {
     pokes acting = run->pokes;
@@ -228,7 +241,7 @@ static void print_json(const run *run)
     json_close(&json, '}');
 }
 
-/* Places of the outputs where the model has some, else NULL. [outputs][3] */
+/* Coordinates [outputs][3] of the outputs, or NULL where the model has none. */
 static double (*places(const run *run))[3]
 {
     return run->scene && run->scene->influence.given ? run->scene->influence.place

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The command `pzs calibrate`. */
+/*
+ * The command `pzs calibrate`: influence matrix from measured pokes (shapes under known voltages).
+ */
 #ifndef COMMAND_CALIBRATE_H
 #define COMMAND_CALIBRATE_H
 
@@ -7,7 +9,7 @@
 
 /*
  * Compute an influence matrix from the files of voltages and shapes that the options name.
- *   scene  in  model, or NULL
+ *   scene in  scene that serves as a model, or NULL
  * Returns an exit code after printing the result or an error message.
  */
 int command_calibrate(const options *options, const scene *scene);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Tables of the commands and options of pzs. The parser (options.c), the help (help.c), and the
- * shell completion and manual page (manual.c) are made from these two tables.
+ * shell completion and manual page (manual.c) are generated from these two tables.
  */
 #ifndef COMMANDS_H
 #define COMMANDS_H
@@ -52,7 +52,7 @@ typedef enum option_id {
     OPTIONS
 } option_id;
 
-/* Kind of the argument of a command or an option. */
+/* Type of the argument of a command or an option. */
 typedef enum argument_kind {
     ARGUMENT_NONE,
     ARGUMENT_SCENE,
@@ -67,24 +67,24 @@ enum { COMMAND_EXAMPLES = 4 };
 
 typedef struct command_entry {
     const char *name;
-    const char *argument; /* argument as printed in the help, in brackets where it is optional; ""
+    const char *argument; /* argument as the help prints it, in brackets where it is optional; ""
                              for none */
     argument_kind kind;
-    const char *const *choices; /* permitted words of an ARGUMENT_CHOICE, ended by NULL; else NULL
-                                 */
+    const char *const *choices; /* permitted words of an ARGUMENT_CHOICE, ended by NULL; NULL for
+                                   other arguments */
     const char *summary;        /* one-line summary in the output of pzs --help */
     const char *about;          /* paragraph in the output of pzs help COMMAND */
     const char *example[COMMAND_EXAMPLES + 1]; /* example shell commands, ended by NULL */
 } command_entry;
 
 typedef struct option_entry {
-    const char *name, *other; /* other: second name of the option, or NULL */
-    const char *argument;     /* argument as printed in the help; "" for none */
+    const char *name, *other; /* name of the option, and its second name or NULL */
+    const char *argument;     /* argument as the help prints it; "" for none */
     argument_kind kind;
-    const char *const *choices; /* permitted words of an ARGUMENT_CHOICE, ended by NULL; else NULL
-                                 */
-    unsigned commands; /* bit k: command k accepts the option; 0: the option is used without a
-                          command */
+    const char *const *choices; /* permitted words of an ARGUMENT_CHOICE, ended by NULL; NULL for
+                                   other arguments */
+    unsigned commands; /* bit k: command number k accepts the option; 0: the option is used without
+                          a command */
     const char *help;
 } option_entry;
 
@@ -102,7 +102,7 @@ int command_takes(command_id command, option_id option);
 command_id command_find(const char *name);
 option_id option_find(const char *name);
 
-/* New name of a renamed option, or NULL where `name` is not a former name. */
+/* New name of a renamed option, or NULL where `name` is not a former name of an option. */
 const char *option_new_name(const char *name);
 
 #endif

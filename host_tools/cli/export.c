@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Results as named arrays in files (export.h). */
+/* Results as named arrays in NumPy and CSV files (export.h). */
 #define _POSIX_C_SOURCE 200809L
 #include "export.h"
 #include <errno.h>
@@ -10,12 +10,12 @@
 #include "../report/report.h"
 #include "outfile.h"
 
-/* Arrays to be written, and the memory of those that were computed for it. */
+/* Arrays to be written, with the memory of those arrays that were computed for this purpose. */
 typedef struct arrays {
     named_array array[NAMED_ARRAY_MOST];
     double *owned[NAMED_ARRAY_MOST];
     size_t count, owners;
-    bool is_full; /* memory ran out */
+    bool is_full; /* true where memory has run out */
 } arrays;
 
 bool export_is_wanted(const options *options)
@@ -39,7 +39,7 @@ static void add(arrays *arrays, const char *name, const char *unit, size_t rows,
     arrays->count++;
 }
 
-/* Memory for a computed array, or NULL. */
+/* Allocate memory for a computed array. Returns NULL where memory runs out. */
 static double *own(arrays *arrays, size_t count)
 {
     double *value = arrays->owners < NAMED_ARRAY_MOST ? calloc(count + 1, sizeof *value) : NULL;
@@ -55,7 +55,7 @@ static void release(arrays *arrays)
         free(arrays->owned[k]);
 }
 
-/* Unit of the influence matrix, as "um/V"; empty where the scene names none. */
+/* Unit of the influence matrix, for example "um/V"; empty where the scene gives no unit. */
 static const char *influence_unit(const scene *scene, char text[2 * SCENE_NAME])
 {
     text[0] = '\0';
@@ -92,7 +92,7 @@ static int write_folder(const char *folder, const arrays *arrays)
     return status;
 }
 
-/* Write the arrays as the options ask, and release their memory. */
+/* Write the arrays to the files that the options name, and release their memory. */
 static int write_arrays(const options *options, arrays *arrays)
 {
     int status = arrays->is_full;
@@ -108,7 +108,10 @@ static int write_arrays(const options *options, arrays *arrays)
 
 /* ---- results ---------------------------------------------------------- */
 
-/* Places of some nodes. node [count] in, NULL: all nodes */
+/*
+ * Append the coordinates of some nodes as an array.
+ *   node [count] in  node numbers; NULL: all nodes
+ */
 static void add_places(arrays *arrays, const design *design, const char *name, const int *node,
                        size_t count)
 {
@@ -141,7 +144,7 @@ int export_solve(const options *options, const analysis *analysis, const double 
     return write_arrays(options, &arrays);
 }
 
-/* Copy voltages, shapes and misfits of all results to matrices with a row for each result. */
+/* Append voltages, shapes and misfits of all results as matrices with one row for each result. */
 static void add_results(arrays *arrays, const shape_run *run)
 {
     const design *design = &run->analysis->design;

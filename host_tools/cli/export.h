@@ -9,14 +9,16 @@
 #include "history.h"
 #include "print.h"
 
-/* Whether the options ask for arrays. */
+/* Whether the options ask for files with arrays. */
 bool export_is_wanted(const options *options);
 
 /*
- * Write the arrays of a result. Each returns 0, or an exit code after printing an error message.
- *   export_solve   u [free_dof], value [output rows]
- *   export_shape   every set of voltages with its shape
- *   export_modes   frequencies and mode shapes
+ * Write the arrays of a result to the files that the options name. Each function returns 0, or an
+ * exit code after printing an error message.
+ *   export_solve       displacement [free_dof] and values of the output rows
+ *   export_shape       every set of voltages with its shape
+ *   export_modes       natural frequencies and mode shapes
+ *   export_simulation  values of every tick
  */
 int export_solve(const options *options, const analysis *analysis, const double *displacement,
                  const double *value);

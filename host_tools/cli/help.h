@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Help texts of pzs, made from its tables of commands and options. */
+/* Help texts of pzs, generated from its tables of commands and options. */
 #ifndef HELP_H
 #define HELP_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The controller's course in a simulation (history.h). */
+/* Record of the controller's results in a simulation, tick by tick (history.h). */
 #include "history.h"
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The controller's course in a simulation, tick by tick. */
+/* Record of the controller's results in a simulation, tick by tick. */
 #ifndef HISTORY_H
 #define HISTORY_H
 
@@ -9,11 +9,12 @@ enum { HISTORY_COLUMNS = 8 };
 
 typedef struct history {
     size_t ticks, amplifiers, room;
-    double *row;     /* [ticks][HISTORY_COLUMNS] time, error, vibration, missed, active, iterations,
-                        status, lost */
-    double *voltage; /* [ticks][amplifiers] */
+    double *row;     /* [ticks][HISTORY_COLUMNS] time (s), relative shape error, relative vibration,
+                        relative measurement error, active limits, iterations, status, flag of a missed
+                        tick */
+    double *voltage; /* [ticks][amplifiers] output voltages (V) */
 } history;
-/* Make room for the ticks of a simulation. Returns whether memory sufficed. */
+/* Allocate memory for the ticks of a simulation. Returns whether memory sufficed. */
 bool history_open(history *history, const scene *scene);
 void history_add(history *history, const scene *scene, const simulate_sample *sample);
 void history_close(history *history);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* List of the keys of a scene (keys.h). */
+/* List of the keys of a scene with types and help sentences (keys.h). */
 #include "keys.h"
 #include <math.h>
 #include <string.h>
@@ -9,7 +9,7 @@
 
 enum { KEY_COLUMN = 32, KIND_TEXT = 600 };
 
-/* Text that is composed piece by piece and cut at its end. */
+/* Text that is composed piece by piece; what exceeds its size is cut off. */
 typedef struct kind_text {
     char text[KIND_TEXT];
     size_t length;
@@ -109,7 +109,7 @@ static void print_field(FILE *file, const field *field, int depth)
     print_form(file, &own, depth + 1);
 }
 
-/* Print the keys of the mappings that a form contains. */
+/* Print the keys of the mappings that the value of a key may contain. */
 static void print_form(FILE *file, const form *form, int depth)
 {
     for (const field *field = form->type == FORM_MAP ? form->fields : NULL; field && field->key;
@@ -121,7 +121,7 @@ static void print_form(FILE *file, const form *form, int depth)
         print_form(file, form->any[i], depth);
 }
 
-/* Return section k of all forms of a scene, or NULL behind the last. */
+/* Section number k, counted through all forms of a scene, or NULL behind the last section. */
 static const field *section_of(int k)
 {
     for (int i = 0; scene_form.any[i]; i++)
@@ -131,7 +131,7 @@ static const field *section_of(int k)
     return NULL;
 }
 
-/* Whether section k is one that an earlier form of a scene has already. */
+/* Whether section number k is already contained in an earlier form of a scene. */
 static bool is_repeated(int k)
 {
     const field *const own = section_of(k);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* List of the keys of a scene, made from the tables of keys of the reader. */
+/* List of the keys of a scene, generated from the tables of keys of the scene reader. */
 #ifndef KEYS_H
 #define KEYS_H
 
@@ -8,18 +8,18 @@
 #include "../text/suggest.h"
 
 /*
- * Print the keys with the kind of their values and a help sentence each.
- *   section  in  key of a section, or NULL for all
+ * Print the keys of a scene, each with the type of its value and a help sentence.
+ *   section in  key of a section, or NULL for all sections
  */
 void keys_print(FILE *file, const char *section);
 
-/* Whether a scene has a section of this key. */
+/* Whether a scene has a section with this key. */
 bool keys_has(const char *section);
 
 /* Print the keys of all sections, separated by blanks. */
 void keys_names(FILE *file);
 
-/* Consider the keys of all sections as a suggestion. */
+/* Compare the keys of all sections with a misspelt word, to suggest the most similar one. */
 void keys_suggest(suggestion *near);
 
 #endif

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* pzs: simulation and precomputation on the host. One executable, with one function per command. */
+/*
+ * The program pzs: simulation and precomputation on the host, with one function for each command.
+ */
 #define _POSIX_C_SOURCE 200809L
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,7 +36,7 @@
 #include "templates.h"
 #include "../model/voltages.h"
 
-/* Print an error message. Returns code. */
+/* Print an error message. Returns the exit code `code`. */
 static int complain(const char *error, int code)
 {
     progress_stop();
@@ -44,7 +46,7 @@ static int complain(const char *error, int code)
 
 /* ---- scenes ----------------------------------------------------------- */
 
-/* Report that a shipped scene does not exist, with the most similar name. */
+/* Print that a shipped scene does not exist, with the most similar name. Returns an exit code. */
 static int no_scene(const char *name)
 {
     suggestion near;
@@ -56,7 +58,10 @@ static int no_scene(const char *name)
     return OPTIONS_WRONG;
 }
 
-/* Find the file of a scene that is a path or the name of a shipped scene. Returns an exit code. */
+/*
+ * Find the file of a scene that is given as a path or as the name of a shipped scene. Returns an
+ * exit code.
+ */
 static int find_scene(const options *options, char path[OPTIONS_PATH])
 {
     struct stat there;
@@ -78,14 +83,18 @@ static int open_scene(const options *options, scene *scene)
 }
 
 /*
- * Exit code of a failed analysis: the nonlinear path ended early, or the scene contains an error.
+ * Exit code of a failed analysis: the nonlinear load steps ended early, or the scene contains an
+ * error.
  */
 static int failed_code(const analysis *analysis)
 {
     return analysis_ended_early(analysis) ? 1 : OPTIONS_WRONG;
 }
 
-/* Refuse sensors from which the shape cannot be estimated, before any other computation. */
+/*
+ * Refuse sensors from which the shape cannot be estimated, before any other computation. Returns 0,
+ * or -1 with error filled.
+ */
 static int check_sensors(analysis *analysis, char *error)
 {
     estimator estimator;
@@ -101,8 +110,8 @@ static int check_sensors(analysis *analysis, char *error)
 typedef int command(const options *o, analysis *a);
 
 /*
- * Run a command, then print the warnings at the end of the text or in the JSON. With --strict, a
- * warning is a failure.
+ * Run a command, then print the warnings at the end of the text or in the JSON document. With
+ * --strict, a warning leads to the exit code of a failure.
  */
 static int run_with_warnings(const options *options, analysis *analysis, command *run)
 {
@@ -176,7 +185,7 @@ static int write_reports(const options *options, write_report *write, const void
 
 /* ---- solve ------------------------------------------------------------ */
 
-/* Displacement vector and the output values computed from it. */
+/* Displacement vector [free_dof] and the values of the output rows computed from it. */
 typedef struct solution {
     const analysis *a;
     const double *u, *value;
@@ -214,7 +223,7 @@ static int solve_error(const options *options, analysis *analysis, const double 
                           &analysis->mesh_error);
 }
 
-/* Warn where the equilibrium is unstable or depends on the way of loading. */
+/* Add warnings where the equilibrium is unstable or depends on the number of load steps. */
 static void check_path(analysis *analysis, const double *displacement)
 {
     const int is_followed = analysis->load_path.points > 0;
@@ -282,7 +291,7 @@ static int command_solve(const options *options, analysis *analysis)
     progress_solves(analysis->nonlinear ? &analysis->equilibrium.solver.info.linear_solves : NULL);
     const int failed =
         displacement ? solve_scene(options, analysis, displacement) : complain("out of memory", 1);
-    /* A nonlinear path that ends early still provides an equilibrium, which is printed. */
+    /* Nonlinear load steps that end early still provide an equilibrium, which is printed. */
     const int has_shape = !failed || (analysis->nonlinear && !options->follows_path);
     const int status = displacement && has_shape ? solved(options, analysis, displacement) : 0;
     free(displacement);
@@ -306,7 +315,7 @@ static int shape_before(shape_run *run, char *error)
 /*
  * Compute all sets of voltages: the optimum without limits; for each pair of limits the optimum, on
  * a nonlinear structure also the optimum of the linear model, clipped least squares and clipped
- * regularised least squares with the best parameter; then the sets of voltages given in the scene
+ * regularised least squares with the best parameter; then the sets of voltages that the scene gives
  * for comparison.
  */
 static int shape_results(shape_run *run, const options *options, char *error)
@@ -349,7 +358,9 @@ static int write_shape(const report_job *job, const void *result)
     return report_shape(job, run->analysis, run->results, run->count, &run->modes);
 }
 
-/* Estimate the discretisation error of the first optimum. Returns an exit code. */
+/*
+ * Estimate the discretisation error of the shape error at the first optimum. Returns an exit code.
+ */
 static int shape_error(shape_run *run, const options *options)
 {
     const common_limits own = {.source = LIMITS_SCENE};
@@ -359,7 +370,10 @@ static int shape_error(shape_run *run, const options *options)
                           options->limits ? &options->limit[0] : &own, &run->analysis->mesh_error);
 }
 
-/* What the rules on the target compare: the shape without voltages, and the first optimum. */
+/*
+ * Numbers for the plausibility rules on the target, from the shape without voltages and the first
+ * optimum.
+ */
 static plausible_optimum optimum_of(const shape_run *run)
 {
     const design *design = &run->analysis->design;
@@ -418,8 +432,8 @@ static int command_shape(const options *options, analysis *analysis)
 
 /*
  * Run all ticks of a simulation, with a CSV file where the options request one, then compute the
- * optima.
- *   history  out  every tick of the controller
+ * optimum of each phase.
+ *   history out  results of every tick of the controller
  * Returns 0, or an exit code.
  */
 static int run_simulation(simulation *run, const options *options, simulate_record *record,
@@ -439,7 +453,7 @@ static int run_simulation(simulation *run, const options *options, simulate_reco
 }
 
 /*
- * Check the plausibility of the plant's displacements under the controller, at the end of each
+ * Check the plausibility of the plant's displacements under the controller at the end of each
  * phase.
  */
 static void check_phases(plausible *warnings, const simulation *run)
@@ -453,7 +467,7 @@ static void check_phases(plausible *warnings, const simulation *run)
     }
 }
 
-/* A simulation and its record of every tick. */
+/* A simulation with its record of every tick. */
 typedef struct simulated {
     const simulation *run;
     const simulate_record *record;
@@ -514,7 +528,7 @@ static int command_simulate(const options *options, analysis *analysis)
 
 /* ---- modes ------------------------------------------------------------ */
 
-/* Write a VTU file with one field for each mode. */
+/* Write a VTU file with one displacement field for each mode. */
 static int write_modes(const vibration *vibration, const mesh *mesh, const char *path)
 {
     const size_t length = 3 * (size_t)mesh->nodes, count = (size_t)vibration->count;
@@ -539,7 +553,7 @@ static int write_modes(const vibration *vibration, const mesh *mesh, const char 
     return status;
 }
 
-/* Estimate the discretisation error of the frequencies. Returns an exit code. */
+/* Estimate the discretisation error of the natural frequencies. Returns an exit code. */
 static int modes_error(const options *options, const scene *scene, const vibration *vibration,
                        int number, mesh_error *result)
 {
@@ -552,7 +566,10 @@ static int modes_error(const options *options, const scene *scene, const vibrati
     return estimate_error(options, scene, &values, mesh_measure_modes, &number, result);
 }
 
-/* Compute frequencies and mode shapes of an assembled structure. Returns an exit code. */
+/*
+ * Compute natural frequencies and mode shapes of an assembled structure, and print them. Returns an
+ * exit code.
+ */
 static int modes_of(const options *options, const design *design)
 {
     enum { USUAL_NUMBER = 10 };
@@ -577,8 +594,8 @@ static int modes_of(const options *options, const design *design)
 }
 
 /*
- * Compute the modes of the structure alone. Unlike other commands, this one accepts supports that
- * permit rigid motion.
+ * Run the command `modes` on the structure alone. Unlike other commands, this one accepts supports
+ * that permit rigid motions.
  */
 static int run_modes(const options *options)
 {
@@ -611,7 +628,7 @@ static void table_prefix(const options *options, const scene *scene, char prefix
             *letter = '_';
 }
 
-/* Path of the output file. In a folder the file is named after the prefix. */
+/* Path of the output file. Where the options name a folder, the file is named after the prefix. */
 static const char *table_path(const options *options, const char *prefix, char path[OPTIONS_PATH])
 {
     struct stat there;
@@ -622,7 +639,7 @@ static const char *table_path(const options *options, const char *prefix, char p
     return path;
 }
 
-/* Whether the tick of the tables damps vibration; if not, `reason` says why. */
+/* Whether the control tick of the tables damps vibration; if not, `reason` says why. */
 static int is_damped(const analysis *analysis, char *reason)
 {
     estimator estimator;
@@ -641,8 +658,8 @@ static int is_damped(const analysis *analysis, char *reason)
 }
 
 /*
- * Refuse tables for a control loop that vibration makes unstable and whose tick cannot damp it,
- * unless the options permit this. Returns 0, or -1 with error filled.
+ * Refuse tables for a control loop that vibration makes unstable and whose tick cannot damp the
+ * vibration, unless the options permit this. Returns 0, or -1 with error filled.
  */
 static int judge_loop(analysis *analysis, char *error)
 {
@@ -664,7 +681,7 @@ static int judge_loop(analysis *analysis, char *error)
         certificate->stable_rate);
 }
 
-/* Warn where a certified loop tolerates no error of the readings' age. */
+/* Add a warning where a certified loop tolerates no error in the age of the readings. */
 static void warn_of_age(analysis *analysis)
 {
     const certificate_loop *loop = &analysis->certificate.loop;
@@ -673,8 +690,8 @@ static void warn_of_age(analysis *analysis)
 }
 
 /*
- * Refuse tables for a loop with a vibration model that is unstable or does not settle after a
- * storm. Returns 0, or -1 with error filled.
+ * Refuse tables for a loop with a vibration model that is unstable or does not settle after fast
+ * jumps of the target. Returns 0, or -1 with error filled.
  */
 static int judge_storms(analysis *analysis, char *error)
 {
@@ -697,8 +714,8 @@ static int judge_storms(analysis *analysis, char *error)
 
 /*
  * Compute all contents of the tables. Nonlinear tables contain the scene's equilibrium, and a
- * voltage problem where the scene has a target; control tables contain the same influence matrix as
- * the simulation of the scene.
+ * voltage problem where the scene has a target; control tables contain the influence matrix that
+ * the simulation of the scene uses.
  */
 static int prepare_tables(analysis *analysis, tables_image image, char *error)
 {
@@ -785,7 +802,7 @@ static int command_check(const options *options, analysis *analysis)
     return 0;
 }
 
-/* Print name and purpose of a scene in at most 100 columns, truncated after a word. */
+/* Print name and purpose of a scene in at most 100 columns, cut off after a word. */
 static void list_line(const char *name, const char *about)
 {
     enum { COLUMNS = 100 };
@@ -820,7 +837,7 @@ static int command_list(void)
     return failed ? OPTIONS_WRONG : 0;
 }
 
-/* Calibrate with the scene as the model, where one is named. */
+/* Run the command `calibrate`, with a scene as the model where one is named. */
 static int run_calibrate(const options *options)
 {
     scene scene;

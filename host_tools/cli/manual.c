@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Manual page and shell completion (manual.h). */
+/* Manual page and shell completion of pzs (manual.h). */
 #include "manual.h"
 #include "keys.h"
 #include "commands.h"
@@ -7,7 +7,7 @@
 
 /* ---- manual page ------------------------------------------------------ */
 
-/* Write a text with all characters escaped that have a special meaning in roff. */
+/* Write a text in which all characters with a special meaning in roff are escaped. */
 static void roff(FILE *file, const char *text)
 {
     if (*text == '.' || *text == '\'')
@@ -36,7 +36,7 @@ static void paragraph(FILE *file, const char *text)
     fputc('\n', file);
 }
 
-/* Write the commands that accept an option, in italics after the help of the option. */
+/* Write the commands that accept an option in italics, after the help of the option. */
 static void page_takers(FILE *file, option_id option)
 {
     const char *between = "Commands: ";
@@ -123,7 +123,7 @@ static void command_names(FILE *file)
         fprintf(file, "%s%s", k ? " " : "", command_table[k].name);
 }
 
-/* Write the completion of the argument of each option. */
+/* Write the shell completion of the argument of each option. */
 static void complete_values(FILE *file)
 {
     for (int k = 0; k < OPTIONS; k++) {
@@ -144,7 +144,7 @@ static void complete_values(FILE *file)
     }
 }
 
-/* Write the completion of the argument of a command: fixed words, and files for a scene. */
+/* Write the shell completion of the argument of a command: fixed words, or files for a scene. */
 static void complete_argument(FILE *file, const command_entry *entry)
 {
     switch (entry->kind) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Manual page and shell completion of pzs, made from its tables of commands and options. */
+/* Manual page and shell completion of pzs, generated from its tables of commands and options. */
 #ifndef MANUAL_H
 #define MANUAL_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Command line (options.h). */
+/* Parser of the command line of pzs (options.h). */
 #define _POSIX_C_SOURCE 200809L
 #include "options.h"
 #include <ctype.h>
@@ -63,7 +63,7 @@ static int unknown_option(command_id command, const char *name)
 
 /*
  * Refuse an option that the command does not accept. Ignoring the option would leave the user
- * without the expected output.
+ * without the expected output. Returns an exit code.
  */
 static int foreign_option(command_id command, option_id option)
 {
@@ -79,7 +79,10 @@ static int foreign_option(command_id command, option_id option)
     return OPTIONS_WRONG;
 }
 
-/* Refuse an argument of `name` that is not among the permitted words. */
+/*
+ * Refuse an argument of the option or command `name` that is not among the permitted words. Returns
+ * an exit code.
+ */
 static int wrong_choice(const char *name, const char *const *choices, const char *word)
 {
     suggestion near;
@@ -106,8 +109,10 @@ static int is_choice(const char *const *choices, const char *word)
 /* ---- parser ----------------------------------------------------------- */
 
 /*
- * Read a finite number that is followed by the character `stop`; end is set to the end of the
- * number. Returns whether a number was read.
+ * Read a finite number that is followed by the character `stop`.
+ *   voltage out  the number (V)
+ *   end     out  end of the number in the text
+ * Returns whether a number was read.
  */
 static bool read_voltage(const char *text, char stop, double *voltage, char **end)
 {
@@ -116,7 +121,7 @@ static bool read_voltage(const char *text, char stop, double *voltage, char **en
 }
 
 /*
- * Read voltage limits: V means from -V to V, LOWEST,HIGHEST gives both limits. Returns 0, or an
+ * Read voltage limits: V means from -V to V, and LOWEST,HIGHEST gives both limits. Returns 0, or an
  * exit code.
  */
 static int take_limit(options *options, const char *value)
@@ -175,7 +180,10 @@ static int take_file(const char **file, const char *value)
     return 0;
 }
 
-/* Store one option; value is NULL for an option without an argument. Returns 0, or an exit code. */
+/*
+ * Store one option with its value, which is NULL for an option without an argument. Returns 0, or
+ * an exit code.
+ */
 static int take_option(options *options, option_id option, const char *value)
 {
     const option_entry *entry = &option_table[option];
@@ -263,7 +271,7 @@ static int parse(options *options, int argc, char **argv)
 
 /*
  * Check that all required arguments are present and that the prefix is not reserved for the
- * library.
+ * library. Returns 0, or an exit code.
  */
 static int check_words(const options *options)
 {
@@ -288,7 +296,7 @@ static int stat_folder(const char *path, struct stat *there)
     return stat(folder, there);
 }
 
-/* Whether two paths lead to the same file, also where they are written differently. */
+/* Whether two paths lead to one file, even if they are written differently. */
 static int same_file(const char *first, const char *second)
 {
     struct stat first_status, second_status;
@@ -304,7 +312,7 @@ static int same_file(const char *first, const char *second)
            first_status.st_ino == second_status.st_ino;
 }
 
-/* Refuse output files that would overwrite each other or the scene. */
+/* Refuse output files that would overwrite each other or the scene. Returns 0, or an exit code. */
 static int check_files(const options *options)
 {
     char scene_path[OPTIONS_PATH];

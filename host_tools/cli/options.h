@@ -8,24 +8,30 @@
 #include "../system/shipped.h"
 #include "../tables/tables.h"
 
-/* OPTIONS_WRONG: exit code for an error in the scene or in the command line. */
+/*
+ * OPTIONS_WRONG: exit code for an error in the scene or in the command line. OPTIONS_PATH: size of
+ * a path (characters). MOST_SETS and MOST_LIMITS: how often the options --set and --limit may be
+ * given.
+ */
 enum { OPTIONS_WRONG = 2, OPTIONS_PATH = SHIPPED_PATH, MOST_SETS = 64, MOST_LIMITS = 16 };
 
 typedef struct options {
     command_id command;
     const char *scene; /* scene name or file, for a command on a scene */
-    const char *word;  /* argument of any other command, NULL for none */
+    const char *word;  /* argument of any other command, NULL where there is none */
     const char *set[MOST_SETS];
     common_limits limit[MOST_LIMITS];
     int sets, limits, as_json, is_strict;
     int number; /* number of vibration modes; 0: not given */
     int quasi_static;
-    int follows_path;    /* follow the load path through limit points */
-    int estimates_error; /* estimate the discretisation error from coarser meshes */
+    int follows_path;    /* 1: follow the load path through limit points */
+    int estimates_error; /* 1: estimate the discretisation error from coarser meshes */
     const char *report, *svg, *vtu, *csv, *output, *prefix;
-    const char *npz, *csv_folder;  /* file and folder for arrays of numbers */
-    const char *voltages, *shapes; /* measured pokes of calibrate */
-    int words; /* number of arguments of the whole command line, which the report prints */
+    const char *npz, *csv_folder;  /* NumPy file and folder of CSV files for arrays of numbers; NULL
+                                      where they are not wanted */
+    const char *voltages, *shapes; /* files of measured voltages and shapes, for the command
+                                      calibrate */
+    int words; /* number of arguments of the whole command line, which reports print */
     char *const *words_given; /* [words] arguments of the whole command line */
     const device_board *device;
     tables_image image;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Output files that are either complete or absent. A file is written under a temporary name in its
- * final folder and renamed at the end; the file is removed when a step fails or a signal ends the
- * program.
+ * final folder and renamed at the end; the temporary file is removed when a step fails or a signal
+ * ends the program.
  */
 #ifndef OUTFILE_H
 #define OUTFILE_H
@@ -14,24 +14,25 @@ enum { OUTFILE_PATH = 4096 };
 typedef struct outfile {
     FILE *file;
     const char *path;
-    char temporary[OUTFILE_PATH]; /* temporary name; empty for a device or a pipe, which is written
-                                     directly */
-    int slot;                     /* slot of the temporary file in interrupt.h */
+    char temporary[OUTFILE_PATH]; /* path of the temporary file; empty for a device or a pipe, which
+                                     is written directly */
+    int slot; /* index of the temporary file in the list of files that interrupt.h removes after a
+                 signal */
 } outfile;
 
 /*
- * Open a file for writing. Returns 0, or 1 after printing an error message on standard error. path
- * must outlive f.
+ * Open an output file for writing. The path must outlive `output`. Returns 0, or 1 after printing
+ * an error message on standard error.
  */
 int outfile_begin(outfile *output, const char *path);
 
 /*
- * Close a file and give it its final name; with failed set, remove the incomplete file. Returns 0,
- * or 1 after printing an error message on standard error.
+ * Close an output file and give the file its final name; where `failed` is set, remove the
+ * incomplete file. Returns 0, or 1 after printing an error message on standard error.
  */
 int outfile_end(outfile *output, int failed);
 
-/* Remove an incomplete file without a message. */
+/* Remove an incomplete output file without a message. */
 void outfile_drop(outfile *output);
 
 #endif

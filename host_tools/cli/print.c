@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Results on standard output (print.h). */
+/* Results of analyses and optima on standard output (print.h). */
 #include "print.h"
 #include <math.h>
 #include <stdio.h>
@@ -22,8 +22,8 @@ static const char *precision_needed(const analysis *analysis)
 {
     if (tables_allow_float(analysis))
         return "float or double";
-    if (analysis->model.info.condition > 1e14) /* scene whose stiffness matrix at rest is singular
-                                                  for pzs_factor */
+    if (analysis->model.info.condition > 1e14) /* the stiffness matrix of the reference state is too
+                                                  close to singular for pzs_factor on a device */
         return "double; loose at rest, held by a contact or by its prescribed displacements alone";
     return analysis->nonlinear ? "the nonlinear path needs double"
                                : "double, or float with refinement, which says where it ends";
@@ -38,7 +38,7 @@ static const char *metric_word(const scene *scene)
     return scene->element.metric ? "exact metric" : "flat metric";
 }
 
-/* Print what the sensors of the `estimate` section observe. */
+/* Print what the sensors of the scene's `estimate` section observe. */
 static void print_sensors(const analysis *analysis, const char *influence)
 {
     char text[SCENE_ERROR];
@@ -71,7 +71,7 @@ static void json_sensors(json *json, const analysis *analysis)
     estimator_close(&estimator);
 }
 
-/* Print the size of the mesh, the element type and the condition of the stiffness. */
+/* Print the size of the mesh, the element type and the condition number of the stiffness matrix. */
 static void print_structure(const analysis *analysis)
 {
     const scene *scene = analysis->design.scene;
@@ -130,8 +130,8 @@ static void json_head(json *json, const analysis *analysis)
 /* ---- check ------------------------------------------------------------ */
 
 /*
- * Compute the memory that tables require on a device. The tables are generated and discarded.
- * Returns 0, or -1 where the scene has no tables of this kind.
+ * Compute the memory that the tables of an image need on a device, by writing the tables to a file
+ * that is discarded. Returns 0, or -1 where the scene cannot have this image.
  */
 static int image_size(const analysis *analysis, tables_image image, tables_size *size,
                       tables_memory *need)
@@ -328,7 +328,10 @@ static void json_path(json *json, const analysis *analysis)
     json_number(json, "negative_pivots", run->info.negative_pivots);
 }
 
-/* Write the solver data of a linear structure: one linear system with iterative refinement. */
+/*
+ * Write the solver's data on a linear structure as JSON: one linear solve with iterative
+ * refinement.
+ */
 static void json_linear(json *json, const analysis *analysis)
 {
     json_string(json, "status", pzs_status_text(analysis->status));
@@ -342,8 +345,8 @@ static void json_linear(json *json, const analysis *analysis)
 }
 
 /*
- * Write the computation times (s). On a nonlinear structure `solve` is the time of the whole path;
- * the stiffness matrix at rest is assembled and factored before the path.
+ * Write the computation times (s) as JSON. On a nonlinear structure `solve` is the time of all load
+ * steps; the stiffness matrix of the reference state is assembled and factored before.
  */
 static void json_seconds(json *json, const analysis *analysis)
 {
@@ -403,7 +406,7 @@ static void limit_text(const voltages *result, char text[32])
         snprintf(text, 32, "%g .. %g", result->limit[0], result->limit[1]);
 }
 
-/* Voltage rounded for printing, without a sign on zero. */
+/* Voltage for printing (V): values that would be printed as -0.00 become 0. */
 static double rounded_volt(double voltage)
 {
     return fabs(voltage) < 0.005 ? 0 : voltage;
@@ -441,8 +444,8 @@ static void print_voltages(const scene *scene, const voltages *result)
 }
 
 /*
- * Difference in error on the nonlinear structure between the voltages of the linear model and those
- * of the nonlinear model: the disadvantage of the smaller tables.
+ * Difference between the shape errors on the nonlinear structure with the voltages of the linear
+ * model and with those of the nonlinear model. This is the disadvantage of the smaller tables.
  */
 static double cost_of_linear(const shape_run *run)
 {
@@ -467,7 +470,7 @@ static void print_choice(const shape_run *run)
                                                      : "needs the nonlinear image");
 }
 
-/* Whether output k is a displacement of a single node. */
+/* Whether the output with index k is a displacement of a single node. */
 static int is_single(const analysis *analysis, int k)
 {
     return print_is_displacement(analysis, k) && analysis_outputs(analysis, k) == 1;
@@ -516,8 +519,8 @@ static void print_narrower(const voltages *result, int amplifiers)
 }
 
 /*
- * Print how many target rows lie on constrained degrees of freedom and differ from the wanted
- * value, which the shape error does not include, and the names of the free functions.
+ * Print how many target rows lie on constrained dof and differ from the wanted value, which the
+ * shape error does not include, and the names of the free functions.
  */
 static void print_target_rows(const design *design, const voltages *result)
 {
@@ -611,7 +614,7 @@ void print_shape(const shape_run *run)
            100 * best->error, limits);
 }
 
-/* Write the displacements that the scene lists as outputs, under one set of voltages. */
+/* Write the displacements that the scene lists as outputs, under one set of voltages, as JSON. */
 static void json_reached(json *json, const analysis *analysis, const voltages *result)
 {
     double *value = calloc((size_t)analysis->design.structure.output.count + 1, sizeof *value);
@@ -651,7 +654,10 @@ static void json_voltages(json *json, const analysis *analysis, const voltages *
     json_reached(json, analysis, result);
 }
 
-/* Write the optimum within the first limits at the top level, then every set of voltages. */
+/*
+ * Write the results of `pzs shape` as JSON: the optimum within the first limits at the top level,
+ * then every set of voltages.
+ */
 void print_shape_json(const shape_run *run)
 {
     const analysis *analysis = run->analysis;

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Results of the electrodes of a scene on standard output (print.h). */
+/* Voltages, charges and capacitances of the electrodes of a scene on standard output (print.h). */
 #include <math.h>
 #include <stdio.h>
 #include "print.h"
 #include "../text/words.h"
 
-/* Write the name of electrode k. Returns a description of its electrical connection. */
+/* Write the name of electrode k to `name`. Returns a description of its electrical connection. */
 static const char *connection(const design *design, int k, char name[SCENE_LABEL])
 {
     const int input = design->electrodes.input[k];

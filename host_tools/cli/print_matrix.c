@@ -4,7 +4,11 @@
 #include <stdio.h>
 #include "../model/matrix_facts.h"
 
-/* Unit of the entries, as " um/V"; empty where the scene names none. text [2 SCENE_NAME + 4] out */
+/*
+ * Unit of the entries of the influence matrix with a leading blank, for example " um/V"; empty
+ * where the scene gives no unit.
+ *   text [2 SCENE_NAME + 4] out
+ */
 static const char *unit_of(const scene *scene, char *text)
 {
     if (*scene->unit_length && *scene->unit_voltage)

@@ -7,8 +7,8 @@
 /* ---- text ------------------------------------------------------------- */
 
 /*
- * Factor by which the number of elements in each direction has to grow for half the uncertainty.
- * Orders outside 1 to 2 are not relied on.
+ * Factor by which the number of elements in each direction has to grow to halve the uncertainty of
+ * a result, from the observed order of convergence. Orders are limited to the range 1 to 2.
  */
 static double growth(double order)
 {
@@ -16,7 +16,7 @@ static double growth(double order)
     return pow(2, 1 / used);
 }
 
-/* Print the mesh that would halve the largest uncertainty. */
+/* Print the number of elements with which the largest uncertainty would be halved. */
 static void print_next_mesh(const mesh_error *mesh_error)
 {
     const int *elements = mesh_error->elements[0];

@@ -6,12 +6,16 @@
 #include "../model/mesh_error.h"
 #include "../text/json.h"
 
-/* Print a table with a row for each result. Without an estimate nothing is printed. */
+/*
+ * Print a table of estimated discretisation errors with one row for each result. Without an
+ * estimate nothing is printed.
+ */
 void print_mesh_error(const mesh_error *mesh_error);
 
 /*
- * Print the JSON member `discretisation`: meshes, and for each result value, extrapolated,
- * uncertainty and order (null where it was not observed). Without an estimate nothing is printed.
+ * Write the estimated discretisation errors as the JSON member `discretisation`: the meshes, and
+ * for each result its value, extrapolated value, uncertainty and order (null where it was not
+ * observed). Without an estimate nothing is written.
  */
 void print_mesh_error_json(json *json, const mesh_error *mesh_error);
 

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Modes of a target on standard output (print.h). */
+/* Errors of each mode of a target on standard output (print.h). */
 #include <stdio.h>
 #include "print.h"
 
-/* Print one table for each pair of voltage limits. */
+/* Print one table of the modes' errors for each pair of voltage limits. */
 void print_modes(const scene *scene, const modes *modes)
 {
     for (int bound = 0; modes->count > 0 && bound < modes->limits; bound++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Named outputs of a scene (print_outputs.h). */
+/* Named outputs of a scene on standard output, as text and as JSON (print_outputs.h). */
 #include "print_outputs.h"
 #include <math.h>
 #include <stdlib.h>

@@ -7,7 +7,10 @@
 static const char *const event_name[] = {
     [LOAD_PATH_LIMIT] = "limit point", [LOAD_PATH_BIFURCATION] = "bifurcation"};
 
-/* Whether output k is a displacement with one value, which the table lists. */
+/*
+ * Whether the output with index k is a displacement with a single value, which the table of the
+ * load path lists.
+ */
 static int is_listed(const analysis *analysis, int k)
 {
     return print_is_displacement(analysis, k) && analysis_outputs(analysis, k) == 1;

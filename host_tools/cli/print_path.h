@@ -1,18 +1,24 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* A load path on standard output, as text and as JSON. */
+/* A load path (equilibria from zero to full load) on standard output, as text and as JSON. */
 #ifndef PRINT_PATH_H
 #define PRINT_PATH_H
 
 #include "../model/analysis.h"
 #include "../text/json.h"
 
-/* Print the critical points and a table with a row for each point: load factor and outputs. */
+/*
+ * Print the critical points of a load path, and a table with one row for each point: load factor
+ * and outputs.
+ */
 void print_load_path(const analysis *analysis, const load_path *path);
 
-/* Print the JSON member `path`: complete, linear_solves, events and points. */
+/*
+ * Write a load path as the JSON member `path` with the members complete, linear_solves, events and
+ * points.
+ */
 void print_load_path_json(json *json, const analysis *analysis, const load_path *path);
 
-/* Print a JSON document that holds a path alone, which has not reached the full load. */
+/* Write a JSON document that contains only a load path, which has not reached the full load. */
 void print_ended_path_json(const analysis *analysis, const load_path *path);
 
 #endif

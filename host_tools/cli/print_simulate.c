@@ -79,7 +79,7 @@ int print_run(simulation *simulation, const simulate_sinks *sinks, char *error)
 
 /* ---- text ------------------------------------------------------------- */
 
-/* Print whether the plant vibrates, and with which modes or why not. */
+/* Print whether the plant vibrates, and the number of its modes or the reason why it does not. */
 static void print_inertia(const plant *plant)
 {
     if (plant->has_inertia)
@@ -128,7 +128,7 @@ static void print_settled(const simulate_phase *phase)
     printf(" %6d", course->step_limit_ticks);
 }
 
-/* Print a relative error in a column, or that the law has diverged. */
+/* Print a relative error (%) in a column, or that the control law has diverged. */
 static void print_share(int width, double value)
 {
     if (isinf(value))
@@ -169,7 +169,7 @@ static void print_phases(const simulation *simulation)
          "  the answer");
 }
 
-/* Largest value of a record in one of `parts` equal parts of the time. */
+/* Largest value of a record in one of `parts` equal parts of the simulated time. */
 static double largest(const simulate_record *record, const double *value, int part, int parts)
 {
     double most = 0;
@@ -178,7 +178,10 @@ static double largest(const simulate_record *record, const double *value, int pa
     return most;
 }
 
-/* Print the largest error and vibration over time. */
+/*
+ * Print the largest shape error and the largest vibration of the controller in each part of the
+ * simulated time.
+ */
 static void print_history(const simulate_record *record, double rate)
 {
     enum { COLUMNS = 12 };
@@ -319,7 +322,7 @@ static void json_count(json *json, const simulate_count *count, simulate_law law
     json_close(json, '}');
 }
 
-/* Modes, damping and imperfections of the plant. */
+/* Write modes, damping and imperfections of the plant as JSON. */
 static void json_plant(json *json, const simulation *simulation)
 {
     const plant *plant = &simulation->plant;
@@ -337,7 +340,10 @@ static void json_plant(json *json, const simulation *simulation)
     json_string(json, "imperfections", imperfections);
 }
 
-/* Largest error and vibration of the controller in each bin of the time axis. */
+/*
+ * Write the largest shape error and the largest vibration of the controller in each interval of the
+ * time axis as JSON.
+ */
 static void json_history(json *json, const simulate_record *record, double rate)
 {
     json_open(json, "history", '{');

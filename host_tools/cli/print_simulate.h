@@ -7,11 +7,12 @@
 #include "../report/report_simulate.h"
 #include "history.h"
 
-/* What receives the ticks of a simulation. */
+/* Receivers of the results of every tick of a simulation. */
 typedef struct simulate_sinks {
-    simulate_record *record; /* opened record of all control laws */
-    FILE *csv;               /* a header and one line per tick of the controller, or NULL */
-    history *history;        /* opened history of the controller, or NULL */
+    simulate_record *record; /* opened record of the results of all control laws */
+    FILE *csv; /* CSV file that receives a header and one line for each tick of the controller, or
+                  NULL */
+    history *history; /* opened record of every tick of the controller, or NULL */
 } simulate_sinks;
 
 /*
@@ -20,7 +21,7 @@ typedef struct simulate_sinks {
  */
 int print_run(simulation *simulation, const simulate_sinks *sinks, char *error);
 
-/* Print the results on standard output, after print_run. */
+/* Print the results of a simulation on standard output, after print_run. */
 void print_simulation(const simulation *simulation, const simulate_record *record);
 void print_simulation_json(const simulation *simulation, const simulate_record *record);
 

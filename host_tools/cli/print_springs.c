@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Forces of springs and stacks on standard output (print_springs.h). */
+/* Forces of springs and stack actuators on standard output (print_springs.h). */
 #include "print_springs.h"
 #include <math.h>
 #include <stdio.h>
@@ -7,7 +7,7 @@
 #include "../model/spring_forces.h"
 #include "../text/words.h"
 
-/* Number of items of springs: springs of the scene, then actuators. */
+/* Number of items that may have springs: the springs of the scene, then its actuators. */
 static int items_of(const scene *scene)
 {
     return scene->springs + scene->actuators;

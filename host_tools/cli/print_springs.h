@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Forces of springs and stacks on standard output. */
+/* Forces of springs and stack actuators on standard output, as text and as JSON. */
 #ifndef PRINT_SPRINGS_H
 #define PRINT_SPRINGS_H
 
@@ -7,9 +7,10 @@
 #include "../text/json.h"
 
 /*
- * Print the forces of springs and stacks on the structure, along their directions; nothing without
- * springs. The JSON member is `springs`, with the forces of all springs of an item. displacement
- * [free_dof] in
+ * Print the forces of springs and stack actuators on the structure, along their directions; print
+ * nothing where there are none. The JSON member is `springs`, with the forces of all springs of an
+ * item.
+ *   displacement [free_dof] in
  */
 void print_springs(const analysis *analysis, const double *displacement);
 void print_springs_json(json *json, const analysis *analysis, const double *displacement);

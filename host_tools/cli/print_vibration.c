@@ -9,13 +9,16 @@
 
 /* ---- modes ------------------------------------------------------------ */
 
-/* Largest nodal displacement in a mode by a unit of an input; NAN for a rigid-body mode. */
+/*
+ * Largest static displacement of a node in one mode under a unit of an input; NAN for a rigid
+ * motion.
+ */
 static double moved_by(const design *design, const vibration *vibration, int mode, int input)
 {
     return vibration->largest[mode] * vibration_static(vibration, design, mode, input);
 }
 
-/* Index of the amplifier that moves a mode most, or -1. */
+/* Index of the amplifier that moves a mode most, or -1 where no amplifier moves the mode. */
 static int strongest(const design *design, const vibration *vibration, int mode)
 {
     int best = -1;
@@ -133,7 +136,10 @@ void print_certificate(const certificate *certificate)
     print_lines(text);
 }
 
-/* Stability of the loop that `pzs tables` writes, with or without a vibration model. */
+/*
+ * Write the stability of the control loop that `pzs tables` writes, with or without a vibration
+ * model, as JSON.
+ */
 static void json_stability(json *json, const certificate *certificate)
 {
     const certificate_loop *loop = &certificate->loop;

@@ -8,8 +8,8 @@
 #include "../text/json.h"
 
 /*
- * Print the modes of `pzs modes`: frequency, participating mass, and the input that moves each mode
- * most, then the estimated discretisation error of the frequencies.
+ * Print the results of `pzs modes`: natural frequency, participating mass, and the input that moves
+ * each mode most, then the estimated discretisation error of the frequencies.
  */
 void print_vibration(const design *design, const vibration *vibration,
                      const mesh_error *mesh_error);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* JSON schema of scenes (schema.h). Each form of a value becomes one schema. */
+/* JSON schema of scenes (schema.h). Each form of a value in the scene becomes one schema. */
 #include "schema.h"
 #include <math.h>
 #include <stdbool.h>
@@ -9,7 +9,7 @@
 #include "../scene/scene_units.h"
 #include "../text/json.h"
 
-/* Largest magnitude of a plain number that the reader accepts. */
+/* Largest magnitude of a plain number that the scene reader accepts. */
 static const double largest_number = 1e60;
 
 static void write_form(json *json, const form *form);
@@ -26,7 +26,7 @@ static void write_limit(json *json, bool is_low, const range *range)
     json_number(json, range->strict && !is_open ? strict_name : name, is_open ? bound : limit);
 }
 
-/* Write the alternatives of a number: a plain number, or a text that is a formula. */
+/* Write the schema of a number: either a plain number, or a text that is a formula. */
 static void write_number(json *json, const char *type, const range *rule)
 {
     static const range any = {-HUGE_VAL, HUGE_VAL, 0, NULL};
@@ -43,7 +43,7 @@ static void write_number(json *json, const char *type, const range *rule)
     json_close(json, ']');
 }
 
-/* Write a text, which YAML may take for a number or a boolean. */
+/* Write the schema of a text, which YAML may also take for a number or a boolean. */
 static void write_text(json *json, bool is_name)
 {
     json_open_line(json, "type", '[');
@@ -57,7 +57,10 @@ static void write_text(json *json, bool is_name)
     json_number(json, "maxLength", SCENE_NAME - 1);
 }
 
-/* Write a word, also as the number or boolean for which YAML may take it. */
+/*
+ * Write a permitted word to the schema, also as the number or boolean for which YAML may take the
+ * word.
+ */
 static void write_word(json *json, const char *word)
 {
     static const char *const yes[] = {"true", "on", "yes", NULL};
@@ -75,7 +78,10 @@ static void write_word(json *json, const char *word)
 
 /* ---- mappings --------------------------------------------------------- */
 
-/* Return whether an item of the keys of a combination concerns a key of a table. */
+/*
+ * Whether an item of the keys of a combination concerns a certain key of a mapping.
+ *   item out  that item
+ */
 static bool find_item(const form_case *one, const char *key, case_item *item)
 {
     const char *keys = one->keys;
@@ -94,7 +100,10 @@ static bool is_mentioned(const form_case *cases, const char *key)
     return false;
 }
 
-/* Return whether a mapping may have a key in a combination; one: NULL for a form without any. */
+/*
+ * Whether a mapping may have a key in a combination of keys.
+ *   one in  the combination; NULL where the mapping has no combinations
+ */
 static bool is_permitted(const form *form, const form_case *one, const char *key)
 {
     case_item item;
@@ -110,7 +119,10 @@ static bool is_required(const field *field, const form_case *one)
            !memchr(item.text, '|', item.length);
 }
 
-/* Write the words that a combination permits for a key, separated by '/'. */
+/*
+ * Write the words that a combination of keys permits for one key; the words are separated by '/' in
+ * the item.
+ */
 static void write_item_words(json *json, const case_item *item)
 {
     size_t start = 0;
@@ -127,7 +139,7 @@ static void write_item_words(json *json, const case_item *item)
     json_close(json, ']');
 }
 
-/* Write the description of a key: its help sentence, with a unit as an example. */
+/* Write the description of a key: its help sentence, with an example unit. */
 static void write_description(json *json, const field *field)
 {
     const char *const unit = scene_units_example(field->of);
@@ -152,7 +164,7 @@ static void write_field(json *json, const field *field, const form_case *one)
     json_close(json, '}');
 }
 
-/* Write that exactly one key of an item "a|b|c" is required. */
+/* Write to the schema that exactly one key of an item "a|b|c" is required. */
 static void write_alternatives(json *json, const case_item *item)
 {
     size_t start = 0;
@@ -202,7 +214,10 @@ static void write_required(json *json, const form *form, const form_case *one)
         json_close(json, ']');
 }
 
-/* Write the schema of a mapping in one of its combinations of keys; one: NULL for any keys. */
+/*
+ * Write the schema of a mapping in one of its combinations of keys.
+ *   one in  the combination; NULL: any keys
+ */
 static void write_object(json *json, const form *form, const form_case *one)
 {
     json_string(json, "type", "object");
@@ -282,7 +297,7 @@ static void write_words(json *json, const choice *words)
     json_close(json, ']');
 }
 
-/* Write the members of the schema of a value into an open object. */
+/* Write the members of the schema of a value into an open JSON object. */
 static void write_form(json *json, const form *form)
 {
     switch (form->type) {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Example scenes (templates.h). Each source line contains one line of a scene. */
+/*
+ * Example scenes and data files of `pzs new` (templates.h). Each source line contains one line of a
+ * file.
+ */
 #include "templates.h"
 #include <string.h>
 
@@ -233,7 +236,7 @@ static const char measured[] =
     "  events:\n"
     "    - {at: 50, dead: [e2], announced: 3}\n";
 
-/* The matrix of the scene above: seven actuators, each moved alone, and 19 sensors. */
+/* Influence matrix of the example mirror: seven actuators, each moved alone, and 19 sensors. */
 static const char measured_matrix[] =
     "x,y,centre,e1,e2,e3,e4,e5,e6\n"
     "-4.5,7.794,0.0120,0.0040,0.0212,0.0206,0.0043,0.0011,0.0011\n"
@@ -256,7 +259,10 @@ static const char measured_matrix[] =
     "0,-7.794,0.0148,0.0024,0.0014,0.0026,0.0110,0.0272,0.0104\n"
     "4.5,-7.794,0.0120,0.0040,0.0012,0.0011,0.0043,0.0208,0.0196\n";
 
-/* Nine pokes of this mirror, by random signs, with a dead actuator: voltages and shapes (mm). */
+/*
+ * Nine pokes (shapes under known voltages) of the example mirror, with random signs and a dead
+ * actuator: voltages (V) and shapes (mm).
+ */
 static const char poke_voltages[] = "centre,e1,e2,e3,e4,e5,e6\n"
                                     "50,-50,-50,50,-50,-50,50\n"
                                     "50,50,50,-50,-50,50,-50\n"

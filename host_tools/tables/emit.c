@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Arrays of generated C tables (emit.h). Numbers have 17 significant digits and are rounded once,
- * by the device's compiler, to its pzs_real; a table therefore has a checksum for either precision.
+ * by the device's compiler, to the pzs_real of the device; a table therefore has one checksum for
+ * each precision.
  */
 #include "emit.h"
 #include <math.h>
@@ -36,13 +37,14 @@ void emit_real(FILE *file, double value)
 {
     if (isinf(value))
         fprintf(file, "%sHUGE_VAL", value < 0 ? "-" : "");
-    else if (value == 0 && signbit(value)) /* -0 without a decimal point would be the integer 0 */
+    else if (value == 0 && signbit(value)) /* -0 without a decimal point would be the integer 0 in C
+                                            */
         fputs("-0.0", file);
     else
         fprintf(file, "%.17g", value);
 }
 
-/* Values of an initialiser, `columns` in each line. */
+/* Write the values of an initialiser, `columns` of them in each line. */
 static void list_reals(FILE *file, const double *value, size_t count, size_t columns)
 {
     for (size_t i = 0; i < count; i++) {
@@ -62,7 +64,10 @@ void emit_reals(emitter *emitter, const char *name, const double *value, size_t 
     emit_count_reals(emitter, value, count);
 }
 
-/* Largest float that is not above x, or smallest float that is not below x. */
+/*
+ * Round a limit inwards to single precision: the largest float that is not above an upper limit, or
+ * the smallest float that is not below a lower limit.
+ */
 static double float_inside(double value, int upper)
 {
     const float nearest = (float)value;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Writes arrays as C source and accumulates their checksum in float and their size. */
+/* Writes arrays as C source and accumulates their size and their checksum in single precision. */
 #ifndef EMIT_H
 #define EMIT_H
 
@@ -9,13 +9,15 @@
 typedef struct emitter {
     FILE *file;
     const char *prefix;
-    char upper[64];      /* the prefix in capitals, for macros */
-    uint32_t crc32;      /* checksum of the written data, reals rounded to float */
-    size_t reals, bytes; /* written so far: number of reals, and bytes of other data */
+    char upper[64]; /* the prefix of all names in capital letters, for macros */
+    uint32_t crc32; /* checksum of the data written so far, with reals rounded to single precision
+                     */
+    size_t reals, bytes; /* size of the data written so far: number of reals, and bytes of other
+                            data */
 } emitter;
 
 /*
- * Write a number exactly. Values of an array are added to the checksum and the size by
+ * Write a number with all its digits. Values of an array are added to checksum and size by
  * emit_count_reals or emit_count_bytes.
  */
 void emit_real(FILE *file, double value);
@@ -24,8 +26,8 @@ void emit_count_reals(emitter *emitter, const double *value, size_t count);
 void emit_count_bytes(emitter *emitter, const void *value, size_t bytes);
 
 /*
- * Write `static const ... PREFIX_NAME[n]` with its meaning as a comment before it. An array without
- * entries gets one entry of 0.
+ * Write `static const ... PREFIX_NAME[count]`, preceded by its meaning as a comment. An array
+ * without entries gets one entry of 0.
  */
 void emit_reals(emitter *emitter, const char *name, const double *value, size_t count,
                 const char *meaning);
@@ -34,26 +36,30 @@ void emit_shorts(emitter *emitter, const char *name, const uint16_t *value, size
 void emit_longs(emitter *emitter, const char *name, const uint32_t *value, size_t count);
 
 /*
- * Write voltage limits. In float they are rounded inwards, so that no voltage exceeds the scene's
- * limit.
+ * Write voltage limits (V). In single precision they are rounded inwards, so that no voltage
+ * exceeds the limits of the scene.
  */
 void emit_limits(emitter *emitter, const char *name, const double *value, size_t count, int upper,
                  const char *meaning);
 
-/* Write PREFIX_NAME[n] of blocks of reals. length [depth] in: dimensions of one block */
+/*
+ * Write an array PREFIX_NAME[count] of blocks of reals.
+ *   length [depth] in  dimensions of one block
+ */
 void emit_blocks(emitter *emitter, const char *name, const double *value, size_t count,
                  const int *length, int depth, const char *meaning);
 
 /*
- * Write the initialiser of an array of up to four dimensions with nested braces. Returns the
- * position in x after the array.
+ * Write the initialiser of an array of up to four dimensions with nested braces.
+ *   length [depth] in  dimensions of the array
+ * Returns the position in `value` behind the array.
  */
 const double *emit_nested(FILE *file, const double *value, const int *length, int depth);
 void emit_vector(emitter *emitter, const double value[3]);
 
 /*
- * Write the first members of a structure of the library: format, scene, checksums in float and in
- * double.
+ * Write the first members of a structure of the library: table format, checksum of the scene,
+ * checksums of the data in single and in double precision.
  */
 void emit_begin(const emitter *emitter, const char *type, const char *name, uint32_t scene,
                 uint32_t crc);

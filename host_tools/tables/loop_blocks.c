@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Blocks of the control tick that a scene needs (loop_blocks.h). */
+/*
+ * Blocks of the control tick that a scene needs, with their conditions and tables (loop_blocks.h).
+ */
 #include "loop_blocks.h"
 #include <ctype.h>
 #include <math.h>
@@ -7,7 +9,10 @@
 #include "../../lib/core/guard.h"
 #include "../model/tick_work.h"
 
-/* Part of the step limits that the governor takes; the rest is left for damping. */
+/*
+ * Fraction of the step limits that the governor uses; the rest is left for the damping of
+ * vibration.
+ */
 static const double governor_part = 0.5;
 
 /* ---- conditions -------------------------------------------------------- */
@@ -38,7 +43,10 @@ static bool has_feed_forward(const loop_blocks *blocks)
     return loop_feeds(blocks->design->scene);
 }
 
-/* The damper estimates the shape itself. */
+/*
+ * Whether the scene needs the block that estimates the shape. The damper replaces this block,
+ * because it estimates the shape itself.
+ */
 static bool has_estimator(const loop_blocks *blocks)
 {
     return loop_estimates(blocks->design->scene) && !blocks->damper->is_used;
@@ -114,7 +122,7 @@ static const void *detection_tables(loop_blocks *blocks)
     return &blocks->detection;
 }
 
-/* RMS of the wanted displacements (m). */
+/* Root mean square of the wanted displacements (m). */
 static double target_rms(const design *design)
 {
     double sum = 0;
@@ -124,10 +132,10 @@ static double target_rms(const design *design)
 }
 
 /*
- * Tables of the supervisor. The divergence monitor allows for a sudden load of 0.3 of the target
- * and for noise of at least 0.005 of it. Changes of the target explain a deviation that fades by a
- * factor of e in two periods of the first mode, or in 50 ticks without modes. The alarm waits for
- * one period, at least 20 ticks.
+ * Tables of the supervisor. The divergence monitor allows for a sudden load that causes 0.3 of the
+ * target, and for noise of at least 0.005 of the target. A change of the target explains a
+ * deviation that decays by a factor of e in two periods of the first mode, or in 50 ticks where
+ * there is no vibration model. The alarm waits for one period, at least 20 ticks.
  */
 static const void *supervision_tables(loop_blocks *blocks)
 {
@@ -210,7 +218,7 @@ static void write_supervision(emitter *emitter, const loop_blocks *blocks)
     fputs("\n};\n", emitter->file);
 }
 
-/* Arrays of the damper in the order in which they are declared. */
+/* Write the arrays of the damper in the order in which their type declares them. */
 static void write_damper_arrays(emitter *emitter, const pzs_vibration *tables)
 {
     const size_t modes = tables->modes, inputs = tables->inputs, sensors = tables->sensors;
@@ -238,7 +246,9 @@ static void write_damper_arrays(emitter *emitter, const pzs_vibration *tables)
                "inverse angle that each mode turns in a tick (1/rad)");
 }
 
-/* The name of an array that other blocks share, or NULL without few sensors. */
+/*
+ * Write the name of an array that several blocks share, or NULL where the scene has no estimator.
+ */
 static void write_shared(const emitter *emitter, const void *table, const char *name)
 {
     if (table)
@@ -283,15 +293,17 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
 /* ---- the table -------------------------------------------------------- */
 
 /*
- * Types of blocks. The tables of a block are PREFIX_ and `tables_name` in a header; `bytes` is the
- * macro of its memory without PZS_, with % for the prefix in capitals.
+ * Types of blocks. In the generated header, the tables of a block are named PREFIX_ followed by
+ * `tables_name`, and `bytes` is the macro of the block's memory without PZS_, with % in place of
+ * the prefix in capital letters.
  */
 static const struct {
     const pzs_block_type *type;
     bool (*is_present)(const loop_blocks *l);
     const void *(*tables)(loop_blocks *l);
-    void (*write)(emitter *w, const loop_blocks *l); /* NULL: the tables are written with
-                                                              their arrays */
+    void (*write)(emitter *w, const loop_blocks *l); /* function that writes the tables of the
+                                                        block; NULL: the tables are written together
+                                                        with their arrays */
     const char *type_name, *tables_name, *bytes;
 } block_types[] = {
     {&pzs_feed_forward_block, has_feed_forward, known_tables, write_known, "feed_forward",
@@ -328,7 +340,7 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
 
 /* ---- source ----------------------------------------------------------- */
 
-/* Write the text of a macro with the prefix in capitals for each %. */
+/* Write the text of a macro with the prefix in capital letters in place of each %. */
 static void write_macro(const emitter *emitter, const char *text)
 {
     for (; *text; text++) {
@@ -378,8 +390,8 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
 /* ---- names ------------------------------------------------------------ */
 
 /*
- * Write PREFIX_KIND_name = index. A name that is not a C identifier gets its index as a suffix, so
- * that different names stay different.
+ * Write a macro PREFIX_KIND_name with an index as its value. A name that is not a C identifier gets
+ * the index as a suffix, so that different names stay different.
  */
 static void write_index(const emitter *emitter, const char *kind, const char *name, int index)
 {
@@ -408,8 +420,8 @@ static void write_amplifiers(const emitter *emitter, const design *design)
 }
 
 /*
- * Indices of the estimator's readings: NAME, or NAME_1, NAME_2 ... where an output has several
- * values.
+ * Write the indices of the estimator's readings as macros: NAME, or NAME_1, NAME_2 and so on where
+ * an output has several values.
  */
 static void write_sensors(const emitter *emitter, const analysis *analysis)
 {
@@ -433,7 +445,10 @@ static void write_sensors(const emitter *emitter, const analysis *analysis)
     fputs("};\n", emitter->file);
 }
 
-/* Outputs of a measured matrix: their rows in the file, from 1, names and coordinates. */
+/*
+ * Write the outputs of a measured influence matrix as a comment: their rows in the file, counted
+ * from 1, names and coordinates.
+ */
 static void write_rows(const emitter *emitter, const design *design)
 {
     const scene_influence *influence = &design->scene->influence;

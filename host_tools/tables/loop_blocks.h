@@ -13,7 +13,8 @@ typedef struct loop_blocks {
     const design *design;
     const estimator *estimator;
     const damper *damper;
-    pzs_known_loads known_loads; /* tables of the blocks that are stored nowhere else */
+    pzs_known_loads known_loads; /* tables of those blocks whose data are not stored in the design,
+                                    the estimator or the damper */
     pzs_governor governor;
     pzs_amplifier amplifier;
     pzs_fault_detection detection;
@@ -23,20 +24,20 @@ typedef struct loop_blocks {
 } loop_blocks;
 
 /*
- * Whether a scene's controller has an estimator, feed-forward of known loads, and amplifiers with
- * steps or a dead band.
+ * Whether a scene's controller has an estimator of the shape, feed-forward of known loads, and
+ * amplifiers with a resolution or a dead band.
  */
 int loop_estimates(const scene *scene);
 int loop_feeds(const scene *scene);
 int loop_quantises(const scene *scene);
 
 /*
- * Fill the list of blocks of a scene, in the order in which a tick runs them. The list points into
- * *blocks, the design, the estimator and the damper.
- *   design     in  after design_control
- *   estimator  in  after estimator_open; all zero where the scene has neither an estimator nor
- *                  feed-forward
- *   damper     in  after damper_open
+ * Fill the list of blocks of a scene, in the order in which a tick runs them. The list refers to
+ * *blocks, the design, the estimator and the damper, which must outlive it.
+ *   design    in  after design_control
+ *   estimator in  after estimator_open; all zero where the scene has neither an estimator nor
+ *       feed-forward
+ *   damper    in  after damper_open
  */
 void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator,
                       const damper *damper);
@@ -48,8 +49,8 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 
 /*
- * Write the names that a firmware needs: PREFIX_TICK_RATE, indices of amplifiers and sensors, and
- * the outputs as a comment.
+ * Write the names that a firmware needs: PREFIX_TICK_RATE, the indices of amplifiers and sensors,
+ * and the outputs as a comment.
  */
 void loop_names_write(emitter *emitter, const analysis *analysis);
 

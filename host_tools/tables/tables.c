@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Generated C tables (tables.h). */
+/* Generated C tables of a control, linear or nonlinear image (tables.h). */
 #include "tables.h"
 #include <ctype.h>
 #include <stdlib.h>
@@ -30,7 +30,9 @@ static void write_elements(emitter *emitter, const mesh *mesh)
     emit_count_bytes(emitter, mesh->element, (size_t)mesh->elements * sizeof *mesh->element);
 }
 
-/* Corner tables of every element type, member by member in the order of pzs_element_type. */
+/*
+ * Write the corner tables of every element type, member by member in the order of pzs_element_type.
+ */
 static void write_element_types(emitter *emitter, const mesh *mesh)
 {
     static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3};
@@ -88,7 +90,10 @@ static void name_rows(const emitter *emitter, const char *name, uint16_t count)
                 emitter->prefix, name, emitter->prefix, name, emitter->prefix, name);
 }
 
-/* Number of entries of the padded factor for a tile of rows, by the rule of linalg.h. */
+/*
+ * Number of entries of the factor of the stiffness matrix, padded for a tile of rows by the rule of
+ * linalg.h.
+ */
 static size_t padded_entries(const mesh *mesh, int tile)
 {
     size_t entries = 0;
@@ -102,7 +107,10 @@ static size_t padded_entries(const mesh *mesh, int tile)
     return entries;
 }
 
-/* The structure with the inputs and outputs of the controller only: amplifiers and target nodes. */
+/*
+ * The structure with only those inputs and outputs that the controller uses: amplifiers and target
+ * nodes.
+ */
 static pzs_structure controlled(const analysis *analysis)
 {
     pzs_structure structure = analysis->design.structure;
@@ -167,8 +175,8 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
 /* ---- electrodes ------------------------------------------------------- */
 
 /*
- * Electrodes, and the sizes of their workspaces in the reference state and at an equilibrium;
- * nothing where the scene has no sensors and asks for no charge.
+ * Write the electrodes, and the sizes of their workspaces in the reference state and at an
+ * equilibrium. Nothing is written where the scene has no sensors and asks for no charge.
  */
 static void write_electrodes(emitter *emitter, const analysis *analysis)
 {
@@ -217,7 +225,7 @@ static int write_nonlinear(emitter *emitter, const analysis *analysis)
 
 /* ---- voltage problem -------------------------------------------------- */
 
-/* PREFIX_name, or NULL where the array is not written. text out */
+/* Write PREFIX_name to `text`, or NULL where the array is not part of the tables. */
 static void name_or_null(const emitter *emitter, int is_written, const char *name, char text[128])
 {
     if (is_written)
@@ -279,8 +287,8 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
 /* ---- memory of the device --------------------------------------------- */
 
 /*
- * Workspace and stack of an image in bytes, by the macros that a firmware uses; `real` is the type
- * of pzs_real on the device.
+ * Bytes of workspace and stack of an image, computed by the macros that a firmware uses; `real` is
+ * the type of pzs_real on the device.
  */
 #define NEED(real, k)                                                                              \
     {                                                                                              \
@@ -290,7 +298,8 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
         if (image != TABLES_CONTROL)                                                               \
             need.work[k] +=                                                                        \
                 PZS_MODEL_BYTES(structure->free_dof, padded_entries(&design->mesh, PZS_TILE));     \
-        if (image == TABLES_LINEAR && controlled) /* influence matrix computed on the device */    \
+        if (image == TABLES_LINEAR && controlled) /* workspace for the influence matrix that the   \
+                                                     device computes */                            \
             need.work[k] +=                                                                        \
                 sizeof(pzs_real) * (size_t)design->amplifiers * (size_t)design->targets;           \
         if (image == TABLES_NONLINEAR)                                                             \
@@ -321,7 +330,7 @@ tables_memory tables_need(const analysis *analysis, tables_image image)
 
 /* ---- estimator, feed-forward, blocks ---------------------------------- */
 
-/* Tables of the estimator. */
+/* Write the tables of the estimator. */
 static void write_estimator(emitter *emitter, const estimator *estimator)
 {
     const pzs_estimator *tables = &estimator->tables;
@@ -339,7 +348,10 @@ static void write_estimator(emitter *emitter, const estimator *estimator)
             tables->outputs, tables->sensors, emitter->prefix, emitter->prefix);
 }
 
-/* Feed-forward table: the shape, or the readings of the sensors, under each load of the scene. */
+/*
+ * Write a feed-forward table: the shape, or the readings of the sensors, under each load of the
+ * scene.
+ */
 static void write_feed_forward(emitter *emitter, const char *what,
                                const pzs_feed_forward_table *table, const char *meaning)
 {
@@ -354,7 +366,7 @@ static void write_feed_forward(emitter *emitter, const char *what,
             emitter->prefix, array);
 }
 
-/* Lines of a comment. */
+/* Write a text as lines of a C comment. */
 static void write_lines(const emitter *emitter, const char *text)
 {
     if (!text[0])
@@ -365,7 +377,7 @@ static void write_lines(const emitter *emitter, const char *text)
     fputc('\n', emitter->file);
 }
 
-/* Results of the certificate of a loop with a vibration model, as constants. */
+/* Write the results of the certificate of a loop with a vibration model as macros. */
 static void write_verdict(const emitter *emitter, const certificate_loop *loop)
 {
     const char *prefix = emitter->upper;
@@ -389,8 +401,9 @@ static void write_verdict(const emitter *emitter, const certificate_loop *loop)
 }
 
 /*
- * Vibration of the control loop as a comment: modes that the tick damps, or the certificate of a
- * tick without vibration model, and PREFIX_QUASI_STATIC where that tick is unstable.
+ * Write what is known of the vibration of the control loop as a comment: the modes that the tick
+ * damps, or the certificate of a tick without a vibration model. Where that tick is unstable, also
+ * write the macro PREFIX_QUASI_STATIC.
  */
 static void write_stability(const emitter *emitter, const certificate *certificate,
                             const damper *damper)
@@ -469,7 +482,9 @@ static void write_head(const emitter *emitter, const analysis *analysis, const c
             emitter->upper, PZS_TABLE_FORMAT, emitter->upper, emitter->upper);
 }
 
-/* Preprocessor checks that a nonlinear image is compiled with options it can run with. */
+/*
+ * Write preprocessor checks that a nonlinear image is compiled with options with which it can run.
+ */
 static void write_demands(const emitter *emitter, const analysis *analysis)
 {
     fputs("#if !PZS_NONLINEAR\n#error \"nonlinear image: compile library and firmware with "

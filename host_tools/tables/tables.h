@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Writes generated C tables: the arrays of a design as const data for a firmware. */
+/* Writes generated C tables: the arrays of a design as constant data for a firmware. */
 #ifndef TABLES_H
 #define TABLES_H
 
@@ -15,20 +15,20 @@ typedef enum tables_image {
 extern const char *const tables_image_name[TABLES_IMAGES];
 
 /*
- * Largest condition of the scaled stiffness for an equilibrium solver in float, which has no
- * iterative refinement.
+ * Largest condition number of the scaled stiffness matrix with which an equilibrium solver in
+ * single precision is allowed, because that solver has no iterative refinement.
  */
 #define TABLES_FLOAT_CONDITION 1e7
 int tables_allow_float(const analysis *analysis);
 
-/* Size of tables in flash: number of reals, and bytes of other data. */
+/* Size of tables in flash memory: number of reals, and bytes of other data. */
 typedef struct tables_size {
     size_t reals, bytes;
 } tables_size;
 
 /*
- * Bytes of workspace and of stack that an image needs on a device, in float [0] and in double [1].
- * The stack is that of the library alone, which `make test` verifies.
+ * Bytes of workspace and of stack that an image needs on a device, in single precision [0] and in
+ * double precision [1]. The stack is that of the library alone, which `make test` verifies.
  */
 typedef struct tables_memory {
     size_t work[2], stack[2];
@@ -36,13 +36,13 @@ typedef struct tables_memory {
 tables_memory tables_need(const analysis *analysis, tables_image image);
 
 /*
- * Write the tables of an image as a C header. The same scene gives the same bytes, because the
+ * Write the tables of an image as a C header. A scene always gives identical bytes, because the
  * header contains no dates and no paths.
- *   analysis  in   after analysis_influence; for a nonlinear image after analysis_solve, and after
- *                  analysis_influence where the scene has a target (without a target the tables
- *                  contain no voltage problem)
- *   prefix    in   start of every name, a C identifier
- *   size      out  size of the tables
+ *   analysis in   after analysis_influence; for a nonlinear image after analysis_solve, and after
+ *       analysis_influence where the scene has a target (without a target the tables contain no
+ *       voltage problem)
+ *   prefix   in   start of every name, a C identifier
+ *   size     out  size of the tables
  * Returns 0, or -1 when writing failed.
  */
 int tables_write(FILE *file, const analysis *analysis, tables_image image, const char *prefix,

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Nonlinear part of the generated tables (tables_nonlinear.h). */
+/* Generated tables of the equilibrium solver (tables_nonlinear.h). */
 #include "tables_nonlinear.h"
 #include <stdlib.h>
 #include "../../lib/core/guard.h"
 #include "../../lib/nonlinear/nonlinear.h"
 
-/* Prescribed resultants of actuation and temperature, prescribed displacements. */
+/*
+ * Write the prescribed resultants of actuation and temperature, and the prescribed displacements.
+ */
 static void write_resultants(emitter *emitter, const pzs_nonlinear *tables, uint16_t inputs)
 {
     const int strains = LAMINATE_STRAINS;
@@ -47,7 +49,7 @@ static void write_resultants(emitter *emitter, const pzs_nonlinear *tables, uint
         fputs("    {0, 0, NULL, NULL},\n};\n\n", emitter->file);
 }
 
-/* Checksum of a follower load's tables whose reals are rounded to float. */
+/* Checksum of the tables of the follower loads with reals rounded to single precision. */
 static uint32_t follower_crc_32(const pzs_follower *tables, const mesh *mesh)
 {
     const uint16_t whole[4] = {tables->input, tables->load_face, tables->normal_face,
@@ -99,7 +101,7 @@ static void write_followers(emitter *emitter, const equilibrium *equilibrium)
     fputs(equilibrium->followers > 0 ? "};\n\n" : "\n", emitter->file);
 }
 
-/* Checksum of a body whose reals are rounded to float. */
+/* Checksum of a contact body with reals rounded to single precision. */
 static uint32_t body_crc_32(const pzs_body *body)
 {
     uint32_t crc = emit_crc_reals(GUARD_CRC_START, body->point, 3);
@@ -107,8 +109,10 @@ static uint32_t body_crc_32(const pzs_body *body)
     return ~emit_crc_reals(crc, &body->radius, 1);
 }
 
-/* Contact face and body. A body that the scene gives by a formula needs a distance function of the
- * firmware. */
+/*
+ * Write the contact face and the contact body. A body that the scene gives by a formula needs a
+ * distance function in the firmware.
+ */
 static void write_contact(emitter *emitter, const equilibrium *equilibrium)
 {
     static const char *const gap[] = {[BODY_PLANE] = "pzs_gap_plane",
@@ -159,7 +163,7 @@ static void write_contact(emitter *emitter, const equilibrium *equilibrium)
             emitter->upper, nodes, emitter->upper, equilibrium->contact.settings.stiffness);
 }
 
-/* Sizes and settings of the equilibrium solver, and the outputs that the host computed. */
+/* Write sizes and settings of the equilibrium solver, and the outputs that the host computed. */
 static int write_equilibrium(emitter *emitter, const analysis *analysis)
 {
     const pzs_structure *structure = &analysis->design.structure;
