@@ -10,8 +10,8 @@ enum { HISTORY_COLUMNS = 8 };
 typedef struct history {
     size_t ticks, amplifiers, room;
     double *row;     /* [ticks][HISTORY_COLUMNS] time (s), relative shape error, relative vibration,
-                        relative measurement error, active limits, iterations, status, flag of a missed
-                        tick */
+                        relative error of the measured shape, number of active limits, iterations,
+                        status, missed (0 or 1) */
     double *voltage; /* [ticks][amplifiers] output voltages (V) */
 } history;
 /* Allocate memory for the ticks of a simulation. Returns whether memory sufficed. */
