@@ -46,6 +46,8 @@ $(eval $(call fw_tables,plate_linear,plate-50-patches --set limits.step_limit=20
 $(eval $(call fw_tables,plate5_linear,plate-50-patches --set limits.step_limit=20 $(FW_COARSE) --image linear))
 $(eval $(call fw_tables,plate_nonlinear,plate-50-patches --set kinematics=nonlinear --image nonlinear))
 $(eval $(call fw_tables,hemisphere4_nonlinear,hemisphere $(FW_HEMISPHERE) --image nonlinear))
+$(eval $(call fw_tables,wing_linear,wing-panel --image linear))
+$(eval $(call fw_tables,wing_nonlinear,wing-panel --set kinematics=nonlinear --image nonlinear))
 tables: $(FW_TABLES)
 
 # fw_library: processor or host, choice, compiler, archiver, flags, sources. One static library for each choice,
@@ -97,9 +99,11 @@ endef
 $(eval $(call fw_host,32,control,plate_control))
 $(eval $(call fw_host,32,linear,plate5_linear))
 $(eval $(call fw_host,64,linear,plate_linear))
+$(eval $(call fw_host,32,linear,wing_linear))
 $(eval $(call fw_host,32-nonlinear,loads,hemisphere4_nonlinear))
 $(eval $(call fw_host,64-nonlinear,loads,hemisphere4_nonlinear))
 $(eval $(call fw_host,64-nonlinear,reshape,plate_nonlinear))
+$(eval $(call fw_host,64-nonlinear,loads,wing_nonlinear))
 
 # fw_image: name, QEMU machine, linker script, board file, -icount shift, processor, choice, part, tables, processor flags.
 define fw_image
@@ -124,6 +128,8 @@ $(eval $(call fw_image,mps2-an500-linear,mps2-an500,mps2_an500,board_mps2,10,m7,
 $(eval $(call fw_image,mps2-an386-hemisphere4,mps2-an386,mps2_an386,board_mps2,10,m4,32-nonlinear,loads,hemisphere4_nonlinear,$(FW_M4)))
 $(eval $(call fw_image,mps2-an500-hemisphere4,mps2-an500,mps2_an500,board_mps2,10,m7,64-nonlinear,loads,hemisphere4_nonlinear,$(FW_M7)))
 $(eval $(call fw_image,mps2-an500-reshape,mps2-an500,mps2_an500,board_mps2,10,m7,64-nonlinear,reshape,plate_nonlinear,$(FW_M7)))
+$(eval $(call fw_image,mps2-an386-wing,mps2-an386,mps2_an386,board_mps2,10,m4,32,linear,wing_linear,$(FW_M4)))
+$(eval $(call fw_image,mps2-an500-wing,mps2-an500,mps2_an500,board_mps2,10,m7,64-nonlinear,loads,wing_nonlinear,$(FW_M7)))
 
 # For `pzs simulate --device`: the controller with the tables in LOOP, a header, and its plant at the other end of a stream.
 # fw_loop: name, processor or host, choice, objects of the board, compiler, flags of compiler and linker
