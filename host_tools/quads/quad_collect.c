@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Numbers of a file become indices: nodes, elements and sets (quad_steps.h). */
+/*
+ * Replacement of the numbers in a mesh file by indices of nodes and elements, and copies of its
+ * sets (quad_steps.h).
+ */
 #include "quad_steps.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Largest absolute coordinate: its fourth power still is a finite number. */
+/* Largest absolute coordinate of a node; its fourth power is still a finite number. */
 static const double largest_place = 1e60;
 
-/* A number of the file with the index of its item. */
+/* Number of a node or element in the mesh file, with the index of that node or element. */
 typedef struct numbered {
     int64_t label;
     size_t index;
@@ -23,15 +26,17 @@ static int by_label(const void *left, const void *right)
     return (first->index > second->index) - (first->index < second->index);
 }
 
-/* Tables of one collection. Nodes that no quadrilateral uses keep the number UNUSED. */
+/* Index of nodes that no quadrilateral uses, and of cells that are no quadrilaterals. */
 static const uint32_t unused = UINT32_MAX;
 typedef struct collection {
     quad_mesh *mesh;
     quad_origin *origin;
     const quad_raw *raw;
     const quad_file *file;
-    numbered *node;                 /* [raw nodes] ascending by label */
-    uint32_t *node_of, *element_of; /* [raw nodes], [raw cells] index in the mesh, or unused */
+    numbered *node; /* [raw nodes] numbers and indices of the nodes in the file, ascending by number
+                     */
+    uint32_t *node_of, *element_of; /* [raw nodes] and [raw cells] index of each in the mesh, or
+                                       `unused` */
 } collection;
 
 static int refuse_memory(const collection *collection)
@@ -59,7 +64,10 @@ static int sort_nodes(collection *collection)
     return 0;
 }
 
-/* Index of a node in the file's order, or `unused` where the file does not define it. */
+/*
+ * Return the index of the node with a given number among the nodes of the file, or `unused` if the
+ * file does not define it.
+ */
 static size_t find_node(const collection *collection, int64_t label)
 {
     size_t low = 0, high = collection->raw->nodes;
@@ -74,7 +82,10 @@ static size_t find_node(const collection *collection, int64_t label)
     return found ? collection->node[low].index : (size_t)unused;
 }
 
-/* Mark the nodes of one cell as used, or refuse what it names. */
+/*
+ * Mark the nodes of one cell of the file as used, if it is a quadrilateral. Returns 0, or -1 after
+ * writing the error message of the mesh file if it has an undefined node or a node twice.
+ */
 static int mark_cell(collection *collection, const quad_raw_cell *cell)
 {
     for (int k = 0; k < cell->corners; k++) {
@@ -106,7 +117,10 @@ static int check_place(const collection *collection, const quad_raw_node *node)
     return 0;
 }
 
-/* Number the used nodes in the order of the file and copy their places. */
+/*
+ * Give the used nodes their indices in the order of the file, and copy their positions. Returns 0,
+ * or -1 after writing the error message of the mesh file.
+ */
 static int copy_nodes(collection *collection, const quad_options *options)
 {
     quad_mesh *mesh = collection->mesh;
@@ -138,7 +152,10 @@ static int copy_nodes(collection *collection, const quad_options *options)
 
 /* ---- elements ---------------------------------------------------------- */
 
-/* Four node numbers in ascending order, with the cell that they belong to. */
+/*
+ * Key by which equal elements are found: four node numbers in ascending order, and the index of the
+ * cell.
+ */
 typedef struct corners {
     int64_t node[4];
     size_t cell;
@@ -160,8 +177,11 @@ static int by_number(const void *left, const void *right)
 }
 
 /*
- * Version 2.2 of MSH lists an element once for each of its physical groups: such copies become one
- * element. first [cells] out: the first copy of each cell.
+ * Find elements that are listed repeatedly: version 2.2 of the MSH format lists an element once for
+ * each of its physical groups.
+ *   first  [cells] out  index of the first copy of each cell
+ * Returns 0, or -1 after writing the error message of the mesh file if two different elements have
+ * the same nodes.
  */
 static int find_copies(const collection *collection, corners *key, size_t *first)
 {
@@ -208,7 +228,12 @@ static void copy_elements(collection *collection, const size_t *first)
     }
 }
 
-/* Allocate and copy the elements. key, first [cells + 1] work */
+/*
+ * Allocate the elements of the mesh and copy the quadrilaterals of the file.
+ *   key    [cells + 1] work
+ *   first  [cells + 1] work
+ * Returns 0, or -1 after writing the error message of the mesh file.
+ */
 static int collect_elements(collection *collection, corners *key, size_t *first)
 {
     quad_mesh *mesh = collection->mesh;
@@ -224,7 +249,10 @@ static int collect_elements(collection *collection, corners *key, size_t *first)
     return 0;
 }
 
-/* Labels of elements are unique. */
+/*
+ * Check that no two elements have the same number in the file. Returns 0, or -1 after writing the
+ * error message of the mesh file.
+ */
 static int check_labels(const collection *collection, numbered *entry)
 {
     if (!entry)
@@ -242,7 +270,10 @@ static int check_labels(const collection *collection, numbered *entry)
 
 /* ---- sets -------------------------------------------------------------- */
 
-/* Copy a set: its items as indices of the mesh, ascending, without repetition. */
+/*
+ * Copy a set of the file: its members as indices of the mesh, ascending and without repetition.
+ * Returns 0, or -1 after writing the error message of the mesh file.
+ */
 static int copy_set(const collection *collection, const quad_raw_set *from, quad_set *to)
 {
     to->name = malloc(strlen(from->name) + 1);

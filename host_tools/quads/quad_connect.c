@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Neighbours, orientation and edge sets of a mesh (quad_steps.h). */
+/* Neighbours of elements, their common orientation, and the edge sets of a mesh (quad_steps.h). */
 #include "quad_side.h"
 #include "quad_steps.h"
 
@@ -50,18 +50,26 @@ static int pair_sides(const quad_mesh *mesh, const quad_origin *origin, const qu
 
 /* ---- orientation ------------------------------------------------------- */
 
-/* Whether two elements run along their common side in the same direction, against each other. */
+/*
+ * Return whether two elements run along their common side in the same direction, so that their
+ * outer faces lie on opposite sides of the surface.
+ */
 static bool is_opposed(const quad_mesh *mesh, uint32_t edge, uint32_t other)
 {
     return mesh->element[edge / 4][edge % 4] == mesh->element[other / 4][other % 4];
 }
 
-/* What the spreading of the orientation knows of an element. */
+/*
+ * State of an element while a common orientation spreads over the mesh: not reached yet, as in the
+ * file, or turned over.
+ */
 enum { NOT_SEEN, AS_IT_IS, TURNED };
 
 /*
- * Visit the neighbours of an element and give them its orientation. queue [elements] in/out, *count
- * its length. Returns 0, or -1 where the surface is one-sided.
+ * Visit the neighbours of an element: those not reached yet get its orientation and are added to
+ * the queue.
+ *   queue  [elements] in/out  elements whose neighbours are to be visited; *count is their number
+ * Returns 0, or -1 after writing the error message of the mesh file if the surface is one-sided.
  */
 static int spread(const quad_mesh *mesh, const quad_origin *origin, const quad_topology *topology,
                   uint32_t element, unsigned char *state, uint32_t *queue, size_t *count)
@@ -99,7 +107,10 @@ static int refuse_parts(const quad_mesh *mesh, const quad_origin *origin,
                          reached, mesh->elements - reached, quad_element_label(mesh, element));
 }
 
-/* Orient all elements as most of them are in the file, or against it. */
+/*
+ * Turn over elements so that all have the orientation that most of them have in the file, or the
+ * opposite one if is_flipped is true.
+ */
 static void orient(quad_mesh *mesh, const unsigned char *state, bool is_flipped)
 {
     size_t turned = 0;
@@ -151,7 +162,9 @@ static uint32_t find_index(const quad_mesh *mesh, int64_t label)
     return UINT32_MAX;
 }
 
-/* The first of the sides with two given nodes, or NULL. */
+/*
+ * Return the first side with two given nodes in a sorted list of sides, or NULL if there is none.
+ */
 static const quad_side *find_side(const quad_side *list, size_t count, uint32_t from, uint32_t to)
 {
     const quad_side wanted = quad_side_between(from, to, 0);
@@ -216,7 +229,7 @@ int quad_connect(quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw
         status = pair_sides(mesh, origin, list, topology);
         if (status == 0)
             status = orient_all(mesh, origin, topology, options->is_flipped);
-        quad_sides(mesh, list); /* turning an element over renumbers its sides */
+        quad_sides(mesh, list); /* elements that were turned over have new side numbers */
         if (status == 0)
             status = pair_sides(mesh, origin, list, topology);
         if (status == 0)

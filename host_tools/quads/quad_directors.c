@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Directors and axes of the nodes of a mesh (quad_steps.h). */
+/* Directors and axes of the nodes of a general quadrilateral mesh (quad_steps.h). */
 #include "quad_steps.h"
 #include "vector.h"
 
@@ -7,7 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Angle between neighbouring elements above which their edge counts as sharp (degrees). */
+/*
+ * Angle between the normals of neighbouring elements above which their common edge counts as sharp
+ * (degrees).
+ */
 static const double sharp_angle = 40;
 
 static const double degree = 0.017453292519943295;
@@ -22,7 +25,10 @@ static void minus(const double from[3], const double subtracted[3], double out[3
 
 /* ---- normals of the elements ------------------------------------------- */
 
-/* Normal at a corner, not scaled, and the angle of the corner. */
+/*
+ * Compute the normal of an element at one of its corners, not scaled to length 1. Returns the angle
+ * between the two sides there (rad).
+ */
 static double corner_normal(const quad_mesh *mesh, size_t element, int corner, double normal[3])
 {
     const uint32_t *node = mesh->element[element];
@@ -33,7 +39,10 @@ static double corner_normal(const quad_mesh *mesh, size_t element, int corner, d
     return atan2(sqrt(vector_dot(normal, normal)), vector_dot(next, previous));
 }
 
-/* Unit normal at the centre: of the two diagonals. Returns twice the area before scaling. */
+/*
+ * Compute the unit normal at the centre of an element from its two diagonals. Returns twice the
+ * area of the element.
+ */
 static double centre_normal(const quad_mesh *mesh, size_t element, double normal[3])
 {
     const uint32_t *node = mesh->element[element];
@@ -44,7 +53,10 @@ static double centre_normal(const quad_mesh *mesh, size_t element, double normal
     return vector_normalise(normal);
 }
 
-/* Refuse elements without area, measured against the square of their longer diagonal. */
+/*
+ * Refuse elements whose area is 0 relative to the squared length of their longer diagonal. Returns
+ * 0, or -1 after writing the error message of the mesh file.
+ */
 static int check_areas(const quad_mesh *mesh, const quad_origin *origin)
 {
     for (size_t element = 0; element < mesh->elements; element++) {
@@ -91,10 +103,13 @@ static int mean_directors(const quad_mesh *mesh, const quad_origin *origin)
 
 /* ---- sharp edges ------------------------------------------------------- */
 
-/* What is known of the director of a node. */
+/*
+ * State of a node's director: inside a smooth sheet, on a free edge, on a sharp edge, or on a free
+ * edge and continued from inside.
+ */
 typedef enum node_state { INSIDE, ON_FREE_EDGE, ON_SHARP_EDGE, CONTINUED } node_state;
 
-/* Mark both nodes of an edge; a sharp edge counts more than a free one. */
+/* Give both nodes of a side of an element a state; the state of a node on a sharp edge is kept. */
 static void mark_edge(const quad_mesh *mesh, size_t element, int side, node_state state,
                       node_state *states)
 {
@@ -105,7 +120,7 @@ static void mark_edge(const quad_mesh *mesh, size_t element, int side, node_stat
     }
 }
 
-/* Mark nodes on free and on sharp edges, and warn of the sharpest edge. */
+/* Find the nodes on free and on sharp edges, and report the sharpest edge as a warning. */
 static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, node_state *states,
                        quad_warnings *warnings)
 {
@@ -136,14 +151,16 @@ static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, nod
 /* ---- fits of a quadric -------------------------------------------------- */
 
 /*
- * Normal equations of the height w = s u + r v + k1 u^2/2 + k12 u v + k2 v^2/2 of the neighbours of
- * a node above the plane normal to its director, weighted with 1/distance^2. The slopes s, r turn
- * the mean of the corner normals, whose error is of first order in the size of the elements, into a
- * director of second order.
+ * Normal equations of a quadric w = s u + r v + k1 u^2/2 + k12 u v + k2 v^2/2, the height w of a
+ * node's neighbours above the plane normal to its director, each weighted with 1/distance^2. The
+ * slopes s and r turn the mean of the corner normals, whose error is of first order in the size of
+ * the elements, into a director whose error is of second order.
  */
 enum { COEFFICIENTS = 5, EQUATIONS = 15 };
 typedef struct quadric {
-    double t[2][3], a[EQUATIONS], b[COEFFICIENTS]; /* a: packed lower triangle */
+    double t[2][3], a[EQUATIONS], b[COEFFICIENTS]; /* t: unit vectors along u and v; a: matrix of
+                                                      the normal equations, packed lower triangle;
+                                                      b: right-hand side, then coefficients */
 } quadric;
 
 static void start_quadric(const double director[3], quadric *sum)
@@ -153,7 +170,10 @@ static void start_quadric(const double director[3], quadric *sum)
     vector_cross(director, sum->t[0], sum->t[1]);
 }
 
-/* Add a neighbour. Lengths are relative to its distance, which weights it. */
+/*
+ * Add a neighbouring node to the normal equations of a quadric. Lengths are divided by `size`, the
+ * longest diagonal at the node.
+ */
 static void add_neighbour(const quad_mesh *mesh, size_t node, size_t other, double size,
                           quadric *sum)
 {
@@ -170,7 +190,10 @@ static void add_neighbour(const quad_mesh *mesh, size_t node, size_t other, doub
     }
 }
 
-/* Factor the packed matrix a = L L'. Returns whether the neighbours determine all coefficients. */
+/*
+ * Factor the packed matrix of the normal equations by Cholesky's method. Returns whether the
+ * neighbours determine all coefficients.
+ */
 static bool factor_quadric(double factor[EQUATIONS])
 {
     for (int i = 0; i < COEFFICIENTS; i++)
@@ -189,7 +212,10 @@ static bool factor_quadric(double factor[EQUATIONS])
     return true;
 }
 
-/* Solve for the coefficients; b in: right-hand side, out: coefficients. */
+/*
+ * Solve the factored normal equations (solution [5] in/out: right-hand side, replaced by the
+ * coefficients).
+ */
 static void solve_quadric(const double factor[EQUATIONS], double solution[COEFFICIENTS])
 {
     for (int i = 0; i < COEFFICIENTS; i++) {
@@ -212,7 +238,9 @@ static void turn_director(const quadric *sum, double director[3])
     vector_normalise(director);
 }
 
-/* Fit quadrics at the nodes inside a smooth sheet; few or badly placed neighbours change nothing.
+/*
+ * Improve the directors of nodes inside a smooth sheet by fits of quadrics; a director stays as it
+ * is if its neighbours are too few or badly placed.
  */
 static void fit_directors(const quad_mesh *mesh, const node_state *states, quadric *sums,
                           double *size)
@@ -229,8 +257,8 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
         }
     for (size_t element = 0; element < mesh->elements; element++)
         for (int corner = 0; corner < 4; corner++)
-            for (int k = 1; k < 3; k++) { /* inside, the third neighbour comes with the next element
-                                           */
+            for (int k = 1; k < 3; k++) { /* inside a sheet, the third neighbour is added with the
+                                             next element */
                 const uint32_t own = mesh->element[element][corner],
                                other = mesh->element[element][(corner + k) % 4];
                 add_neighbour(mesh, own, other, size[own], &sums[own]);
@@ -246,11 +274,13 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
 /* ---- free edges -------------------------------------------------------- */
 
 /*
- * Normal equations of the slopes (s, r) of a director n = n0 + s t1 + r t2 from the chords c to
- * neighbours with directors m: (n + m).c = 0, which holds exactly on planes, spheres and cylinders.
+ * Normal equations of the slopes s and r of a director n = n0 + s t1 + r t2 on a free edge. Every
+ * chord c to a neighbour with the director m contributes the equation (n + m).c = 0, which holds
+ * exactly on planes, spheres and cylinders.
  */
 typedef struct slopes {
-    double t[2][3], a[3], b[2]; /* a: 11, 12, 22 */
+    double t[2][3], a[3], b[2]; /* t: unit vectors t1 and t2; a: entries 11, 12, 22 of the matrix;
+                                   b: right-hand side */
 } slopes;
 
 static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *sum)
@@ -270,7 +300,10 @@ static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *
     sum->b[1] += row[1] * rest;
 }
 
-/* Solve for the slopes and write the director. Returns whether the chords determine it. */
+/*
+ * Solve for the slopes and compute the director from them (out [3] out). Returns whether the chords
+ * determine the director.
+ */
 static bool solve_slopes(const slopes *sum, const double director[3], double out[3])
 {
     const double trace = sum->a[0] + sum->a[2];
@@ -285,7 +318,10 @@ static bool solve_slopes(const slopes *sum, const double director[3], double out
     return hypot(slope1, slope2) < 1;
 }
 
-/* Sum the chords of the nodes on free edges to neighbours whose directors are known. */
+/*
+ * Sum the normal equations of the nodes on free edges over the chords to neighbours whose directors
+ * are final.
+ */
 static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *sums)
 {
     for (size_t node = 0; node < mesh->nodes; node++) {
@@ -305,9 +341,9 @@ static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *
 }
 
 /*
- * Continue the directors of known neighbours to the nodes on free edges. Each solution is scaled to
- * length 1 and solved again, because the equation holds for unit vectors; the last of these steps
- * is below rounding. Returns how many directors were continued.
+ * Continue the directors of neighbours to the nodes on free edges. Each solution is scaled to
+ * length 1 and the equations are solved again, because they hold for unit vectors; the change of
+ * the last repetition is below rounding. Returns how many directors were continued.
  */
 static size_t continue_round(const quad_mesh *mesh, node_state *states, slopes *sums)
 {
@@ -328,7 +364,10 @@ static size_t continue_round(const quad_mesh *mesh, node_state *states, slopes *
     return changed;
 }
 
-/* Directors on free edges continue those inside; three rounds reach the corners of a mesh. */
+/*
+ * Continue the directors from inside to all nodes on free edges; three rounds also reach the
+ * corners of a mesh.
+ */
 static void continue_directors(const quad_mesh *mesh, node_state *states, slopes *sums)
 {
     for (int round = 0; round < 3; round++)
@@ -351,7 +390,10 @@ static int by_place(const void *left, const void *right)
     return (first->node > second->node) - (first->node < second->node);
 }
 
-/* Warn of two nodes of free edges at one place, which look joined and are not. */
+/*
+ * Count the pairs of nodes on free edges that lie at one place without being joined, and report the
+ * first pair as a warning.
+ */
 static void find_slit(const quad_mesh *mesh, const node_state *states, placed *list,
                       quad_warnings *warnings)
 {

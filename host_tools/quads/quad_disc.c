@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Mesh of a disc (quad_disc.h). */
+/* Generation of the mesh of a disc: a middle block and rings of elements (quad_disc.h). */
 #include "quad_disc.h"
 #include <math.h>
 #include <stdio.h>
@@ -9,19 +9,25 @@
 
 static const double pi = 3.141592653589793;
 
-/* Corners of the middle block, as parts of the first radius: middle of a side, and on the diagonal
- * along both axes. Between 0.42 and 0.5 the angles around the block are nearly equal. */
+/*
+ * Shape of the middle block, relative to the radius of the first circle: distance of the middle of
+ * a side from the centre, and both coordinates of a corner. For corners between 0.42 and 0.5 the
+ * angles around the block are nearly equal.
+ */
 static const double middle_of_side = 0.5, corner_of_block = 0.42;
 
-/* Circles that bound the rings, the rim included, and the elements between them. */
+/*
+ * Division of a disc into bands between circles, the rim included, and the number of elements
+ * across each band.
+ */
 typedef struct disc_plan {
     const quad_disc *disc;
-    int around; /* elements along a circle */
-    int bands;  /* circles: disc->rings + 1 */
+    int around; /* number of elements along every circle */
+    int bands;  /* number of bands, each inside one circle: disc->rings + 1 */
     double circle[QUAD_RINGS + 1];
-    int across[QUAD_RINGS + 1]; /* elements across each band; the first one lies between the middle
-                                   block and the first circle */
-    int layers;                 /* elements across all bands together */
+    int across[QUAD_RINGS + 1]; /* number of elements across each band; the first band lies between
+                                   the middle block and the first circle */
+    int layers;                 /* number of elements across all bands together */
 } disc_plan;
 
 static disc_plan make_plan(const quad_disc *disc)
@@ -42,7 +48,7 @@ static disc_plan make_plan(const quad_disc *disc)
 
 /* ---- nodes --------------------------------------------------------------- */
 
-/* Point of the middle block, u and v from -1 to 1. */
+/* Compute the point of the middle block at u and v, which run from -1 to 1 across the block. */
 static void block_point(double radius, double u, double v, double x[2])
 {
     const double side = middle_of_side * radius, less = (middle_of_side - corner_of_block) * radius;
@@ -50,8 +56,10 @@ static void block_point(double radius, double u, double v, double x[2])
     x[1] = v * (side - less * fabs(u));
 }
 
-/* Node of the middle block at place j along its border, counterclockwise from the corner below
- * right. */
+/*
+ * Return the node of the middle block at position j along its border, counted counterclockwise from
+ * its lower right corner.
+ */
 static uint32_t border_node(int elements, int j)
 {
     const int side = j / elements, at = j % elements;
@@ -60,7 +68,7 @@ static uint32_t border_node(int elements, int j)
     return (uint32_t)(column[side] * (elements + 1) + row[side]);
 }
 
-/* Point at place j of layer i, i = 1 .. layers, outside the middle block. */
+/* Compute the node at position j along layer i (1 to layers) around the middle block. */
 static void ring_point(const disc_plan *plan, const quad_mesh *mesh, int i, int j, double x[2])
 {
     const double angle = -pi / 4 + 2 * pi * j / plan->around;
@@ -79,7 +87,7 @@ static void ring_point(const disc_plan *plan, const quad_mesh *mesh, int i, int 
     }
 }
 
-/* Height and director of a node whose place in the plane is known. */
+/* Compute the height and the director of a node whose position in the plane is known. */
 static void lift_node(const quad_disc *disc, double x[3], double director[3])
 {
     const double sphere = disc->sphere, upward[3] = {0, 0, 1};
@@ -117,7 +125,10 @@ static void fill_nodes(const disc_plan *plan, quad_mesh *mesh)
 
 /* ---- elements ------------------------------------------------------------ */
 
-/* Node at place j of layer i; layer 0 is the border of the middle block. */
+/*
+ * Return the number of the node at position j along layer i; layer 0 is the border of the middle
+ * block.
+ */
 static uint32_t layer_node(const disc_plan *plan, int i, int j)
 {
     const int elements = plan->disc->elements, at = j % plan->around;
@@ -148,7 +159,7 @@ static void fill_elements(const disc_plan *plan, quad_mesh *mesh)
 
 /* ---- sets ---------------------------------------------------------------- */
 
-/* Give a set its name and room for `most` members. Returns 0, or -1 where memory runs out. */
+/* Give a set its name, and memory for `most` members. Returns 0, or -1 when memory runs out. */
 static int open_set(quad_set *set, const char *name, size_t most)
 {
     set->name = malloc(strlen(name) + 1);
@@ -159,14 +170,14 @@ static int open_set(quad_set *set, const char *name, size_t most)
     return 0;
 }
 
-/* Add the elements of one sector of the layers from `first` to before `last`. */
+/* Add the elements of one angular sector, in the layers from `first` to last - 1, to a set. */
 static void add_sector(const disc_plan *plan, int first, int last, int sector, int sectors,
                        quad_set *set)
 {
     const int elements = plan->disc->elements, each = plan->around / sectors, turn = elements / 2;
     for (int i = first; i < last; i++)
-        for (int j = 0; j < plan->around; j++) /* the x axis lies n/2 places after the first corner
-                                                */
+        for (int j = 0; j < plan->around; j++) /* the x axis lies half a side of the middle block
+                                                  behind its first corner */
             if ((j - turn + plan->around) % plan->around / each == sector)
                 set->index[set->count++] = (uint32_t)(elements * elements + i * plan->around + j);
 }
@@ -203,7 +214,8 @@ static int fill_sets(const disc_plan *plan, quad_mesh *mesh)
         open_set(mesh->edge_set, "rim", (size_t)plan->around) < 0)
         return -1;
     mesh->node_set[0].index[mesh->node_set[0].count++] = (uint32_t)(elements / 2 * (elements + 2));
-    for (int j = 0; j < plan->around; j++) { /* side 1 of an element of a ring lies outside */
+    for (int j = 0; j < plan->around; j++) { /* side 1 of an element in the outermost ring lies on
+                                                the rim */
         const uint32_t element =
             (uint32_t)(elements * elements + (plan->layers - 1) * plan->around + j);
         mesh->edge_set[0].index[mesh->edge_set[0].count++] = 4 * element + 1;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Mesh of a disc without a hole, flat or curved as part of a sphere: a block of squares around the
- * centre, and rings of quadrilaterals around it, so that no element is a triangle.
+ * Mesh of a disc without a hole, flat or part of a sphere: a block of quadrilaterals around the
+ * centre and rings of quadrilaterals around the block, so that no element is a triangle.
  */
 #ifndef QUAD_DISC_H
 #define QUAD_DISC_H
@@ -11,22 +11,25 @@
 enum { QUAD_RINGS = 16 };
 
 typedef struct quad_disc {
-    double radius;           /* of the rim (m) */
-    double sphere;           /* radius of the sphere (m), centre below the disc; 0: flat */
-    double ring[QUAD_RINGS]; /* radii of further circles along which elements end, ascending (m) */
-    int rings;               /* number of these circles */
-    int elements; /* elements along a side of the middle block, an even number; four times as
-                     many along every circle */
-    int sectors;  /* sectors of equal angle into which each ring outside the first circle is
-                     divided; a divisor of the elements along a circle */
+    double radius; /* radius of the rim (m) */
+    double sphere; /* radius of the sphere that the disc is part of (m), its centre below the disc;
+                      0: flat disc */
+    double ring[QUAD_RINGS]; /* [rings] radii of circles along which elements end, ascending,
+                                without the rim (m) */
+    int rings;               /* number of circles along which elements end, without the rim */
+    int elements; /* number of elements along a side of the middle block, even; every circle has
+                     four times as many */
+    int sectors;  /* number of sectors of equal angle into which each ring outside the first circle
+                     is divided; a divisor of the number of elements along a circle */
 } quad_disc;
 
 /*
- * Make the mesh. The disc lies around the origin in the plane z = 0, or as a dome whose rim lies
- * there; the outer face looks along +z. Sets: nodes `centre`; edges `rim`; elements `ring1` inside
- * the first circle, then `ring2` ... to the rim, or with sectors `ring2-1`, `ring2-2` ..., the
- * first of which begins at the x axis. Returns 0, or -1 where memory runs out; the mesh is empty
- * then. The numbers of the disc must be in their ranges.
+ * Make the mesh of a disc around the z axis. A flat disc lies in the plane z = 0, a dome has its
+ * rim there; the outer face looks along +z.
+ * Sets: nodes `centre`; edges `rim`; elements `ring1` inside the first circle, then `ring2` and so
+ * on to the rim, or with sectors `ring2-1`, `ring2-2` and so on, the first of which begins at the x
+ * axis. The numbers of the disc must be in their ranges.
+ * Returns 0, or -1 with the mesh empty when memory runs out.
  */
 int quad_disc_make(quad_mesh *mesh, const quad_disc *disc);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* A mesh file in memory (quad_file.h). */
+/* A mesh file in memory, and the numbers in it (quad_file.h). */
 #define _POSIX_C_SOURCE 200809L
 #include "quad_file.h"
 
@@ -25,7 +25,7 @@ static long line_of(const quad_file *file, size_t at)
     return line;
 }
 
-/* Name of a file without its folders. */
+/* Return the name of a file without its folders. */
 static const char *base_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -65,7 +65,7 @@ int quad_fault(const quad_file *file, const char *format, ...)
     return -1;
 }
 
-/* Message about the file as a whole. */
+/* Write an error message about a mesh file as a whole. Returns -1. */
 static int refuse_file(const quad_file *file, const char *why)
 {
     snprintf(file->error, QUAD_ERROR, "%.80s: %.200s", base_name(file->path), why);
@@ -74,7 +74,7 @@ static int refuse_file(const quad_file *file, const char *why)
 
 /* ---- opening ----------------------------------------------------------- */
 
-/* Whether the first bytes of a file may begin a Gmsh or an Abaqus file. */
+/* Return whether the first bytes of a file may begin a Gmsh or an Abaqus mesh file. */
 static bool is_mesh_head(const char *head, size_t bytes)
 {
     size_t i = 0;
@@ -193,7 +193,10 @@ static int refuse_number(const quad_file *file, const char *what)
     return quad_fault(file, "'%.*s' stands where %s is expected", length, text, what);
 }
 
-/* Read bytes of a binary number. */
+/*
+ * Copy the bytes of a binary number from the reading position. Returns 0, or -1 after writing the
+ * error message of the mesh file at the end of the file.
+ */
 static int take_bytes(quad_file *file, const char *what, void *value, size_t size)
 {
     if (file->bytes - file->at < size)
@@ -203,7 +206,9 @@ static int take_bytes(quad_file *file, const char *what, void *value, size_t siz
     return 0;
 }
 
-/* Move behind a text number that ends at `end`, where a blank or the end of the file must follow.
+/*
+ * Move the reading position behind a number in text form that ends at `end`. Returns 0, or -1 after
+ * writing the error message of the mesh file if no blank, line end or end of the file follows.
  */
 static int take_number(quad_file *file, const char *what, const char *end)
 {

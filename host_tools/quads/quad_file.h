@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A mesh file in memory, a reading position in it, and messages that name the place of a fault: the
- * line of a text file, the byte of a binary one.
+ * A mesh file in memory with a reading position, and error messages that name the position of a
+ * fault: the line of a text file, or the byte of a binary file.
  */
 #ifndef QUAD_FILE_H
 #define QUAD_FILE_H
@@ -10,59 +10,68 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Size in bytes of an error message including the terminating NUL. */
+/* Size of an error message including the terminating NUL (bytes). */
 enum { QUAD_ERROR = 300 };
 
 typedef struct quad_file {
     const char *path;
-    char *text; /* [bytes + 1] contents, followed by a NUL */
+    char *text; /* [bytes + 1] contents of the file, followed by a NUL */
     size_t bytes;
-    size_t at;      /* reading position, 0 to bytes */
-    bool is_binary; /* numbers are binary, and faults are placed by byte */
-    char *error;    /* buffer of the error message [QUAD_ERROR] */
+    size_t at;      /* reading position, from 0 to bytes */
+    bool is_binary; /* whether numbers are binary; the position of a fault is then a byte, else a
+                       line */
+    char *error;    /* [QUAD_ERROR] memory of the error message */
 } quad_file;
 
 /*
- * Read a regular file. The first bytes are examined before the rest is read: a file that is neither
- * Gmsh's MSH nor Abaqus' INP is refused whatever its size. Returns 0, or -1 with error filled.
- *   error [QUAD_ERROR] out
+ * Read a mesh file into memory. Its first bytes are examined before the rest is read, so that a
+ * file that is neither Gmsh's MSH nor Abaqus' INP format is refused whatever its size.
+ *   error  [QUAD_ERROR] out
+ * Returns 0, or -1 with error filled.
  */
 int quad_file_open(quad_file *file, const char *path, char *error);
 void quad_file_close(quad_file *file);
 
-/* Write the message "path:line: ..." or "path: byte n: ..." for the place `at`. Both return -1. */
+/*
+ * Write an error message "path:line: ..." or "path: byte n: ..." for the reading position
+ * (quad_fault) or for byte number `at` (quad_fault_at). Both return -1.
+ */
 int quad_fault(const quad_file *file, const char *format, ...);
 int quad_fault_at(const quad_file *file, size_t at, const char *format, ...);
 
-/* FNV-1a hash of the contents. */
+/* Return the FNV-1a hash of the contents of a mesh file. */
 uint32_t quad_file_hash(const quad_file *file);
 
 /* ---- text -------------------------------------------------------------- */
 
-/* Skip blanks, tabs and line ends. */
+/* Move the reading position behind blanks, tabs and line ends. */
 void quad_skip(quad_file *file);
 
-/* Go to the start of the next line. Returns whether there is one. */
+/* Move the reading position to the start of the next line. Returns whether there is one. */
 bool quad_next_line(quad_file *file);
 
 /*
- * Whether the text at the reading position is `word`, ended by a blank, a line end or the end of
- * the file; the reading position then moves behind it.
+ * Return whether the text at the reading position is `word`, followed by a blank, a line end or the
+ * end of the file; if so, the reading position moves behind the word.
  */
 bool quad_take_word(quad_file *file, const char *word);
 
 /* ---- numbers ----------------------------------------------------------- */
 
 /*
- * Read numbers, in text or in binary form. `what` names a number in the message of a fault. The
- * binary forms are a 4-byte int, an 8-byte unsigned size and an 8-byte double; a text real may be
- * any finite number. Each returns 0, or -1 with error filled.
+ * Read an integer, a size or a real number, in text form or in binary form (4-byte int, 8-byte
+ * unsigned size, 8-byte double). A real number must be finite in text form. `what` names the number
+ * in an error message. Each function returns 0, or -1 after writing the error message of the mesh
+ * file.
  */
 int quad_read_int(quad_file *file, const char *what, int *value);
 int quad_read_size(quad_file *file, const char *what, int64_t *value);
 int quad_read_real(quad_file *file, const char *what, double *value);
 
-/* Refuse a count of items of at least `bytes` each that the rest of the file cannot hold. */
+/*
+ * Check that the rest of the file can hold `count` items of at least `bytes` bytes each. Returns 0,
+ * or -1 after writing the error message of the mesh file.
+ */
 int quad_check_count(const quad_file *file, const char *what, int64_t count, size_t bytes);
 
 #endif

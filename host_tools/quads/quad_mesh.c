@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Memory of a general mesh (quad_mesh.h). */
+/* Memory and sets of a general quadrilateral mesh, and the axes of its nodes (quad_mesh.h). */
 #include "quad_mesh.h"
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A general mesh of quadrilaterals, in any arrangement: what a reader of mesh files or a mesh
- * generator produces, and what element types, loads and the numbering of dof are built from.
- *
- * Index numbers start at 0. All arrays are owned by the mesh; quad_mesh_free releases them.
+ * General mesh of quadrilaterals in any arrangement: mesh files and mesh generators produce it;
+ * element types, loads and dof numbers are built from it. Indices start at 0. The mesh owns all
+ * arrays; quad_mesh_free releases them.
  */
 #ifndef QUAD_MESH_H
 #define QUAD_MESH_H
@@ -13,67 +12,73 @@
 #include <stdint.h>
 
 /*
- * Named set of nodes, elements or edges. An edge is written as 4 element + side; side s joins the
- * corners s and (s + 1) % 4 of the element.
+ * Named set of nodes, elements or edges. An edge is the number 4 element + side, where a side s
+ * joins the corners s and (s + 1) % 4 of the element.
  */
 typedef struct quad_set {
-    char *name;      /* name of the group in the mesh file, or of the generator */
-    size_t count;    /* members of the set */
-    uint32_t *index; /* [count] node, element or edge numbers, ascending, without repetition */
+    char *name;      /* name of the set in the mesh file or in the mesh generator */
+    size_t count;    /* number of members of the set */
+    uint32_t *index; /* [count] numbers of the nodes, elements or edges, ascending, without
+                        repetition */
 } quad_set;
 
-/* Layers of a group of elements. */
+/* Layers that the elements of a region have in common. */
 typedef struct quad_region {
     uint32_t present_plies; /* bit i is set where ply i of the laminate is present */
-    double direction[3]; /* vector that becomes material axis 1 when it is projected on an element;
-                            0: the element's own direction 1 */
+    double direction[3]; /* vector whose projection on an element is material axis 1; zero vector:
+                            direction 1 of each element */
 } quad_region;
 
 typedef struct quad_mesh {
     size_t nodes, elements, regions;
-    double (*position)[3]; /* [nodes] points on the reference surface (m) */
-    double (*director)[3]; /* [nodes] unit normals towards the outer face: e3 of the node's triad */
-    double (*axis)[3]; /* [nodes] unit vectors e1 of the triads, normal to the director; e2 = e3 x
+    double (*position)[3]; /* [nodes] points of the reference surface (m) */
+    double (*director)[3]; /* [nodes] unit normals towards the outer face, axis e3 of each node's
+                              triad */
+    double (*axis)[3]; /* [nodes] unit vectors e1 of the triads, normal to the directors; e2 = e3 x
                           e1 */
-    uint8_t *constrained; /* [nodes] bit i is set where dof i of the node is held at 0; NULL: none
-                           */
-    uint32_t *order;     /* [nodes] the nodes in the order in which their dof are numbered; NULL: as
-                            they are */
-    int64_t *node_label; /* [nodes] numbers of the nodes in the mesh file; NULL: none */
-    int64_t *element_label;   /* [elements] numbers of the elements in the mesh file; NULL: none */
-    uint32_t (*element)[4];   /* [elements] nodes of the corners (-,-) (+,-) (+,+) (-,+), counted
-                                 counterclockwise when seen from the outer face */
-    double *area;             /* [elements] exact areas (m2); NULL: from nodes and directors */
-    uint32_t *element_region; /* [elements] the element's region; NULL: region 0 everywhere */
-    quad_region *region;      /* [regions] layers of each region, at least one */
+    uint8_t *constrained; /* [nodes] bit i is set if dof i of the node is constrained to 0; NULL:
+                             none is */
+    uint32_t *order;     /* [nodes] nodes in the order in which their dof are numbered; NULL: in the
+                            order of their indices */
+    int64_t *node_label; /* [nodes] numbers of the nodes in the mesh file; NULL: they have none */
+    int64_t *element_label; /* [elements] numbers of the elements in the mesh file; NULL: they have
+                               none */
+    uint32_t (*element)[4]; /* [elements] nodes of the corners (-,-) (+,-) (+,+) (-,+),
+                               counterclockwise as seen from the outer face */
+    double *area; /* [elements] exact areas (m2); NULL: areas are computed from nodes and directors
+                   */
+    uint32_t *element_region; /* [elements] number of each element's region; NULL: all belong to
+                                 region 0 */
+    quad_region *region;      /* [regions] layers of each region; there is at least one region */
     size_t node_sets, element_sets, edge_sets;
-    quad_set *node_set;    /* [node_sets] */
-    quad_set *element_set; /* [element_sets] */
-    quad_set *edge_set;    /* [edge_sets] */
+    quad_set *node_set;    /* [node_sets] named sets of nodes */
+    quad_set *element_set; /* [element_sets] named sets of elements */
+    quad_set *edge_set;    /* [edge_sets] named sets of edges */
     uint32_t hash;         /* hash of the mesh file; 0: the mesh comes from no file */
 } quad_mesh;
 
-/* Release the arrays of a mesh, which is empty afterwards. */
+/* Release the arrays of a mesh; the mesh is empty afterwards. */
 void quad_mesh_free(quad_mesh *mesh);
 
 /* Sort the members of a set and drop repetitions. */
 void quad_set_sort(quad_set *set);
 
-/* Set of that name among `count` sets, or NULL. */
+/* Return the set with a given name among `count` sets, or NULL if there is none. */
 const quad_set *quad_set_find(const quad_set *set, size_t count, const char *name);
 
-/* Whether a set contains an index. */
+/* Return whether a set contains the node, element or edge with a given number. */
 bool quad_set_has(const quad_set *set, uint32_t index);
 
 /*
- * Global axis (0, 1, 2) whose projections can be the axes of all nodes, because no director comes
- * near it: the one that all directors avoid most. -1: there is none, as on half a sphere.
+ * Return the global axis (0, 1 or 2) whose projections are suitable as axes e1 of all nodes: the
+ * axis that all directors avoid most. Returns -1 if some director comes close to each axis, as on
+ * half a sphere.
  */
 int quad_common_axis(const quad_mesh *mesh);
 
 /*
- * Axis of a node that nothing prescribes: the projection of the common axis, or where that is -1 of
- * the global axis least aligned with the director.
+ * Compute the axis e1 of a node that no support determines: the projection of the common global
+ * axis, or for common = -1 of the global axis that is least aligned with the director.
  */
 void quad_default_axis(const double director[3], int common, double axis[3]);
 

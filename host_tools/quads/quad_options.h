@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* What is asked of a mesh file, and warnings on a valid one. */
+/* Options for reading a mesh file, and warnings about a valid one. */
 #ifndef QUAD_OPTIONS_H
 #define QUAD_OPTIONS_H
 
@@ -8,18 +8,19 @@
 #include <stdint.h>
 
 typedef struct quad_options {
-    double unit;       /* length unit of the file in the unit of the scene */
-    bool is_flipped;   /* the outer face is the one that the file's elements show from behind */
+    double unit;       /* unit of length of the mesh file, in the unit of length of the scene */
+    bool is_flipped;   /* true: the outer face is the one from which the elements of the file appear
+                          clockwise */
     size_t most_nodes; /* largest number of nodes that is accepted */
 } quad_options;
 
-/* What is to be told about a valid mesh. Elements and nodes are given by their numbers in the file.
- */
+/* Warnings about a valid mesh. Elements and nodes are given by their numbers in the mesh file. */
 typedef struct quad_warnings {
-    double sharp_angle; /* largest angle of a sharp edge, degrees; 0: there is none */
-    int64_t sharp[2];   /* the two elements there */
-    size_t slits;       /* pairs of nodes at one place that are not joined */
-    int64_t slit[2];    /* the first pair */
+    double sharp_angle; /* angle of the sharpest edge between two elements (degrees); 0: no edge is
+                           sharp */
+    int64_t sharp[2];   /* numbers of the two elements at the sharpest edge */
+    size_t slits;       /* number of pairs of nodes that lie at one place without being joined */
+    int64_t slit[2];    /* numbers of the first pair of nodes that are not joined */
 } quad_warnings;
 
 #endif

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Order of the nodes for a small envelope of the factor (quad_steps.h): reverse Cuthill-McKee, from
- * a node or from a whole side of the mesh. Two nodes are neighbours where an element has both.
+ * Order of the nodes for a small envelope of the factor (quad_steps.h): the reverse Cuthill-McKee
+ * algorithm, started from a node or from all nodes on one side of the mesh. Two nodes are
+ * neighbours if they belong to one element.
  */
 #include "quad_steps.h"
 
@@ -9,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Elements at each node: element[start[n]] ... element[start[n + 1] - 1]. */
+/* Elements at each node: those of node n are element[start[n]] to element[start[n + 1] - 1]. */
 typedef struct star {
     uint32_t *start, *element;
 } star;
@@ -34,7 +35,9 @@ static uint32_t valence(const star *star, uint32_t node)
     return star->start[node + 1] - star->start[node];
 }
 
-/* Move the last entry of list [count] forward to its place by valence, behind equal ones. */
+/*
+ * Move the last entry of a list of nodes forward until no node before it belongs to more elements.
+ */
 static void sift(const star *star, uint32_t *list, size_t count)
 {
     for (size_t i = count - 1; i > 0; i--) {
@@ -47,9 +50,11 @@ static void sift(const star *star, uint32_t *list, size_t count)
 }
 
 /*
- * List all nodes level by level from the first `count` of the order; within the neighbours of a
- * node, those with fewer elements first. order [nodes] in/out, level [nodes] work. Returns the
- * number of levels.
+ * List all nodes level by level, beginning with the first `count` nodes of the order. Among the
+ * neighbours of a node, those with fewer elements come first.
+ *   order  [nodes] in/out  the first `count` nodes in, all nodes out
+ *   level  [nodes] work
+ * Returns the number of levels.
  */
 static uint32_t list_levels(const quad_mesh *mesh, const star *star, size_t count, uint32_t *order,
                             uint32_t *level)
@@ -74,7 +79,7 @@ static uint32_t list_levels(const quad_mesh *mesh, const star *star, size_t coun
     return level[order[count - 1]] + 1;
 }
 
-/* Node with the fewest elements in the last level of an order. */
+/* Return the node with the fewest elements among those in the last level of an order. */
 static uint32_t end_node(const quad_mesh *mesh, const star *star, const uint32_t *order,
                          const uint32_t *level)
 {
@@ -85,7 +90,10 @@ static uint32_t end_node(const quad_mesh *mesh, const star *star, const uint32_t
     return best;
 }
 
-/* Order from a node at an end of the mesh: go to the farthest node as long as that adds levels. */
+/*
+ * Find an order that starts from a node at an end of the mesh: the search moves on to the farthest
+ * node as long as the number of levels grows.
+ */
 static void order_from_node(const quad_mesh *mesh, const star *star, uint32_t *order,
                             uint32_t *level)
 {
@@ -100,7 +108,7 @@ static void order_from_node(const quad_mesh *mesh, const star *star, uint32_t *o
     }
 }
 
-/* Mean length of the sides of the elements. */
+/* Return the mean length of the sides of all elements. */
 static double mean_side(const quad_mesh *mesh)
 {
     double sum = 0;
@@ -115,7 +123,7 @@ static double mean_side(const quad_mesh *mesh)
     return sum / (4 * (double)mesh->elements);
 }
 
-/* Lowest and highest coordinate of the mesh. */
+/* Find the lowest and the highest coordinate of the nodes along a global axis (range [2] out). */
 static void find_range(const quad_mesh *mesh, int axis, double range[2])
 {
     range[0] = HUGE_VAL;
@@ -126,7 +134,10 @@ static void find_range(const quad_mesh *mesh, int axis, double range[2])
     }
 }
 
-/* Order from all nodes at the lowest end of a global axis, listed along the longer other axis. */
+/*
+ * Find an order that starts from all nodes at the lower end of the mesh along a global axis, sorted
+ * along the longer one of the other two axes.
+ */
 static void order_from_side(const quad_mesh *mesh, const star *star, int axis, uint32_t *order,
                             uint32_t *level)
 {
@@ -150,7 +161,10 @@ static void order_from_side(const quad_mesh *mesh, const star *star, int axis, u
     list_levels(mesh, star, count, order, level);
 }
 
-/* Sum over the nodes of the distance to their first neighbour in the reverse of an order. */
+/*
+ * Return the size of the envelope for the reverse of an order: the sum, over all nodes, of the
+ * distance in the order to their first neighbour.
+ */
 static uint64_t profile(const quad_mesh *mesh, const star *star, const uint32_t *order,
                         uint32_t *place)
 {
@@ -169,7 +183,10 @@ static uint64_t profile(const quad_mesh *mesh, const star *star, const uint32_t 
     return sum;
 }
 
-/* Keep the best of the orders from a node and from the lowest ends of the three global axes. */
+/*
+ * Find the order with the smallest envelope among those from a node and from the lower ends of the
+ * mesh along the three global axes.
+ */
 static void find_order(const quad_mesh *mesh, const star *star, uint32_t *level, uint32_t *other)
 {
     order_from_node(mesh, star, mesh->order, level);

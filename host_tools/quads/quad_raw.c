@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Growing arrays for the contents of a mesh file (quad_raw.h). */
+/* Growing arrays for the unchecked contents of a mesh file (quad_raw.h). */
 #include "quad_raw.h"
 
 #include <stdlib.h>
@@ -17,7 +17,10 @@ void quad_raw_free(quad_raw *raw)
     memset(raw, 0, sizeof *raw);
 }
 
-/* Make room for one more item of `size` bytes. Returns 0, or -1 with the message. */
+/*
+ * Make room for one more item of `size` bytes. Returns 0, or -1 after writing the error message of
+ * the mesh file when memory runs out.
+ */
 static int make_room(void **items, size_t count, size_t *room, size_t size, const quad_file *file)
 {
     if (count < *room)

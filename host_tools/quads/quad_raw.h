@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The contents of a mesh file as the readers of the formats deliver them, before any check of the
- * mesh: numbers are those of the file, and each item knows its place in the file.
+ * Contents of a mesh file as the readers of the file formats deliver them, before any check:
+ * numbers of nodes and elements are those of the file, and every item records its position in the
+ * file.
  */
 #ifndef QUAD_RAW_H
 #define QUAD_RAW_H
@@ -11,27 +12,27 @@
 typedef struct quad_raw_node {
     int64_t label; /* number of the node in the file */
     double x[3];
-    size_t at; /* place in the file (byte) */
+    size_t at; /* position in the file (byte) */
 } quad_raw_node;
 
-/* A point (1 corner), an edge (2) or a quadrilateral (4). */
+/* Cell of a mesh file: a point (1 corner), an edge (2 corners) or a quadrilateral (4 corners). */
 typedef struct quad_raw_cell {
     int64_t label;   /* number of the element in the file */
-    int64_t node[4]; /* [corners] numbers of its nodes in the file */
+    int64_t node[4]; /* [corners] numbers of the cell's nodes in the file */
     int corners;
-    int group; /* number that the reader of a format uses to collect sets */
-    size_t at; /* place in the file (byte) */
+    int group; /* number that the reader of a file format uses to collect the members of sets */
+    size_t at; /* position in the file (byte) */
 } quad_raw_cell;
 
 /*
- * A named set of nodes, by their numbers in the file, or of cells with the same number of corners,
- * by their indices.
+ * Named set of a mesh file: nodes, by their numbers in the file, or cells with equal numbers of
+ * corners, by their indices.
  */
 typedef struct quad_raw_set {
     char *name;
-    int corners; /* 0: nodes; 2: edges; 4: quadrilaterals */
+    int corners; /* type of the members: 0 nodes, 2 edges, 4 quadrilaterals */
     size_t count, room;
-    int64_t *item; /* [count] */
+    int64_t *item; /* [count] numbers of nodes in the file, or indices of cells */
 } quad_raw_set;
 
 typedef struct quad_raw {
@@ -43,24 +44,33 @@ typedef struct quad_raw {
 
 void quad_raw_free(quad_raw *raw);
 
-/* Append an item. Each returns 0, or -1 with the message that memory ran out. */
+/*
+ * Append a node or a cell to the contents. Each function returns 0, or -1 after writing the error
+ * message of the mesh file when memory runs out.
+ */
 int quad_raw_add_node(quad_raw *raw, const quad_file *file, const quad_raw_node *node);
 int quad_raw_add_cell(quad_raw *raw, const quad_file *file, const quad_raw_cell *cell);
 
-/* The set of a name and a number of corners, which is made if there is none. NULL: out of memory.
+/*
+ * Return the set with a given name and number of corners; a new set is added if there is none.
+ * Returns NULL after writing the error message of the mesh file when memory runs out.
  */
 quad_raw_set *quad_raw_find_set(quad_raw *raw, const quad_file *file, const char *name,
                                 size_t length, int corners);
 int quad_raw_add_item(quad_raw_set *set, const quad_file *file, int64_t item);
 
 /*
- * Refuse an element of a shape that the structure cannot use, and name the cure.
- *   what  in  description, as "a triangle"
+ * Write an error message that an element has a shape that is not supported, and how to avoid it.
+ *   shape  in  description of the shape, such as "a triangle"
+ * Both functions return -1.
  */
 int quad_raw_refuse_triangle(const quad_file *file, size_t at, int64_t label);
 int quad_raw_refuse_shape(const quad_file *file, size_t at, int64_t label, const char *shape);
 
-/* Readers of the formats. `file` is at its start. Each returns 0, or -1 with the error filled. */
+/*
+ * Readers of the mesh file formats, which begin at the start of the file. Each returns 0, or -1
+ * after writing the error message of the mesh file.
+ */
 int quad_read_gmsh(quad_file *file, quad_raw *raw);
 int quad_read_inp(quad_file *file, quad_raw *raw);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* From a mesh file to a mesh (quad_read.h). */
+/* The steps from a mesh file to a checked mesh (quad_read.h). */
 #include "quad_read.h"
 
 #include <stdlib.h>
@@ -16,7 +16,7 @@ long long quad_node_label(const quad_mesh *mesh, size_t node)
     return (long long)mesh->node_label[node];
 }
 
-/* Hash of the file and of the options that change the mesh. */
+/* Return the hash of a mesh file and of those options that change the mesh. */
 static uint32_t hash_of(const quad_file *file, const quad_options *options)
 {
     unsigned char bytes[sizeof options->unit + 1];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* From a mesh file to a checked mesh with directors and a numbering. */
+/* Reading of a mesh file into a checked mesh with directors and an order of the nodes. */
 #ifndef QUAD_READ_H
 #define QUAD_READ_H
 
@@ -8,12 +8,14 @@
 #include "quad_options.h"
 
 /*
- * Read a mesh file, check it, orient its elements, and fill directors, axes, sets and order.
+ * Read a mesh file, check it, orient its elements, and determine directors, axes, sets and the
+ * order of the nodes.
  *
- * A director is the mean of the normals of its elements, weighted with their angles. On a free edge
- * it continues the directors inside, so that a sphere and a cylinder keep theirs. Axes are those of
+ * A director inside the mesh is the mean of the normals of the elements at the node, weighted with
+ * their angles there and corrected by the fit of a quadric. On a free edge it continues the
+ * directors inside, so that spheres and cylinders keep their exact normals. Axes are those of
  * quad_default_axis. There is one region.
- *   error [QUAD_ERROR] out
+ *   error  [QUAD_ERROR] out
  * Returns 0, or -1 with error filled and the mesh empty.
  */
 int quad_read(quad_mesh *mesh, const char *path, const quad_options *options,

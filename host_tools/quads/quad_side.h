@@ -1,25 +1,28 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sides of the elements of a general mesh, listed so that common ones stand side by side. */
+/*
+ * Sides of the elements of a general quadrilateral mesh, sorted so that sides with the same nodes
+ * are adjacent in the list.
+ */
 #ifndef QUAD_SIDE_H
 #define QUAD_SIDE_H
 
 #include <stdbool.h>
 #include "quad_mesh.h"
 
-/* Side of an element: its two nodes in ascending order, and 4 element + side. */
+/* Side of an element: its two nodes in ascending order, and the edge number 4 element + side. */
 typedef struct quad_side {
     uint32_t low, high, edge;
 } quad_side;
 
 quad_side quad_side_between(uint32_t from, uint32_t to, uint32_t edge);
 
-/* Order of two quad_side for qsort: by their nodes, then by `edge`. */
+/* Compare two quad_side for qsort: by their nodes, then by their edge numbers. */
 int quad_side_compare(const void *left, const void *right);
 
-/* Whether two sides have the same nodes. */
+/* Return whether two sides have the same nodes. */
 bool quad_side_is_same(const quad_side *first, const quad_side *second);
 
-/* List the sides of all elements in the order of quad_side_compare. list [4 elements] out */
+/* List the sides of all elements, sorted by quad_side_compare (list [4 elements] out). */
 void quad_sides(const quad_mesh *mesh, quad_side *list);
 
 #endif

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Steps from the contents of a mesh file to a mesh; shared by the files of this room. */
+/*
+ * Steps from the contents of a mesh file to a checked mesh; only the files of host_tools/quads use
+ * them.
+ */
 #ifndef QUAD_STEPS_H
 #define QUAD_STEPS_H
 
@@ -7,51 +10,56 @@
 #include "quad_options.h"
 #include "quad_raw.h"
 
-/* What the messages of the later steps need of the file. */
+/* Mesh file and positions in it, for error messages of the steps after reading. */
 typedef struct quad_origin {
     const quad_file *file;
-    size_t *element_at; /* [elements] place of each element in the file (byte) */
+    size_t *element_at; /* [elements] position of each element in the file (byte) */
 } quad_origin;
 
-/* Number of an element or of a node in the file. */
+/* Return the number of an element or a node in the mesh file. */
 long long quad_element_label(const quad_mesh *mesh, size_t element);
 long long quad_node_label(const quad_mesh *mesh, size_t node);
 
 /*
- * Look up all numbers: fill nodes, elements and sets of nodes and elements. Each step returns 0, or
- * -1 with the error of the file filled.
+ * Replace the numbers of the file by indices: fill the nodes, the elements and the sets of nodes
+ * and elements of the mesh. Returns 0, or -1 after writing the error message of the mesh file.
  */
 int quad_collect(quad_mesh *mesh, quad_origin *origin, const quad_raw *raw,
                  const quad_options *options);
 
-/* Neighbours of the elements across their sides. */
+/* Neighbours of all elements across their sides; QUAD_FREE marks a side without a neighbour. */
 #define QUAD_FREE UINT32_MAX
 typedef struct quad_topology {
-    uint32_t (*neighbour)[4]; /* [elements] edge 4 element + side on the other side, or QUAD_FREE */
+    uint32_t (*neighbour)[4]; /* [elements] edge number 4 element + side of the neighbour's side, or
+                                 QUAD_FREE */
 } quad_topology;
 void quad_topology_free(quad_topology *topology);
 
 /*
- * Find the neighbours and give all elements one orientation; then fill the edge sets. Refuses
- * branched, one-sided and disconnected surfaces.
+ * Find the neighbours of all elements, give the elements one orientation, and fill the edge sets.
+ * Returns 0, or -1 after writing the error message of the mesh file: the surface is branched,
+ * one-sided or in several parts.
  */
 int quad_connect(quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw,
                  const quad_options *options, quad_topology *topology);
 
-/* Fill directors and axes; warn of sharp edges and of nodes at one place that are not joined. */
+/*
+ * Determine the directors and axes of all nodes, and report sharp edges and pairs of nodes that are
+ * not joined as warnings. Returns 0, or -1 after writing the error message of the mesh file.
+ */
 int quad_directors(quad_mesh *mesh, const quad_origin *origin, const quad_topology *topology,
                    quad_warnings *warnings);
 
 /*
- * Let the first side of each element run as nearly along the axes of its nodes as it can, so that
- * equal elements are listed alike and share an element type. The sides in edge sets follow.
- * Returns 0, or -1: out of memory.
+ * Choose the first side of each element so that it runs as nearly as possible along the axes of its
+ * nodes: equal elements are then listed alike and share an element type. Edge sets are adapted.
+ * Returns 0, or -1 when memory runs out.
  */
 int quad_turn(quad_mesh *mesh);
 
 /*
- * Fill mesh->order for a small envelope of the factor: reverse Cuthill-McKee from a node at an end
- * of the mesh. Returns 0, or -1: out of memory.
+ * Fill mesh->order with an order of the nodes that makes the envelope of the factor small (reverse
+ * Cuthill-McKee algorithm). Returns 0, or -1 when memory runs out.
  */
 int quad_renumber(quad_mesh *mesh);
 

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* First sides of the elements (quad_steps.h). */
+/* Choice of the first side of each element (quad_steps.h). */
 #include "quad_steps.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Component along the axes of the nodes of the direction from side k + 3 to side k + 1. */
+/*
+ * Return the component along the axes of an element's nodes of the direction in which side k of the
+ * element runs.
+ */
 static double along_axes(const quad_mesh *mesh, const uint32_t node[4], int k)
 {
     double sum = 0;
@@ -20,7 +23,9 @@ static double along_axes(const quad_mesh *mesh, const uint32_t node[4], int k)
     return sum;
 }
 
-/* Corner with which an element begins. The first of nearly equal ones is taken. */
+/*
+ * Return the corner with which an element should begin; the first of nearly equal choices is taken.
+ */
 static uint32_t first_corner(const quad_mesh *mesh, const uint32_t node[4])
 {
     const double nearly = 1 + 1e-6;
@@ -37,7 +42,10 @@ static int ascending(const void *left, const void *right)
     return (*first > *second) - (*first < *second);
 }
 
-/* Rename the sides of an edge set after the elements were turned by first [elements]. */
+/*
+ * Adapt the edge numbers of a set after the elements were turned, where first [elements] is the
+ * former number of each element's new first corner.
+ */
 static void turn_set(quad_set *set, const uint32_t *first)
 {
     for (size_t i = 0; i < set->count; i++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reader of Gmsh's MSH format, versions 2.2 and 4.1, text and binary. Physical groups become sets;
- * a group without a name is named by its number.
+ * Reader of Gmsh's MSH file format, versions 2.2 and 4.1, text and binary. Physical groups become
+ * sets; a group without a name is named by its number.
  */
 #include "quad_raw.h"
 
@@ -10,22 +10,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A geometric entity of the file, or in version 2.2 a physical group, with its physical groups. */
+/*
+ * Geometric entity of a Gmsh file with its physical groups; in version 2.2 every physical group has
+ * one entity of its own.
+ */
 typedef struct entity {
     int dimension, tag, count;
-    int *physical; /* [count] */
+    int *physical; /* [count] numbers of the physical groups */
 } entity;
 
 typedef struct physical_name {
     int dimension, tag;
-    const char *text; /* name within the file */
+    const char *text; /* name of a physical group, a part of the text of the file; not terminated by
+                         NUL */
     size_t length;
 } physical_name;
 
 typedef struct gmsh {
     quad_file *file;
     quad_raw *raw;
-    int version; /* 2 or 4 */
+    int version; /* version of the file format, 2 or 4 */
     size_t entities, entity_room, names, name_room;
     entity *entity;
     physical_name *name;
@@ -36,7 +40,7 @@ typedef struct gmsh {
 
 enum { POINT = 15, EDGE = 1, TRIANGLE = 2, QUADRILATERAL = 3 };
 
-/* Number of nodes of each element type of Gmsh, and its name where the element is refused. */
+/* Number of nodes of each element type of Gmsh; types that are refused also have a name. */
 static const struct {
     int nodes;
     const char *refused;
@@ -87,7 +91,10 @@ static int add_entity(gmsh *gmsh, const entity *one)
     return 0;
 }
 
-/* Index of an entity, or -1. */
+/*
+ * Return the index of the geometric entity with a given dimension and number, or -1 if there is
+ * none.
+ */
 static int find_entity(const gmsh *gmsh, int dimension, int tag)
 {
     for (size_t i = 0; i < gmsh->entities; i++)
@@ -96,7 +103,10 @@ static int find_entity(const gmsh *gmsh, int dimension, int tag)
     return -1;
 }
 
-/* Version 2.2: index of the pseudo entity of one physical group; 0 stands for no group. */
+/*
+ * Return the index of the entity that stands for a physical group in a file of version 2.2; group 0
+ * is no group. Returns -1 after writing the error message of the mesh file.
+ */
 static int group_of(gmsh *gmsh, int dimension, int physical)
 {
     const int known = find_entity(gmsh, dimension, physical);
@@ -114,7 +124,10 @@ static int group_of(gmsh *gmsh, int dimension, int physical)
     return -2;
 }
 
-/* Set of a physical group of edges or quadrilaterals (corners 2, 4), or of points (0). */
+/*
+ * Return the set of a physical group of points (dimension 0), edges (1) or quadrilaterals (2), or
+ * NULL after writing the error message of the mesh file.
+ */
 static quad_raw_set *set_of(gmsh *gmsh, int dimension, int tag)
 {
     static const int corners[3] = {0, 2, 4};
@@ -127,14 +140,17 @@ static quad_raw_set *set_of(gmsh *gmsh, int dimension, int tag)
     return quad_raw_find_set(gmsh->raw, gmsh->file, number, (size_t)length, corners[dimension]);
 }
 
-/* Put every cell into the sets of its physical groups. */
+/*
+ * Add every cell to the sets of its physical groups. Returns 0, or -1 after writing the error
+ * message of the mesh file.
+ */
 static int collect_sets(gmsh *gmsh)
 {
     for (size_t index = 0; index < gmsh->raw->cells; index++) {
         const quad_raw_cell *cell = &gmsh->raw->cell[index];
         const entity *of = cell->group >= 0 ? &gmsh->entity[cell->group] : NULL;
         for (int k = 0; of && k < of->count; k++) {
-            /* A negative number marks a group whose orientation is reversed. */
+            /* A negative number stands for a physical group with reversed orientation. */
             quad_raw_set *set = set_of(gmsh, of->dimension, abs(of->physical[k]));
             const int64_t item = cell->corners == 1 ? cell->node[0] : (int64_t)index;
             if (!set || quad_raw_add_item(set, gmsh->file, item) < 0)
@@ -146,7 +162,10 @@ static int collect_sets(gmsh *gmsh)
 
 /* ---- sections ---------------------------------------------------------- */
 
-/* Finish a section: its end line must follow. */
+/*
+ * Check that the line that ends a section follows. Returns 0, or -1 after writing the error message
+ * of the mesh file.
+ */
 static int end_section(gmsh *gmsh, const char *end)
 {
     quad_skip(gmsh->file);
@@ -160,7 +179,7 @@ static int read_names(gmsh *gmsh)
     quad_file *file = gmsh->file;
     const bool is_binary = file->is_binary;
     int count, dimension, tag;
-    file->is_binary = false; /* names are text in a binary file too */
+    file->is_binary = false; /* names are in text form in a binary file, too */
     if (quad_read_int(file, "the number of names", &count) < 0 ||
         quad_check_count(file, "names", count, 4) < 0)
         return -1;
@@ -187,7 +206,10 @@ static int read_names(gmsh *gmsh)
     return 0;
 }
 
-/* Read numbers that are of no use: the corners of boxes, or the entities on a boundary. */
+/*
+ * Skip numbers that are not needed: bounding boxes (pass_reals), or entities on a boundary
+ * (pass_boundary). Returns 0, or -1 after writing the error message of the mesh file.
+ */
 static int pass_reals(gmsh *gmsh, int count)
 {
     double unused;
@@ -276,7 +298,7 @@ static int read_nodes_2(gmsh *gmsh)
         return -1;
     gmsh->file->is_binary = is_binary;
     if (is_binary)
-        gmsh->file->at++; /* the line end */
+        gmsh->file->at++; /* the character behind the numbers is a line end */
     for (int i = 0; i < count; i++) {
         if (!is_binary)
             quad_skip(gmsh->file);
@@ -291,7 +313,11 @@ static int read_nodes_2(gmsh *gmsh)
     return end_section(gmsh, "$EndNodes");
 }
 
-/* Places of a block of nodes whose numbers have been read; parametric nodes have parameters too. */
+/*
+ * Read the positions of a block of nodes whose numbers have been read; `parameters` is the number
+ * of surface parameters behind each position, which are skipped. Returns 0, or -1 after writing the
+ * error message of the mesh file.
+ */
 static int read_places(gmsh *gmsh, size_t first, int parameters)
 {
     for (size_t i = first; i < gmsh->raw->nodes; i++) {
@@ -327,7 +353,11 @@ static int read_node_block(gmsh *gmsh)
     return read_places(gmsh, first, is_parametric ? dimension : 0);
 }
 
-/* The head of $Nodes and $Elements of version 4.1: blocks, items, lowest and highest number. */
+/*
+ * Read the head of a section $Nodes or $Elements of version 4.1: number of blocks, number of items,
+ * lowest and highest number of an item (head [4] out). Returns 0, or -1 after writing the error
+ * message of the mesh file.
+ */
 static int read_block_head(gmsh *gmsh, const char *what, int64_t head[4])
 {
     for (int i = 0; i < 4; i++)
@@ -357,7 +387,10 @@ static int add_element(gmsh *gmsh, const quad_raw_cell *cell)
     return quad_raw_add_cell(gmsh->raw, gmsh->file, cell);
 }
 
-/* One element of version 2.2 after its number: tags, then nodes. */
+/*
+ * Read an element of version 2.2 behind its number: first its tags, then its nodes. Returns 0, or
+ * -1 after writing the error message of the mesh file.
+ */
 static int read_element_2(gmsh *gmsh, quad_raw_cell *cell, int type, int tags)
 {
     int tag, node, physical = 0;
@@ -378,7 +411,11 @@ static int read_element_2(gmsh *gmsh, quad_raw_cell *cell, int type, int tags)
     return cell->group == -2 ? -1 : add_element(gmsh, cell);
 }
 
-/* Elements of version 2.2 in binary form come in blocks of one type. */
+/*
+ * Read a block of elements of one type, as binary files of version 2.2 have them; *left is the
+ * number of elements still to come. Returns 0, or -1 after writing the error message of the mesh
+ * file.
+ */
 static int read_element_block_2(gmsh *gmsh, int *left)
 {
     int head[3], label;
@@ -424,7 +461,7 @@ static int read_elements_2(gmsh *gmsh)
         return -1;
     gmsh->file->is_binary = is_binary;
     if (is_binary)
-        gmsh->file->at++; /* the line end */
+        gmsh->file->at++; /* the character behind the numbers is a line end */
     while (is_binary && left > 0)
         if (read_element_block_2(gmsh, &left) < 0)
             return -1;
@@ -434,7 +471,10 @@ static int read_elements_2(gmsh *gmsh)
     return end_section(gmsh, "$EndElements");
 }
 
-/* One element of version 4.1. */
+/*
+ * Read an element of version 4.1. Returns 0, or -1 after writing the error message of the mesh
+ * file.
+ */
 static int read_element_4(gmsh *gmsh, int type, int group)
 {
     if (!gmsh->file->is_binary)
@@ -484,7 +524,10 @@ static int read_elements_4(gmsh *gmsh)
 
 /* ---- the file ---------------------------------------------------------- */
 
-/* The integer 1 that shows the byte order of a binary file. */
+/*
+ * Check that the integer 1 in the head of a binary file has the byte order of this machine. Returns
+ * 0, or -1 after writing the error message of the mesh file.
+ */
 static int check_byte_order(gmsh *gmsh)
 {
     int one;
@@ -524,7 +567,10 @@ static int read_format(gmsh *gmsh)
     return end_section(gmsh, "$EndMeshFormat");
 }
 
-/* Skip a section that is of no use, up to its end line. */
+/*
+ * Skip a section that is not needed, up to the line that ends it. Returns 0, or -1 after writing
+ * the error message of the mesh file.
+ */
 static int skip_section(gmsh *gmsh, const char *name, size_t length)
 {
     char end[72];
@@ -546,10 +592,13 @@ static int skip_section(gmsh *gmsh, const char *name, size_t length)
 
 typedef struct section {
     const char *name;
-    int (*read[2])(gmsh *gmsh); /* versions 2.2 and 4.1; NULL: skipped */
+    int (*read[2])(gmsh *gmsh); /* functions that read the section in version 2.2 and in
+                                   version 4.1; NULL: the section is skipped */
 } section;
 
-/* Binary sections begin behind the line end of their name. */
+/*
+ * Read a section of the file. In a binary file the section begins behind the line end of its name.
+ */
 static int read_section(gmsh *gmsh, const section *one)
 {
     int (*read)(struct gmsh *) = one->read[gmsh->version == 4];

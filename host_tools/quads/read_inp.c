@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reader of Abaqus' and CalculiX' INP format: *NODE, *ELEMENT, *NSET and *ELSET with GENERATE. All
- * other keywords are skipped. Keywords and names of sets are compared without regard to case.
+ * Reader of Abaqus' and CalculiX' INP file format: *NODE, *ELEMENT, *NSET and *ELSET with GENERATE.
+ * All other keywords are skipped. Upper and lower case of keywords and names of sets are not
+ * distinguished.
  */
 #include "quad_raw.h"
 
@@ -10,13 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Members of a set: the numbers first, first + step, ... up to last. */
+/* Members of a set, given as the numbers first, first + step and so on up to last. */
 typedef struct run {
     int64_t first, last, step;
     size_t at;
 } run;
 
-/* A set as the file lists it, before its numbers are looked up. */
+/* Set as the file lists it, before its numbers are looked up. */
 typedef struct listed_set {
     char name[64];
     bool is_elements;
@@ -30,10 +31,11 @@ typedef struct inp {
     quad_file *file;
     quad_raw *raw;
     inp_mode mode;
-    int corners;    /* ELEMENTS: corners of the elements that are read */
-    bool generates; /* SET_MEMBERS: the lines hold first, last, step */
+    int corners;    /* number of corners of the elements that are being read (mode ELEMENTS) */
+    bool generates; /* whether the lines contain first, last and step instead of single numbers
+                       (mode SET_MEMBERS) */
     int set;        /* index of the set that the lines belong to, or -1 */
-    bool has_part;  /* a *PART has begun */
+    bool has_part;  /* whether the keyword *PART was read */
     size_t sets, room;
     listed_set *list;
 } inp;
@@ -45,7 +47,7 @@ static char upper(char character)
     return character >= 'a' && character <= 'z' ? (char)(character - 'a' + 'A') : character;
 }
 
-/* Whether two texts are equal without regard to case; the second is in capitals if it is a word. */
+/* Return whether a text of a given length equals a word in capitals, without regard to case. */
 static bool same_text(const char *first, size_t length, const char *second)
 {
     if (strlen(second) != length)
@@ -56,7 +58,7 @@ static bool same_text(const char *first, size_t length, const char *second)
     return true;
 }
 
-/* A field of a line: the text between two commas without blanks and quotes at its ends. */
+/* Field of a line: the text between two commas, without the blanks and quotes at its ends. */
 typedef struct piece {
     const char *text;
     size_t length;
@@ -78,8 +80,8 @@ static piece trimmed(const char *from, const char *to)
 }
 
 /*
- * Next field of the line at the reading position, which moves behind the comma, or to the line end.
- * Returns whether there is one.
+ * Read the next field of a line; the reading position moves behind its comma, or to the line end.
+ * Returns whether there is a field.
  */
 static bool next_piece(quad_file *file, piece *one)
 {
@@ -93,7 +95,7 @@ static bool next_piece(quad_file *file, piece *one)
     return one->length > 0 || *to == ',';
 }
 
-/* The value behind NAME= of a field, or an empty piece. */
+/* Return the value behind NAME= in a field, or an empty field if it has another name. */
 static piece value_of(piece one, const char *name)
 {
     const char *equals = memchr(one.text, '=', one.length);
@@ -159,7 +161,10 @@ static int find_listed(const inp *in, piece name, bool is_elements)
     return -1;
 }
 
-/* Index of the set of a name, which is made if there is none; -1 with the message. */
+/*
+ * Return the index of the set with a given name; a new set is added if there is none. Returns -1
+ * after writing the error message of the mesh file when memory runs out.
+ */
 static int open_set(inp *in, piece name, bool is_elements)
 {
     const int known = find_listed(in, name, is_elements);
@@ -182,14 +187,20 @@ static int open_set(inp *in, piece name, bool is_elements)
     return (int)in->sets++;
 }
 
-/* Add one number to the set of the present keyword, if it has one. */
+/*
+ * Add one node or element to the set of the present keyword, if it has a set. Returns 0, or -1
+ * after writing the error message of the mesh file.
+ */
 static int add_member(inp *in, int64_t label, size_t at)
 {
     const run one = {label, label, 1, at};
     return in->set < 0 ? 0 : add_run(in, in->set, &one);
 }
 
-/* Add the members of another set, which must have been defined before. */
+/*
+ * Add the members of another set, which must have been defined before, to the present set. Returns
+ * 0, or -1 after writing the error message of the mesh file.
+ */
 static int add_other_set(inp *in, piece name)
 {
     const int other = find_listed(in, name, in->list[in->set].is_elements);
@@ -221,7 +232,10 @@ static int node_line(inp *in)
     return quad_raw_add_node(in->raw, in->file, &node);
 }
 
-/* An element; its nodes may go on in the next line where a line ends with a comma. */
+/*
+ * Read an element; its nodes may continue in the next line if a line ends with a comma. Returns 0,
+ * or -1 after writing the error message of the mesh file.
+ */
 static int element_line(inp *in)
 {
     quad_raw_cell cell = {0, {0, 0, 0, 0}, in->corners, -1, in->file->at};
@@ -291,7 +305,7 @@ static int data_line(inp *in)
 
 /* ---- keywords ---------------------------------------------------------- */
 
-/* Element types by the start of their name; the first row that fits is taken. */
+/* Element types of the file format by the start of their names; the first row that fits is used. */
 static const struct {
     const char *start;
     int corners;
@@ -324,7 +338,7 @@ static int read_type(inp *in, piece type, size_t at)
                          upper_type);
 }
 
-/* Options of a keyword, read up to the line end. */
+/* Options of a keyword of the file format, which end at the line end. */
 typedef struct options {
     piece type, nset, elset;
     bool generates;
@@ -346,7 +360,10 @@ static options read_options(inp *in)
     return found;
 }
 
-/* Begin the members of a set, or of the option of *NODE or *ELEMENT that names one. */
+/*
+ * Begin a set: by a keyword *NSET or *ELSET, or by the option of *NODE or *ELEMENT that names a
+ * set. Returns 0, or -1 after writing the error message of the mesh file.
+ */
 static int begin_set(inp *in, piece name, bool is_elements, bool is_needed, size_t at)
 {
     in->set = -1;
@@ -401,7 +418,7 @@ static int keyword_line(inp *in)
 
 /* ---- sets by number ---------------------------------------------------- */
 
-/* A number of the file and the index of its cell. */
+/* Number of a node or element in the file, with the index of its cell. */
 typedef struct numbered {
     int64_t label, index;
 } numbered;
@@ -412,7 +429,7 @@ static int by_label(const void *left, const void *right)
     return (first->label > second->label) - (first->label < second->label);
 }
 
-/* Index of the first entry whose number is at least `label`. */
+/* Return the index of the first entry whose number is at least `label`. */
 static size_t lower_bound(const numbered *entry, size_t count, int64_t label)
 {
     size_t low = 0, high = count;
@@ -426,7 +443,10 @@ static size_t lower_bound(const numbered *entry, size_t count, int64_t label)
     return low;
 }
 
-/* Put the existing members of a run into the sets. A single number must exist. */
+/*
+ * Add the members of a run of numbers that exist in the file to the sets. A single number must
+ * exist. Returns 0, or -1 after writing the error message of the mesh file.
+ */
 static int take_run(inp *in, const listed_set *from, const run *one, const numbered *entry,
                     size_t count)
 {

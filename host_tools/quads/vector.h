@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Vectors in space. */
+/* Products, lengths and scaling of vectors in space. */
 #ifndef VECTOR_H
 #define VECTOR_H
 
@@ -15,14 +15,14 @@ static inline double vector_length(const double vector[3])
     return sqrt(vector_dot(vector, vector));
 }
 
-/* c = a x b */
+/* Compute the cross product of two vectors. */
 static inline void vector_cross(const double a[3], const double b[3], double product[3])
 {
     for (int i = 0; i < 3; i++)
         product[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
-/* Distance of two points. */
+/* Return the distance between two points. */
 static inline double vector_distance(const double a[3], const double b[3])
 {
     const double difference[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -30,8 +30,8 @@ static inline double vector_distance(const double a[3], const double b[3])
 }
 
 /*
- * Scale a vector to length 1. Returns its former length; 0 where it has no direction, because its
- * length is 0 or not finite, and then it stays.
+ * Scale a vector to length 1. Returns its former length. A vector whose length is 0 or not finite
+ * is not changed, and the function returns 0.
  */
 static inline double vector_normalise(double vector[3])
 {
