@@ -718,6 +718,8 @@ static int fill(mesh *mesh, char *error)
         return scene_fault(scene, scene->line[0].at, error,
                            "%d nodes do not fit into memory; use fewer elements", mesh->nodes);
     (mesh->quads ? place_quads : place_nodes)(mesh);
+    if (!mesh->quads && mesh_turn_axes(mesh, error) < 0)
+        return -1;
     if (build_numbers(mesh, error) < 0)
         return -1;
     find_envelope(mesh);

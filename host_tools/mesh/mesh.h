@@ -80,6 +80,12 @@ int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, boo
 void mesh_free(mesh *mesh);
 
 /*
+ * Turn the triads of the nodes of supports that name a direction, on a mesh of lines, and refuse
+ * supports that need another triad there. Returns 0, or -1 with error filled.
+ */
+int mesh_turn_axes(mesh *mesh, char *error);
+
+/*
  * Build the springs of a mesh whose dof are numbered and whose element types are built, and widen
  * the envelope of the factor by them (springs.h). Returns 0, or -1 with error filled.
  */

@@ -30,6 +30,9 @@ static const choice fixes[] = {{"clamped", U1 | U2 | U3},
                                {"y", FIX_Y},
                                {"z", FIX_Z},
                                {"free", 0},
+                               {"cone", MEAN_1 | MEAN_2 | MEAN_3},
+                               {"vee", MEAN_1 | MEAN_3},
+                               {"flat", MEAN_3},
                                {"u1", U1},
                                {"u2", U2},
                                {"u3", U3},
@@ -82,13 +85,23 @@ static int fix_edge(reader *reader, int node, const scene_support *support, int 
     return 0;
 }
 
+/* Whether a word names one displacement, which may have a value. */
+static bool is_single(int fix)
+{
+    const unsigned of[3] = {U1, U2, U3};
+    int found = 0;
+    for (int i = 0; i < 3; i++)
+        found += ((unsigned)fix & of[i]) != 0;
+    return found == 1 && !((unsigned)fix & (FIX_SIMPLE | FIX_SYMMETRIC | GLOBAL));
+}
+
 static int read_fix_word(reader *reader, int node, scene_support *support)
 {
     const int special = FIX_SIMPLE | FIX_SYMMETRIC | GLOBAL;
     int fix = 0;
     if (read_choice(reader, node, &fix, fixes) != 0)
         return -1;
-    if (support->value && (fix == 0 || fix == (U1 | U2 | U3) || fix & special))
+    if (support->value && !is_single(fix))
         return tree_fault(reader->t, node,
                           "'%s' is no single displacement to give a value; name one, as fix: u3",
                           node_text(reader, node));
@@ -118,23 +131,23 @@ static const form *const fix_forms[] = {&fix_word_form, &fix_words_form, NULL};
 static const form fix_form = {.type = FORM_ANY, .any = fix_forms};
 
 /*
- * Read the direction of e1 at the nodes of a support, which only a mesh from a file may choose.
+ * Read the direction of e1 at the nodes of a support, which the published element does not know.
  * Returns 0, or -1 after writing the error message of the YAML tree.
  */
 static int read_direction_of(reader *reader, int node, void *to, const void *rule)
 {
     scene_support *support = to;
-    if (reader->s->quads)
+    if (reader->s->element.cartesian)
         return read_unit(reader, node, support->direction, rule);
     return tree_fault_at(reader->t, reader->t->node[node].key_at,
-                         "'direction' belongs to a mesh from a file; remove it");
+                         "'direction' needs element: improved; remove it");
 }
 
 static const field support_fields[] = {
     PLACE(offsetof(scene_support, where)),
     {"direction", read_direction_of, .of = OF_NUMBER, .form = &triple_form,
-     .help = "Mesh from a file: vector [x, y, z] whose projection on the surface is e1 of the "
-             "nodes, so that u1 acts along it; default what the support needs."},
+     .help = "Vector [x, y, z] whose projection on the surface is e1 of the nodes, so that u1 acts "
+             "along it; default what the support needs, or theta1."},
     {"value", read_place_function, offsetof(scene_support, value), .of = OF_SUPPORT,
      .form = &place_function_form,
      .help = "Prescribed displacement at full load, instead of 0; needs kinematics: nonlinear. u1, "
@@ -143,7 +156,8 @@ static const field support_fields[] = {
      .help = "clamped: all displacements; simple: along the edge and u3 (a diaphragm); symmetric: "
              "across the edge; or displacements by name, where u1 alone means mean and difference "
              "of both faces, and u3M is the dof of the middle surface. Mesh from a file: also x, y "
-             "and z."},
+             "and z. Points on a ball: cone holds three mean displacements, vee those along u3 and "
+             "u1 (the direction across its groove), flat that along u3."},
     {.key = NULL}};
 
 static const form_case support_cases[] = {{"edge|at|set fix", NULL}, {NULL, NULL}};
