@@ -95,19 +95,15 @@ static void add_node(const spring_builder *builder, int node, double factor, con
     }
 }
 
-/*
- * Add the rotation of a node about an axis to a row. With D the normal and beta the difference of
- * the displacements of both faces over the thickness, the rotation vector in the surface is D x
- * beta.
- */
-static void add_rotation(const spring_builder *builder, int node, double factor,
-                         const double axis[3], spring_row *row)
+int springs_rotation(const surface_point *point, const scene_direction *axis, double weight[7])
 {
-    const surface_point *point = &builder->mesh->point[node];
-    double lever[3];
-    vector_cross(axis, point->e[2], lever);
+    double along[3], lever[3];
+    direction_at(point, axis, along);
+    vector_cross(along, point->e[2], lever);
+    memset(weight, 0, 7 * sizeof *weight);
     for (int a = 0; a < 3; a++)
-        add_entry(builder->mesh, node, 3 + a, factor * vector_dot(point->e[a], lever), row);
+        weight[3 + a] = vector_dot(point->e[a], lever);
+    return vector_length(lever) < 0.01 ? -1 : 0;
 }
 
 /* ---- two ends ------------------------------------------------------------ */
@@ -160,18 +156,18 @@ static int fill_row(const spring_builder *builder, const mesh_spot *spot, spring
 {
     const mesh *mesh = builder->mesh;
     const scene_spring *item = builder->item;
-    double v[3] = {0, 0, 0}, lever[3];
+    double v[3] = {0, 0, 0};
     row->entries = 0;
     if (item->to.at.column && add_other_end(builder, spot, v, row) < 0)
         return -1;
     for (int r = 0; r < spot->count; r++) {
         const surface_point *point = &mesh->point[spot->node[r]];
         if (item->about.given) {
-            direction_at(point, &item->about, v);
-            vector_cross(v, point->e[2], lever);
-            if (vector_length(lever) < 0.01)
+            double weight[7];
+            if (springs_rotation(point, &item->about, weight) < 0)
                 return refuse_axis(builder, spot->node[r]);
-            add_rotation(builder, spot->node[r], spot->weight[r], v, row);
+            for (int i = 3; i < 6; i++)
+                add_entry(mesh, spot->node[r], i, spot->weight[r] * weight[i], row);
             continue;
         }
         if (item->along.given)

@@ -9,6 +9,7 @@
 #include "../../lib/model/shell.h"
 #include "../mesh/corner_weight.h"
 #include "../mesh/springs.h"
+#include "../quads/vector.h"
 #include "../scene/outline_shares.h"
 
 /* ---- sparse rows under construction ----------------------------------- */
@@ -421,6 +422,12 @@ static void stack_columns(const mesh *mesh, int actuator, row_builder *columns, 
     }
 }
 
+/* Whether a load acts along a vector of its own instead of a component. */
+static bool has_vector(const scene_load *load)
+{
+    return vector_length(load->vector) > 0;
+}
+
 /*
  * Force of a load at a node per unit of the load, in components of the local axes of the node. A
  * pressure acts along the thickness direction.
@@ -432,6 +439,8 @@ static void load_vector(const mesh *mesh, const scene_load *load, int node, doub
     const double z = mesh->laminate.z[load->face == FACE_OUTER];
     const double stretch = load->true_area ? (1 + point->k[0] * z) * (1 + point->k[1] * z) : 1;
     direction(point, load->component, vector);
+    for (int axis = 0; axis < 3 && load->type == LOAD_WEIGHT && has_vector(load); axis++)
+        vector[axis] = vector_dot(point->e[axis], load->vector);
     for (int axis = 0; axis < 3; axis++)
         vector[axis] *= value * stretch;
 }
@@ -604,6 +613,13 @@ static void load_column(const mesh *mesh, const scene_load *load, const double *
         load_vector(mesh, load, node[0], value[node[0]], direction);
         add_force(mesh, load, node[0], 1, direction, dense);
         break;
+    case LOAD_MOMENT: {
+        double weight[7];
+        mesh_select(mesh, &load->where, node);
+        (void)springs_rotation(&mesh->point[node[0]], &load->about, weight);
+        add_node(mesh, node[0], value[node[0]], weight, dense);
+        break;
+    }
     case LOAD_LINE: line_column(mesh, load, value, dense); break;
     case LOAD_FACE: face_column(mesh, load, value, 1, dense); break;
     case LOAD_WEIGHT: face_column(mesh, load, value, 0, dense); break;
@@ -643,6 +659,21 @@ static int extras_of(const design *design)
     return scene->kinematics == KINEMATICS_LINEAR ? 0 : extras;
 }
 
+/* Refuse a moment about the normal, about which a shell has no rotation. */
+static int check_moment(const mesh *mesh, const scene_load *load, int *node, char *error)
+{
+    double weight[7];
+    if (load->type != LOAD_MOMENT)
+        return 0;
+    mesh_select(mesh, &load->where, node);
+    if (springs_rotation(&mesh->point[node[0]], &load->about, weight) == 0)
+        return 0;
+    return scene_fault(mesh->scene, load->at, error,
+                       "the axis of the moment is normal to the surface at %s, where a shell has "
+                       "no rotation; choose an axis in the surface, or use two forces",
+                       mesh_node_text(mesh, node[0]).text);
+}
+
 static int build_inputs(design *design, row_builder *columns, double *dense, int *node,
                         double *value, char *error)
 {
@@ -655,7 +686,8 @@ static int build_inputs(design *design, row_builder *columns, double *dense, int
             patch_columns(mesh, &scene->actuator[k], columns, dense);
     design->amplifiers = (int)columns->rows;
     for (int k = 0; k < scene->loads; k++) {
-        if (design_load_values(mesh, &scene->load[k], value, error) < 0)
+        if (design_load_values(mesh, &scene->load[k], value, error) < 0 ||
+            check_moment(mesh, &scene->load[k], node, error) < 0)
             return -1;
         memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
         load_column(mesh, &scene->load[k], value, node, dense);

@@ -138,7 +138,8 @@ static void write_value(FILE *file, const mesh *mesh, const scene_load *load)
     char unit[WORDS_UNIT];
     for (int n = 0; n < mesh->nodes; n++) {
         const expr_point at = mesh_place(mesh, n);
-        if (load->type == LOAD_POINT && n != mesh_point_node(mesh, &load->where))
+        if ((load->type == LOAD_POINT || load->type == LOAD_MOMENT) &&
+            n != mesh_point_node(mesh, &load->where))
             continue;
         low = fmin(low, expr_value(load->value, &at));
         high = fmax(high, expr_value(load->value, &at));
@@ -147,24 +148,37 @@ static void write_value(FILE *file, const mesh *mesh, const scene_load *load)
     put(file, "%u", words_unit(mesh->scene, words_of_load(load), unit));
 }
 
+/* Write a direction: the word of a component, or a vector in its place. */
+static void write_direction(FILE *file, const char *what, scene_component component,
+                            const double vector[3])
+{
+    if (vector[0] != 0 || vector[1] != 0 || vector[2] != 0)
+        put(file, "%s(%n, %n, %n)", what, vector[0], vector[1], vector[2]);
+    else
+        put(file, "%s%s", what, component_word[component]);
+}
+
 static void write_load(FILE *file, const mesh *mesh, const scene_load *load)
 {
-    static const char *const type[] = {"point", "line", "face", "weight", "temperature"};
+    static const char *const type[] = {"point", "line", "face", "weight", "temperature", "moment"};
     static const char *const follows[] = {"", " of the undeformed face; turns with the surface",
                                           " of the deformed face; turns with the surface"};
-    const bool is_on_nodes = load->type == LOAD_POINT || load->type == LOAD_LINE;
+    const bool is_on_nodes =
+        load->type == LOAD_POINT || load->type == LOAD_LINE || load->type == LOAD_MOMENT;
     begin_row(file, "Load: ", type[load->type]);
     write_value(file, mesh, load);
     if (load->type == LOAD_FACE && load->follower != FOLLOWER_NONE)
         put(file, " along the normal, per area%s", follows[load->follower]);
+    else if (load->type == LOAD_MOMENT)
+        write_direction(file, " about ", load->about.component, load->about.vector);
     else if (load->type != LOAD_TEMPERATURE)
-        put(file, "%s along %s", load->type == LOAD_WEIGHT ? " as gravity" : "",
-            component_word[load->component]);
+        write_direction(file, load->type == LOAD_WEIGHT ? " as gravity along " : " along ",
+                        load->component, load->vector);
     if (is_on_nodes) {
         fputs(", ", file);
         write_where(file, mesh->scene, &load->where);
     }
-    if (is_on_nodes || load->type == LOAD_FACE)
+    if (load->type == LOAD_POINT || load->type == LOAD_LINE || load->type == LOAD_FACE)
         put(file, ", %s", face_word[load->face]);
     fputs(end_cell, file);
 }
@@ -195,6 +209,36 @@ static void write_contact(FILE *file, const scene *scene)
     fputs(end_cell, file);
 }
 
+/* Write place, direction and stiffness of springs or stacks. */
+static void write_spring(FILE *file, const scene *scene, const scene_spring *spring)
+{
+    static const char *const per[] = {"", " per length", " per area"};
+    put(file, "stiffness %n%s", spring->stiffness, per[spring->per]);
+    if (spring->about.given)
+        write_direction(file, " about ", spring->about.component, spring->about.vector);
+    else if (spring->along.given)
+        write_direction(file, " along ", spring->along.component, spring->along.vector);
+    if (spring->points > 0)
+        put(file, ", %d point%s", spring->points, spring->points == 1 ? "" : "s");
+    else
+        fputs(", ", file);
+    if (spring->points == 0)
+        write_where(file, scene, &spring->where);
+    if (!spring->to.at.column)
+        return;
+    fputs(", from ", file);
+    write_where(file, scene, &spring->to);
+}
+
+static void write_springs(FILE *file, const scene *scene)
+{
+    for (int k = 0; k < scene->springs; k++) {
+        begin_row(file, "Spring ", scene->spring[k].name);
+        write_spring(file, scene, &scene->spring[k]);
+        fputs(end_cell, file);
+    }
+}
+
 static void write_actuator(FILE *file, const scene *scene, const scene_actuator *actuator)
 {
     const int count = actuator->grid[0] * actuator->grid[1];
@@ -203,7 +247,10 @@ static void write_actuator(FILE *file, const scene *scene, const scene_actuator 
     if (actuator->is_temperature)
         fputs("temperature of the whole", file);
     else
-        put(file, "%d amplifier%s on patches ", count, count == 1 ? "" : "s");
+        put(file, "%d amplifier%s on %s", count, count == 1 ? "" : "s",
+            actuator->stacks ? "stacks, " : "patches ");
+    if (actuator->stacks)
+        write_spring(file, scene, actuator->stacks);
     for (int k = 0; k < actuator->drives; k++)
         put(file, "%s%t × %n", k ? ", " : "", scene->patches[actuator->drive[k].patches].name,
             actuator->drive[k].factor);
@@ -249,6 +296,7 @@ void page_conditions(FILE *file, const design *design)
     put_table(file, "Supports, loads and actuators", "");
     for (int k = 0; k < scene->supports; k++)
         write_support(file, scene, &scene->support[k], design->mesh.dof_per_node);
+    write_springs(file, scene);
     for (int k = 0; k < scene->loads; k++)
         write_load(file, &design->mesh, &scene->load[k]);
     if (scene->contact.given)

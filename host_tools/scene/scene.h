@@ -312,7 +312,8 @@ typedef enum scene_load_type {
     LOAD_LINE,
     LOAD_FACE,
     LOAD_WEIGHT,
-    LOAD_TEMPERATURE
+    LOAD_TEMPERATURE,
+    LOAD_MOMENT
 } scene_load_type;
 /*
  * Pressure whose direction follows the deformed shell. FOLLOWER_NORMAL keeps its magnitude per
@@ -326,6 +327,9 @@ typedef struct scene_load {
                           from a file, the element set that it is limited to (WHERE_SET) */
     scene_face face;
     scene_component component; /* direction of the load; a pressure acts along u3 */
+    double vector[3];          /* unit vector (x, y, z) along which a weight acts; zero: along the
+                                  component */
+    scene_direction about;     /* axis of a moment */
     expr *value; /* formula of the load per point, length or area, of the temperature (K), or of the
                     acceleration of gravity for a weight */
     expr *outer; /* formula of the temperature at the outer face (K), where `value` is that at the

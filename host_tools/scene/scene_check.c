@@ -308,7 +308,7 @@ static int check_places(scene *scene, char *error)
         if (scene->actuator[i].stacks && check_spring(scene, scene->actuator[i].stacks, error) != 0)
             return -1;
     for (i = 0; i < scene->loads; i++)
-        if (scene->load[i].type == LOAD_POINT &&
+        if ((scene->load[i].type == LOAD_POINT || scene->load[i].type == LOAD_MOMENT) &&
             check_where(scene, &scene->load[i].where, error) != 0)
             return -1;
     for (i = 0; i < scene->outputs; i++)

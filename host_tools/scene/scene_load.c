@@ -202,26 +202,30 @@ static int read_constant(reader *reader, int node, void *to, const void *rule)
                       tree_name(reader->t, node), node_text(reader, node));
 }
 
-typedef struct weight_text {
-    int axis;
-    expr *gravity;
-} weight_text;
+/* Read the direction of a weight: a global axis or a vector. */
+static int read_weight_axis(reader *reader, int node, void *to, const void *rule)
+{
+    scene_load *load = to;
+    int axis = 0;
+    load->component = COMPONENT_X;
+    if (reader->t->node[node].kind == TREE_LIST)
+        return read_unit(reader, node, load->vector, rule);
+    if (read_choice(reader, node, &axis, place_axes) != 0)
+        return -1;
+    load->component = (scene_component)axis;
+    return 0;
+}
 
+static const form weight_axis_word_form = {.type = FORM_WORD, .words = place_axes};
+static const form *const weight_axis_forms[] = {&weight_axis_word_form, &triple_form, NULL};
+static const form weight_axis_form = {.type = FORM_ANY, .any = weight_axis_forms};
 static const field weight_fields[] = {
-    {"axis", read_choice, offsetof(weight_text, axis), place_axes, 1, .help = "Global axis."},
-    {"gravity", read_constant, offsetof(weight_text, gravity), .required = 1, .of = OF_ACCELERATION,
+    {"axis", read_weight_axis, .required = 1, .of = OF_NUMBER, .form = &weight_axis_form,
+     .help = "Global axis, or a vector [x, y, z]."},
+    {"gravity", read_constant, offsetof(scene_load, value), .required = 1, .of = OF_ACCELERATION,
      .form = &number_form, .help = "Acceleration along the axis."},
     {.key = NULL}};
 static const form weight_form = {.type = FORM_MAP, .fields = weight_fields};
-
-static int read_weight(reader *reader, int node, scene_load *load)
-{
-    weight_text text = {0, NULL};
-    int status = read_map(reader, node, weight_fields, &text);
-    load->component = (scene_component)text.axis;
-    load->value = text.gravity;
-    return status;
-}
 
 static const field temperature_fields[] = {
     {"inner", read_constant, offsetof(scene_load, value), .required = 1, .of = OF_TEMPERATURE,
@@ -289,7 +293,7 @@ static int read_load_type(reader *reader, int node, void *to, const void *rule)
         if (read_edge(reader, node, &load->where, NULL) != 0)
             return -1;
         return reader->s->quads ? require_set(reader, node, &load->where, false) : 0;
-    case LOAD_WEIGHT: return read_weight(reader, node, load);
+    case LOAD_WEIGHT: return read_map(reader, node, weight_fields, load);
     case LOAD_TEMPERATURE: return read_temperature(reader, node, load);
     default: break;
     }
@@ -312,6 +316,28 @@ static int read_direction(reader *reader, int node, void *to, const void *rule)
                              reader->t->node[node].key);
     text->load->component = (scene_component) * (const int *)rule;
     return read_place_function(reader, node, &text->load->value, NULL);
+}
+
+/* Read the axis of a moment, which makes a point load one. */
+static int read_about(reader *reader, int node, void *to, const void *rule)
+{
+    load_text *text = to;
+    if (text->load->type != LOAD_POINT || text->directions)
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
+                             "'about' is the axis of a moment at a point, without a force; write a "
+                             "second item");
+    text->load->type = LOAD_MOMENT;
+    return read_any_direction(reader, node, &text->load->about, rule);
+}
+
+static int read_moment(reader *reader, int node, void *to, const void *rule)
+{
+    load_text *text = to;
+    if (text->load->type != LOAD_MOMENT)
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
+                             "'moment' needs a point and its axis; add about: x");
+    text->directions++;
+    return read_place_function(reader, node, &text->load->value, rule);
 }
 
 static int read_pressure(reader *reader, int node, void *to, const void *rule)
@@ -419,6 +445,11 @@ static const field load_fields[] = {
      .help = "Temperature above that of the stress-free shape: one number, or {inner, outer}, "
              "linear between the faces."},
     DIRECTIONS(read_direction, OF_LOAD, &place_function_form, "Force (per length, per area)"),
+    {"about", read_about, .of = OF_NUMBER, .form = &direction_form,
+     .help = "Axis of a moment at a point, in the surface: u1, u2, x, y, z or [x, y, z]."},
+    {"moment", read_moment, .of = OF_MOMENT, .form = &place_function_form,
+     .help = "Moment about the axis: two opposite forces on the faces, which keep their "
+             "directions."},
     {"pressure", read_pressure, .of = OF_LOAD, .form = &place_function_form,
      .help = "Force per area along +e3, on a face."},
     {"area", read_area, .form = &area_form,
@@ -437,6 +468,7 @@ static const field load_fields[] = {
 
 static const form_case load_cases[] = {
     {"point u1|u2|u3|x|y|z ?on", "A force at a node."},
+    {"point about moment", "A moment at a node."},
     {"line u1|u2|u3|x|y|z ?on", "A force per length of an edge."},
     {"face u1|u2|u3|x|y|z ?area ?set", "A force per area of a face."},
     {"face pressure ?area ?follower ?set", "A pressure on a face."},

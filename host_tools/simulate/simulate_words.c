@@ -13,8 +13,8 @@ const char *simulate_words_influence(const scene *scene)
 /* Name of the type of a load. */
 static const char *name_of_load(const scene_load *load)
 {
-    static const char *const word[] = {"point force", "line force", "pressure", "weight",
-                                       "temperature load"};
+    static const char *const word[] = {"point force", "line force",       "pressure",
+                                       "weight",      "temperature load", "moment"};
     const bool is_along = load->type == LOAD_FACE && load->component != COMPONENT_U3;
     return is_along ? "face load" : word[load->type];
 }

@@ -47,9 +47,9 @@ words_quantity words_of_theta(const scene *scene, int direction)
 
 words_quantity words_of_load(const scene_load *load)
 {
-    static const words_quantity quantity[] = {QUANTITY_FORCE, QUANTITY_LINE_FORCE,
-                                              QUANTITY_PRESSURE, QUANTITY_OTHER,
-                                              QUANTITY_TEMPERATURE};
+    static const words_quantity quantity[] = {QUANTITY_FORCE,       QUANTITY_LINE_FORCE,
+                                              QUANTITY_PRESSURE,    QUANTITY_OTHER,
+                                              QUANTITY_TEMPERATURE, QUANTITY_OTHER};
     return quantity[load->type];
 }
 

@@ -538,6 +538,56 @@ static void test_determinate(void **state)
     assert_near("z", force[0][2] + force[0][4] + force[0][5], 100, 1e-8);
 }
 
+/* ---- moments and weight ------------------------------------------------------------- */
+
+/*
+ * Law: a moment M about y at a node does the work M times the rotation. A rigid plate on two rows
+ * of corner springs k at the distance 1 turns by M/k, and its edges move by M/(2 k) up and down; a
+ * torsional spring c beside them takes its share, M/(k + c).
+ */
+static void test_moment(void **state)
+{
+    (void)state;
+    static const double torsion[2] = {0, 3};
+    for (int i = 0; i < 2; i++) {
+        scene_run r;
+        char changes[1024];
+        snprintf(
+            changes, sizeof changes,
+            "loads=[{point: {theta1: 0.25, theta2: 0.5}, about: y, moment: 1e-3}];springs=["
+            "{points: [[0, 0], [0, 1], [1, 0], [1, 1]], along: z, stiffness: 1}, {at: {theta1: "
+            "0.75, theta2: 0.5}, about: [0, 1, 0], stiffness: %g}, " IN_PLANE "]",
+            torsion[i]);
+        solve_run(&r, FREE_PLATE, changes);
+        const double turn = 1e-3 / (1 + torsion[i]);
+        assert_near("left", scene_run_value(&r, 0), turn / 2, 1e-4);
+        assert_near("right", scene_run_value(&r, 1), -turn / 2, 1e-4);
+        assert_near("torsion", force_of(&r, 1) + 1, 1 - torsion[i] * turn, 1e-4);
+        scene_run_close(&r);
+    }
+}
+
+/* Law: weight along a vector is the sum of its components along the axes. */
+static void test_weight(void **state)
+{
+    (void)state;
+    scene_run r;
+    const double weight = 8000 * 0.02 * 9.81;
+    solve_run(&r, FREE_PLATE,
+              "loads=[{weight: {axis: [0.6, 0, -0.8], gravity: 9.81}}];springs=[{at: nodes, along: "
+              "z, stiffness: 1e6, per: area}, {at: nodes, along: x, stiffness: 1e6, per: area}, "
+              "{at: nodes, along: y, stiffness: 1e6, per: area}]");
+    double sum[3] = {0, 0, 0};
+    const mesh_springs *springs = &r.analysis.design.mesh.springs;
+    for (int item = 0; item < 3; item++)
+        for (int row = springs->first[item]; row < springs->first[item + 1]; row++)
+            sum[item] += spring_force(&r.analysis.design, row, r.u, r.analysis.input_value);
+    assert_near("z", sum[0], 0.8 * weight, 1e-9);
+    assert_near("x", sum[1], -0.6 * weight, 1e-9);
+    assert_true(fabs(sum[2]) < 1e-9 * weight);
+    scene_run_close(&r);
+}
+
 /* ---- refusals -------------------------------------------------------------------- */
 
 static void test_refusals(void **state)
@@ -588,6 +638,11 @@ static void test_refusals(void **state)
         {"supports=[{at: {theta1: 0, theta2: 0}, fix: vee, direction: [1, 1, 0]}];loads=[{face: "
          "outer, u1: 1}]",
          "along x, y or z"},
+        {"loads=[{point: {theta1: 0, theta2: 0}, about: z, moment: 1}]", "normal to the surface"},
+        {"loads=[{point: {theta1: 0, theta2: 0}, about: y}]", "needs a direction"},
+        {"loads=[{point: {theta1: 0, theta2: 0}, moment: 1}]", "add about"},
+        {"loads=[{point: {theta1: 0, theta2: 0}, about: y, z: 1}]", "without a force"},
+        {"loads=[{weight: {axis: [0, 0, 0], gravity: 1}}]", "has no direction"},
         {"supports=[{edge: theta1-, fix: vee, value: 1}];kinematics=nonlinear",
          "single displacement"},
     };
@@ -619,6 +674,8 @@ int main(void)
         cmocka_unit_test(test_kinematic_supports),
         cmocka_unit_test(test_direction),
         cmocka_unit_test(test_determinate),
+        cmocka_unit_test(test_moment),
+        cmocka_unit_test(test_weight),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
