@@ -1,50 +1,51 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The voltage optimiser (boxls.h): a primal active-set method on one symmetric matrix, the tableau
- * (boxls_tableau.h). F is the free set, A the active set.
+ * (boxls_tableau.h). F denotes the free set, A the active set, H the Hessian.
  *
- * A round starts from the gradient and the direction to the minimum over F. If nothing blocks the
- * whole direction and no multiplier has the wrong sign, the round takes it. Otherwise it iterates:
+ * A round starts from the gradient and from the direction to the minimum over F. If the whole step
+ * along the direction violates no bound and leaves no multiplier of the wrong sign, the round takes
+ * it. Otherwise it iterates:
  *   descent           go along the direction; an input that meets a bound stays there and leaves F;
- *   release together  at a minimum over F: all active inputs that would each run to their other
- *                     bound move there at once, while F follows so that its gradient stays zero,
- *                     up to the minimum of this line or to the first bound that an input of F
- *                     meets, which leaves F;
- *   release           the same with one active input; if the minimum of its ray is nearer than its
- *                     bound, it joins F there.
- * A round ends with the true gradient computed from H, so rounding errors of the tableau never
- * reach the voltages: they only cost another round.
+ *   release together  at a minimum over F, move all active inputs that would each run to their
+ *                     other bound there at once, while F follows so that its gradient stays zero;
+ *                     stop at the minimum along this line, or where an input of F meets a bound and
+ *                     leaves F;
+ *   release           the same with one active input; if the minimum along its ray is nearer than
+ *                     its bound, the input joins F there.
+ * A round ends with the true gradient, computed from H. Rounding errors of the tableau therefore
+ * never reach the voltages; they only cost another round.
  *
- * Termination. A descent that is stopped shrinks F. A release prefers inputs strictly between their
- * bounds; each such iteration lowers 2 (number of these) + (size of F), so at most 3 inputs
- * iterations lead to a point where every input strictly between its bounds has zero gradient: the
- * minimum of its face, whose objective depends only on which inputs stand at which bound. Only
- * there an input at a bound is released. Iterations of zero length only shrink F; the next one of
- * positive length strictly lowers the objective. So the objective of successive faces falls
- * strictly, no face occurs twice, and there are finitely many. Releases together never raise the
- * objective, and their number in a round is limited.
+ * Termination. A descent that a bound stops shrinks F. A release prefers inputs strictly between
+ * their bounds, and each such iteration lowers 2 (number of these inputs) + (size of F). After at
+ * most 3 inputs iterations every input strictly between its bounds has zero gradient: the point is
+ * the minimum of a face of the feasible box, and its objective depends only on which inputs are at
+ * which bound. Only there an input at a bound is released. Iterations of zero length only shrink F,
+ * and the next one of positive length strictly lowers the objective. The objective of successive
+ * faces thus falls strictly, no face occurs twice, and the number of faces is finite. Releases
+ * together never raise the objective, and their number in a round is limited.
  *
  * Work. Multiply-adds are counted, and nothing is begun that could exceed the limit together with
- * the product that ends the round. What is cut off is continued in the next step, from feasible
- * voltages and with the free set reached.
+ * the product that ends the round. What the limit cuts off is continued in the next step, from
+ * feasible voltages and with the free set reached so far.
  *
- * An input whose pivot is below inputs * epsilon of its diagonal entry depends linearly on F and is
- * not exchanged into F. At a minimum over F its gradient is zero up to rounding; if it is released,
- * its ray has no curvature and ends at a bound.
+ * Dependent inputs. An input whose pivot is below inputs * epsilon times its diagonal entry depends
+ * linearly on F and is not moved into F. At a minimum over F its gradient is zero up to rounding;
+ * if it is released, its ray has no curvature and ends at a bound.
  *
- * Verified tableau. A tableau whose round ended at the optimum is verified until the next exchange.
- * With it, a descent that nothing blocks takes one direct iteration, after which only two entries
- * of the gradient are measured, in turn. An entry that differs from its prediction ends the
- * verification, and the round computes the true gradient. An error of the tableau can thus last
- * until its input is measured, at most inputs/2 + 1 steps.
+ * Verified tableau. A tableau whose round ended at the optimum counts as verified until the next
+ * exchange. With it, a step that no bound blocks takes one direct iteration, after which only two
+ * entries of the gradient are computed from H, in turn. An entry that differs from its prediction
+ * ends the verification, and the round computes the true gradient. An error of the tableau can thus
+ * persist until its input is checked, at most inputs/2 + 1 steps.
  *
  * Recomputation. The tableau is computed anew from H, at most once in a step, after a round of
- * little progress, or after a failed check if many exchanges have left their rounding errors.
+ * little progress, or after a failed check if there were many exchanges.
  *
  * Rounding. Only KKT violations above their rounding bound count. A round that neither ends at the
  * optimum nor lowers the objective (by the gradients at both ends) is undone. The voltages are
- * feasible after every iteration: they are only ever clamped, or accepted where every one compares
- * as inside its bounds.
+ * feasible after every iteration, because they are clamped, or accepted where each compares as
+ * inside its bounds.
  */
 #include <string.h>
 #include "boxls.h"
@@ -52,23 +53,23 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-#define ROUNDS 8u         /* largest number of rounds in one call */
-#define WORN 2u           /* exchanges per input after which a failed check renews the tableau */
-#define TOGETHER 8u       /* largest number of releases of several inputs in one round */
-#define LEAST_TOGETHER 3u /* least number of inputs that are released together */
-/* KKT violations below ROUNDING_FACTOR times the rounding bounds count as zero. */
+#define ROUNDS 8u   /* largest number of rounds of iterations in one call */
+#define WORN 2u     /* exchanges for each input after which a failed check leads to a new tableau */
+#define TOGETHER 8u /* largest number of iterations in one round that release several inputs */
+#define LEAST_TOGETHER 3u /* smallest number of inputs that one iteration releases together */
+/* KKT violations below this multiple of their rounding-error bound count as zero. */
 #define ROUNDING_FACTOR 4
 /*
- * Factor by which a gradient of an input in F may exceed its rounding bound, if this hardly raises
- * the objective.
+ * Factor by which a gradient in the free set may exceed its rounding-error bound, provided that it
+ * hardly raises the objective.
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
- * Assumed largest ratio between the gradient prediction errors of inputs that are not measured and
- * of those that are.
+ * Assumed largest ratio between the errors of predicted gradients that are not checked and of those
+ * that are.
  */
 #define UNMEASURED_FACTOR 8
-/* A decrease of the objective counts only if it exceeds SIGNIFICANT times its rounding error. */
+/* A decrease of the objective counts only if it exceeds this multiple of its rounding error. */
 #define SIGNIFICANT 16
 /*
  * The tableau is recomputed after a round that reduces the KKT violation by less than this factor.
@@ -100,7 +101,7 @@ void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work)
 
 /* ---- gradients ------------------------------------------------------ */
 
-/* y = A x, A [n][width] symmetric. */
+/* Multiply a symmetric matrix [inputs][width] by a vector [width], and count the work. */
 static void symmetric(pzs_optimiser *optimiser, pzs_real *restrict product,
                       const pzs_real *restrict matrix, const pzs_real *restrict vector)
 {
@@ -109,7 +110,10 @@ static void symmetric(pzs_optimiser *optimiser, pzs_real *restrict product,
     optimiser->work += PZS_PRODUCT_WORK(optimiser->inputs);
 }
 
-/* gradient = model gradient - target gradient; next = this gradient on F, 0 on A. */
+/*
+ * Set gradient = model gradient - target gradient, and next = this gradient in the free set and 0
+ * in the active set.
+ */
 static void combine(pzs_real *restrict gradient, pzs_real *restrict next,
                     const pzs_real *restrict model_gradient,
                     const pzs_real *restrict target_gradient, const pzs_real *restrict free_set,
@@ -141,7 +145,7 @@ static void add(pzs_real *restrict sum, const pzs_real *restrict vector, size_t 
         sum[i] += vector[i];
 }
 
-/* Rounding-error bound of the product H offset (m2/V). */
+/* Return the rounding-error bound of the product of the Hessian with `offset` (m2/V). */
 static pzs_real rounding_of_product(const pzs_optimiser *optimiser, const pzs_real *offset)
 {
     return PZS_EPSILON * pzs_product_dot_size(optimiser->diagonal, offset, optimiser->width);
@@ -158,9 +162,9 @@ void pzs_boxls_true_gradient(pzs_optimiser *optimiser)
 }
 
 /*
- * KKT violation of one voltage v with gradient g. Between the bounds it is |g|. At a bound it is
- * the component of -g that points to the inside, which is negative where the KKT condition is
- * satisfied.
+ * Return the KKT violation of one voltage. Between its bounds it is the absolute value of the
+ * gradient; at a bound it is the component of the negative gradient that points inwards, which is
+ * negative where the KKT condition holds.
  */
 static inline pzs_real entry_violation(pzs_real gradient, pzs_real voltage, pzs_real lower,
                                        pzs_real upper)
@@ -171,9 +175,10 @@ static inline pzs_real entry_violation(pzs_real gradient, pzs_real voltage, pzs_
 }
 
 /*
- * Direction of the free inputs, gradient after the step of the active ones; voltages after the
- * step, and their offset from the base. Returns how many bounds the free inputs would pass and how
- * many active inputs would have a KKT violation above `rounding`; 0 ends the round.
+ * Complete the predicted step: direction of the free inputs, gradient of the active inputs after
+ * the step, voltages after the step, and their offset from the base voltages. Returns the number of
+ * free inputs that would pass a bound plus the number of active inputs that would have a KKT
+ * violation above `rounding`. With 0 the whole step can be taken.
  */
 static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
                              pzs_real *restrict offset, const pzs_real *restrict free_set,
@@ -223,8 +228,9 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
 }
 
 /*
- * Whether gradients of this size (m2/V) on F raise the objective by less than epsilon times the
- * target energy. The bound is size^2 times the trace of the inverse of H on F.
+ * Whether gradients of a given size (m2/V) in the free set raise the objective by less than the
+ * machine epsilon times the target energy. The bound is the squared size times the trace of the
+ * inverse of the Hessian on the free set.
  */
 static bool is_negligible(pzs_optimiser *optimiser, pzs_real size)
 {
@@ -241,8 +247,9 @@ bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser)
 }
 
 /*
- * out = KKT violation of each active input; `turn` instead, if the gradient is at most `turn` in
- * size and the bounds differ; 0 on F.
+ * Set out = KKT violation of each active input, 0 for free inputs. Where the gradient is at most
+ * `turn` in absolute value and the bounds differ, it is `turn` instead, because the sign of the
+ * gradient is uncertain.
  */
 static void active_violations(pzs_real *restrict out, const pzs_real *restrict voltage,
                               const pzs_real *restrict lower, const pzs_real *restrict upper,
@@ -258,10 +265,10 @@ static void active_violations(pzs_real *restrict out, const pzs_real *restrict v
 }
 
 /*
- * Whether the round has converged: no KKT violation above its rounding bound; or a violation on F
- * alone that is not far above it, costs nothing, and is too small to change the sign of an active
- * input's multiplier. Never where a voltage is not finite, because then the rounding bound is not
- * finite either.
+ * Whether the round has converged. That is so if no KKT violation exceeds its rounding-error bound;
+ * or if the violation is in the free set alone, not far above the bound, hardly raises the
+ * objective, and is too small to change the sign of a multiplier. A round with a voltage that is
+ * not finite never converges, because its rounding-error bound is not finite either.
  */
 static bool is_converged(pzs_optimiser *optimiser)
 {
@@ -285,7 +292,7 @@ static bool is_converged(pzs_optimiser *optimiser)
 
 typedef struct blocking {
     pzs_real part;  /* fraction of the direction up to the first bound */
-    uint32_t input; /* first input to meet a bound, or the number of inputs if none does */
+    uint32_t input; /* first input to meet a bound; the number of inputs if none does */
 } blocking;
 
 static inline bool is_free(const pzs_optimiser *optimiser, uint32_t i)
@@ -293,13 +300,13 @@ static inline bool is_free(const pzs_optimiser *optimiser, uint32_t i)
     return optimiser->free_set[i] > 0;
 }
 
-/* Distance of v to the bound in the direction of `way` (V). */
+/* Return the distance of a voltage from the bound in the direction of `way` (V). */
 static inline pzs_real room_towards(pzs_real way, pzs_real voltage, pzs_real lower, pzs_real upper)
 {
     return way < 0 ? voltage - lower : upper - voltage;
 }
 
-/* Shorten `part` of the direction sense * move of the free inputs to the first bound it meets. */
+/* Find the first bound that a free input meets on the way by `part` times sense * move. */
 static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                                pzs_real part)
 {
@@ -321,8 +328,8 @@ static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *m
 }
 
 /*
- * Move the free inputs by first.part of the direction sense * move, clamped to their bounds; an
- * input that meets its bound is set to exactly that bound.
+ * Move the free inputs by first.part times sense * move, clamped to their bounds. An input that
+ * meets its bound is set exactly to the bound.
  */
 static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                        blocking first)
@@ -341,7 +348,10 @@ static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real 
     }
 }
 
-/* Move input j, which has met a bound, from F to A. Uses next_voltage. */
+/*
+ * Move input j, which has met a bound, from the free set to the active set. next_voltage is used as
+ * work array.
+ */
 static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
 {
     pzs_tableau_row(optimiser, j, optimiser->next_voltage);
@@ -350,8 +360,9 @@ static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
 }
 
 /*
- * Change the directions of the free inputs and the gradients of A after input j has left F when
- * `remaining` of its direction was still to be taken (V); row [width] is row j of the tableau.
+ * Update the directions of the free inputs and the gradients of the active inputs after an input
+ * has left the free set while `remaining` of its direction was still to go (V).
+ *   row [width] in  row of this input in the tableau
  */
 static void redirect(pzs_real *restrict direction, const pzs_real *restrict row,
                      const pzs_real *restrict free_set, pzs_real remaining, size_t span)
@@ -381,8 +392,8 @@ static bool descend(pzs_optimiser *optimiser)
 
 /*
  * Choose the active input to release: the one with the largest KKT violation strictly between its
- * bounds; if there is none, the one with the largest at a bound. Returns the number of inputs if no
- * input violates the conditions.
+ * bounds, or else the one with the largest violation at a bound. Returns the number of inputs if no
+ * input violates the KKT conditions.
  */
 static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -409,8 +420,8 @@ static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real roundi
 }
 
 /*
- * Length of the ray of input k (V): the distance to the minimum along the ray, or to the bound of k
- * if this is nearer.
+ * Return the length of the ray of input k (V): the distance to the minimum along the ray, or to the
+ * bound of the input if it is nearer.
  */
 static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real pivot,
                            bool *to_limit)
@@ -426,8 +437,8 @@ static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real 
 }
 
 /*
- * Move input k along its ray, with v_F -= row_F * length, and update the gradients of A. Returns
- * what stopped the move.
+ * Move active input k along its ray, with the free inputs moving by their part of the tableau row,
+ * and update the gradients of the active inputs. Returns what stopped the move.
  */
 static blocking follow_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_real *row,
                            pzs_real length)
@@ -445,7 +456,9 @@ static blocking follow_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_real 
     return first;
 }
 
-/* Make one release iteration from a minimum over F: input k moves along its ray. */
+/*
+ * Make one release iteration from a minimum over the free set: active input k moves along its ray.
+ */
 static void release_input(pzs_optimiser *optimiser, uint32_t k)
 {
     pzs_real *row = optimiser->next_voltage;
@@ -459,16 +472,17 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
     } else if (to_limit && number_is_finite(first.part)) {
         optimiser->voltage[k] = down ? optimiser->lower[k] : optimiser->upper[k];
     } else {
-        optimiser->direction[k] = 0; /* zero at the minimum of the ray; along a ray without bound or
-                                        curvature, any decrease would be rounding only */
+        optimiser->direction[k] = 0; /* the gradient is zero at the minimum of the ray; along a ray
+                                        without bound or curvature a decrease would be a rounding
+                                        error */
         if (!to_limit && pzs_tableau_independence(optimiser, k) > optimiser->pivot_floor)
             pzs_tableau_exchange(optimiser, k, row);
     }
 }
 
 /*
- * Count one more iteration if its work, and `more`, are allowed; otherwise note that the step is
- * cut here.
+ * Count one more iteration if its work, and `more`, are allowed. Otherwise note that the work limit
+ * stops the step here. Returns whether the iteration may be made.
  */
 static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
 {
@@ -482,8 +496,9 @@ static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
 }
 
 /*
- * way [width] = the way to their other bounds of all active inputs whose own rays would lead there,
- * 0 for all others (V). Returns how many there are.
+ * Collect the active inputs that would run to their other bound if they were released alone.
+ *   way [width] out  way of each such input to its other bound, 0 for all other inputs (V)
+ * Returns the number of such inputs.
  */
 static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real rounding, pzs_real *way)
 {
@@ -505,9 +520,9 @@ static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real roundi
 }
 
 /*
- * Move all active inputs that want to change to their other bound at once, while F follows so that
- * its gradient stays zero. The move stops at its minimum, or where an input of F meets a bound and
- * leaves F. Returns whether there was such a move.
+ * Move all active inputs that would run to their other bound there at once, while the free inputs
+ * follow so that their gradient stays zero. The move stops at its minimum, or where a free input
+ * meets a bound and leaves the free set. Returns whether there was such a move.
  */
 static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -536,8 +551,10 @@ static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
     return true;
 }
 
-/* Whether no free input has a gradient above the rounding bound; next_voltage holds these
- * gradients. */
+/*
+ * Whether no free input has a gradient above its rounding-error bound. next_voltage holds these
+ * gradients.
+ */
 static bool is_stationary(const pzs_optimiser *optimiser)
 {
     uint32_t i = 0;
@@ -548,8 +565,8 @@ static bool is_stationary(const pzs_optimiser *optimiser)
 }
 
 /*
- * Make iterations, starting where a bound blocks the full direction, until the tableau predicts no
- * KKT violation: first descent iterations until no bound stops them, then release iterations.
+ * Iterate, where a bound blocks the whole step, until the tableau predicts no KKT violation: first
+ * descent iterations until no bound stops them, then release iterations.
  */
 static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -572,8 +589,8 @@ static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 /* ---- direct iteration ----------------------------------------------- */
 
 /*
- * Compute the model gradient of input k after the step from H. Returns the error of its predicted
- * gradient.
+ * Compute the model gradient of input k after the step from the Hessian. Returns the error of its
+ * predicted gradient.
  */
 static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, const pzs_real *offset,
                                  pzs_real *model_gradient)
@@ -585,7 +602,10 @@ static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, con
     return number_absolute(optimiser->free_set[k] > 0 ? seen : seen - optimiser->direction[k]);
 }
 
-/* Gradient after the step as the tableau predicts it: 0 on F, the entry of `direction` on A. */
+/*
+ * Set the gradient after the step as the tableau predicts it: 0 in the free set, the entry of the
+ * direction in the active set.
+ */
 static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restrict move,
                              const pzs_real *restrict free_set, size_t span)
 {
@@ -594,7 +614,7 @@ static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restri
 }
 
 /*
- * Accept the step: set the voltages after it, and the model gradient that matches the predicted
+ * Accept a step: set the voltages after it, and the model gradient that matches the predicted
  * gradient.
  */
 static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict model_gradient,
@@ -609,9 +629,9 @@ static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict mod
 }
 
 /*
- * Take the full step, which no bound blocks, as one iteration, and compute the gradients of two
- * inputs from H as a check. Returns 0 if they differ from their prediction: the voltages are then
- * unchanged, and the tableau no longer counts as verified.
+ * Take the whole step, which no bound blocks, as one iteration, and check the gradients of two
+ * inputs against the Hessian. Returns false if they differ from their prediction; the voltages are
+ * then unchanged, and the tableau is no longer verified.
  */
 static bool take_direct_iteration(pzs_optimiser *optimiser)
 {
@@ -647,7 +667,7 @@ static bool take_direct_iteration(pzs_optimiser *optimiser)
 
 /* ---- rounds --------------------------------------------------------- */
 
-/* way = v - start_voltage, slope = gradient + start_gradient. */
+/* Set way = voltage - start and slope = gradient + start_gradient. */
 static void difference(pzs_real *restrict way, pzs_real *restrict slope,
                        const pzs_real *restrict voltage, const pzs_real *restrict start,
                        const pzs_real *restrict gradient, const pzs_real *restrict start_gradient,
@@ -660,9 +680,9 @@ static void difference(pzs_real *restrict way, pzs_real *restrict slope,
 }
 
 /*
- * Whether the round lowered the objective. Because the objective is quadratic, its change is
- * proportional to (v - start) . (sum of the gradients at both ends). The rounding error over this
- * distance must be below the target energy, or far below the decrease.
+ * Whether the round lowered the objective. Since the objective is quadratic, its change is
+ * proportional to (voltages - start voltages) times the sum of the gradients at both ends. The
+ * rounding error over this distance must be below the target energy, or far below the decrease.
  */
 static bool has_decreased(const pzs_optimiser *optimiser)
 {
@@ -678,7 +698,7 @@ static bool has_decreased(const pzs_optimiser *optimiser)
                              (sure > optimiser->target_energy ? sure : optimiser->target_energy);
 }
 
-/* Go back to the start of the round. A gradient that was only predicted there is computed. */
+/* Return to the start of the round. A gradient that was only predicted there is computed. */
 static void undo_round(pzs_optimiser *optimiser)
 {
     const size_t bytes = optimiser->width * sizeof(pzs_real);
@@ -691,7 +711,7 @@ static void undo_round(pzs_optimiser *optimiser)
         pzs_boxls_true_gradient(optimiser);
 }
 
-/* Run one round, from the direction to the true gradient at the end of the step. */
+/* Run one round, from the direction to the true gradient at its end. */
 static void run_round(pzs_optimiser *optimiser, bool blocked)
 {
     const size_t bytes = optimiser->width * sizeof(pzs_real);
@@ -709,7 +729,10 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
     optimiser->is_predicted = was_predicted;
 }
 
-/* Compute the KKT violation at v, and the bound up to which it may be caused by rounding. */
+/*
+ * Compute the KKT violation at the present voltages, and the bound up to which rounding errors
+ * explain it.
+ */
 static void assess(pzs_optimiser *optimiser)
 {
     optimiser->kkt_violation =
@@ -718,7 +741,7 @@ static void assess(pzs_optimiser *optimiser)
         ROUNDING_FACTOR * (optimiser->target_rounding + optimiser->model_rounding);
 }
 
-/* Clamp v to the bounds. Returns how many entries were outside. */
+/* Clamp voltages to their bounds. Returns the number of voltages that were outside. */
 static uint32_t clamp_voltages(pzs_real *restrict voltage, const pzs_real *restrict lower,
                                const pzs_real *restrict upper, size_t span)
 {
@@ -742,10 +765,10 @@ bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser)
 }
 
 /*
- * End a round in one of three ways. At the optimum, the tableau counts as verified. If the
- * objective fell, the new voltages are kept. Otherwise the round is undone. If the KKT violation is
- * below the rounding bound only because the move raised that bound, the objective must have fallen
- * too.
+ * End a round in one of three ways: at the optimum, the tableau counts as verified; if the
+ * objective fell, the new voltages are kept; otherwise the round is undone. If the KKT violation is
+ * below its rounding-error bound only because the move raised this bound, the objective must have
+ * fallen too.
  */
 static void conclude_round(pzs_optimiser *optimiser, bool moved)
 {
@@ -768,9 +791,9 @@ static void conclude_round(pzs_optimiser *optimiser, bool moved)
 }
 
 /*
- * Begin to recompute the tableau, at most once in a step. If the tableau was already fresh, raise
- * the pivot threshold too, so that more inputs count as linearly dependent. Returns whether another
- * round is needed.
+ * Begin to recompute the tableau, at most once in a step. If the tableau was fresh, also raise the
+ * pivot threshold, so that more inputs count as linearly dependent. Returns whether another round
+ * is needed.
  */
 static bool renew_tableau(pzs_optimiser *optimiser)
 {
@@ -794,7 +817,7 @@ static bool is_stuck(const pzs_optimiser *optimiser, bool moves)
                pzs_boxls_violation(optimiser, optimiser->start_voltage, optimiser->start_gradient);
 }
 
-/* Make one round with a complete tableau. Returns whether another one may help. */
+/* Make one round with a complete tableau. Returns whether another round may help. */
 static bool make_round(pzs_optimiser *optimiser)
 {
     const bool stationary = is_stationary(optimiser);
@@ -817,7 +840,7 @@ static bool make_round(pzs_optimiser *optimiser)
     return !optimiser->is_optimal && !optimiser->is_cut;
 }
 
-/* Complete the tableau. Returns whether the work that is left allows a round. */
+/* Complete the tableau. Returns whether the remaining work allows a round. */
 static bool may_make_round(pzs_optimiser *optimiser)
 {
     bool complete = true;
@@ -848,8 +871,8 @@ void pzs_boxls_optimise(pzs_optimiser *optimiser)
         }
     }
     /*
-     * After a last round that was not cut, a violation slightly above its rounding bound is
-     * accepted: rounding errors prevent a lower one.
+     * After a last round that the work limit did not stop, a violation slightly above its
+     * rounding-error bound is accepted, because rounding errors prevent a lower one.
      */
     optimiser->is_optimal |=
         !optimiser->is_cut && optimiser->kkt_violation <= TOLERATED * optimiser->rounding_bound;

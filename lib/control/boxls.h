@@ -1,57 +1,75 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Box-constrained least squares: an active-set method whose every iterate is feasible.
+ * Least squares with bounds: an active-set method whose every iterate is feasible. It solves
  *
- *   min  (v - base)' H (v - base) / 2 + (r - t)' (v - base),   lower <= v <= upper
+ *   minimise   (v - base)' H (v - base) / 2 + (r - t)' (v - base)
+ *   subject to lower <= v <= upper
  *
- * with the regularisation gradient r and the target gradient t (pzs_optimiser). Up to a constant
- * this is half of |W (B v - e)|^2 + regularisation |v - v0|^2. H may be singular. Vectors are
- * [width], the inputs rounded up to whole tiles; the entries behind the inputs stay zero.
+ * for the voltages v, with the Hessian H, which may be singular, base voltages, the regularisation
+ * gradient r and the target gradient t (pzs_optimiser). Vectors have the length `width`, the number
+ * of inputs rounded up to a multiple of PZS_TILE; the entries beyond the inputs stay zero.
  */
 #ifndef PZS_LIB_BOXLS_H
 #define PZS_LIB_BOXLS_H
 
 #include "optimiser.h"
 
-/* Vectors of width entries that the optimiser needs. */
+/* Number of vectors of length `width` that the optimiser needs. */
 #define BOXLS_VECTORS (16u + PZS_PENDING)
 #define BOXLS_DEPENDENT                                                                            \
-    256 /* largest factor by which the pivot floor may grow over its start, 4 inputs epsilon */
+    256 /* largest factor by which the pivot threshold may rise above its initial value, 4 inputs  \
+           epsilon */
 
-/* Point all vectors but the voltages into work [BOXLS_VECTORS][width]; inputs and width are set. */
+/*
+ * Let all vectors of the optimiser except the voltages point into work [BOXLS_VECTORS][width]. The
+ * members inputs and width must be set.
+ */
 void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work);
 
-/* Gradient from the model gradient; its entries of the free set also go to next_voltage. */
+/*
+ * Compute the gradient from the model gradient, and copy its entries of the free set to
+ * next_voltage.
+ */
 void pzs_boxls_gradient(pzs_optimiser *optimiser);
 
-/* Model gradient and its rounding bound from H at the present voltages, then the gradient. */
+/*
+ * Compute the model gradient and its rounding-error bound from the Hessian at the present voltages,
+ * and then the gradient.
+ */
 void pzs_boxls_true_gradient(pzs_optimiser *optimiser);
 
 /*
- * Direction from the gradient and the tableau, next_voltage after it.
+ * Compute the search direction from gradient and tableau, and the voltages after the step.
  *   rounding in  KKT violations up to this size do not count (m2/V)
- * Returns how many inputs would leave their bounds or, in the active set, would have a KKT
- * violation.
+ * Returns the number of free inputs that would pass a bound plus the number of active inputs that
+ * would have a KKT violation.
  */
 uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding);
 
-/* Clamp voltages that are outside their bounds. If there were any, renew the gradient and return
- * true. */
+/*
+ * Clamp voltages that are outside their bounds. If there were any, compute the gradient anew and
+ * return true.
+ */
 bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser);
 
 /*
- * From the model gradient to the optimum, as far as work_limit allows it. Adds to iterations and
- * work; sets kkt_violation, rounding_bound and is_optimal. The voltages come inside their bounds
- * and stay there.
+ * Optimise the voltages, as far as work_limit allows. The function adds to iterations and work, and
+ * sets kkt_violation, rounding_bound and is_optimal. From the first iteration on the voltages are
+ * inside their bounds.
  */
 void pzs_boxls_optimise(pzs_optimiser *optimiser);
 
-/* Largest KKT violation at voltages voltage [width] with this gradient [width] (m2/V). Uses
- * scratch. */
+/*
+ * Return the largest KKT violation of given voltages [width] with a given gradient [width] (m2/V).
+ * The array scratch is overwritten.
+ */
 pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *voltage,
                              const pzs_real *gradient);
 
-/* Whether the rounding error of H (v - base) may cost more than epsilon of the target energy. */
+/*
+ * Return whether the rounding error of the Hessian times (voltages - base voltages) may cost more
+ * than the machine epsilon times the target energy.
+ */
 bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser);
 
 #endif

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The tableau of the voltage optimiser (boxls_tableau.h). */
+/*
+ * The tableau of the voltage optimiser: exchanges, pending updates and recomputation
+ * (boxls_tableau.h).
+ */
 #include <string.h>
 #include "boxls_tableau.h"
 #include "../core/lane.h"
@@ -7,8 +10,10 @@
 #include "../core/product.h"
 #include "../core/unrolled.h"
 
-#define BLOCK 4u                             /* rows and columns of a block of the tableau */
-#define BLOCK_WIDE PZS_BY_TILE(4u, 16u, 32u) /* columns of a wide block */
+#define BLOCK 4u /* number of rows and of columns of a block of the tableau */
+#define BLOCK_WIDE                                                                                 \
+    PZS_BY_TILE(4u, 16u, 32u) /* number of columns of a wide block of the tableau                  \
+                               */
 
 pzs_real pzs_tableau_independence(const pzs_optimiser *optimiser, uint32_t k)
 {
@@ -21,7 +26,7 @@ void pzs_tableau_read_pivots(pzs_optimiser *optimiser)
         optimiser->pivot[i] = optimiser->tableau[(size_t)i * optimiser->width + i];
 }
 
-/* z = factor x. */
+/* to = factor times from */
 static void multiple(pzs_real *restrict to, const pzs_real *restrict from, pzs_real factor,
                      size_t span)
 {
@@ -29,7 +34,7 @@ static void multiple(pzs_real *restrict to, const pzs_real *restrict from, pzs_r
         to[i] = factor * from[i];
 }
 
-/* z -= factor x. */
+/* Subtract factor times `from` from `to`. */
 static void subtract_multiple(pzs_real *restrict to, const pzs_real *restrict from, pzs_real factor,
                               size_t span)
 {
@@ -40,12 +45,13 @@ static void subtract_multiple(pzs_real *restrict to, const pzs_real *restrict fr
 /* ---- exchanges ------------------------------------------------------- */
 
 /*
- * An exchange of input k with the pivot p = row_k and u = row / sqrt |p| changes
+ * Compute row k of the tableau with all pending exchanges. An exchange of input k with the pivot p
+ * = row_k, and with u = row / sqrt |p|, changes the tableau in this way:
  *   entry i, j  by  -sign(p) u_i u_j,
  *   entry i, k  to  row_i / |p|, which is the same formula on a zero entry if u_k is set to
- *                   -sign(p) / sqrt |p|,
+ *               -sign(p) / sqrt |p|,
  *   entry k, k  to  -1 / p.
- * The row of an exchanged input is thus a multiple of u, and independent of what was before.
+ * The row of an exchanged input is thus a multiple of u, independent of its earlier values.
  */
 static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
 {
@@ -98,7 +104,8 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
 }
 
 /*
- * Compute the rows and columns of the exchanged inputs, and take these inputs out of the updates.
+ * Compute the rows and columns of the exchanged inputs, and remove these inputs from the pending
+ * updates.
  */
 static void apply_to_exchanged(pzs_optimiser *optimiser)
 {
@@ -115,7 +122,7 @@ static void apply_to_exchanged(pzs_optimiser *optimiser)
             optimiser->pending[i * width + optimiser->exchange[j].input] = 0;
 }
 
-/* Copy a block of the tableau to the other side of the diagonal. */
+/* Copy a block of the tableau to its mirror position across the diagonal. */
 static inline void mirror_block(pzs_optimiser *optimiser, size_t i, size_t j, size_t rows,
                                 size_t columns)
 {
@@ -128,8 +135,9 @@ static inline void mirror_block(pzs_optimiser *optimiser, size_t i, size_t j, si
 }
 
 /*
- * Apply all updates to a block of the tableau, ROWS rows from i and COUNT entries of type `entry`
- * from column j, and mirror a block below the diagonal. The block is kept in registers.
+ * Define a function that applies all pending updates to a block of the tableau, ROWS rows from i
+ * and COUNT entries of type `entry` from column j, and mirrors a block below the diagonal. The
+ * block is kept in registers.
  */
 #define UPDATE_BLOCK(name, entry, ROWS, COUNT)                                                     \
     static void name(pzs_optimiser *optimiser, size_t i, size_t j)                                 \
@@ -175,8 +183,8 @@ UPDATE_BLOCK(update_wide, lane, BLOCK, BLOCK_WIDE / IN_LANE)
 #endif
 
 /*
- * Apply all updates to the lower triangle in blocks, and mirror it. The blocks on the diagonal are
- * computed as a whole; the last inputs, fewer than a block, row by row.
+ * Apply all pending updates to the lower triangle in blocks, and mirror it. Blocks on the diagonal
+ * are computed as a whole; the last inputs, fewer than a block, row by row.
  */
 static void apply_to_all(pzs_optimiser *optimiser)
 {
@@ -222,7 +230,10 @@ void pzs_tableau_reset(pzs_optimiser *optimiser)
     optimiser->work += (uint64_t)optimiser->inputs * optimiser->width;
 }
 
-/* Most independent waiting input, or the number of inputs. */
+/*
+ * Return the waiting input that is least dependent on the free set, or the number of inputs if none
+ * waits.
+ */
 static uint32_t next_pivot(const pzs_optimiser *optimiser)
 {
     pzs_real most = optimiser->pivot_floor;

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The tableau of the voltage optimiser: one symmetric matrix that takes the place of the Hessian H.
- * F is the free set (inputs that may move together), A the active set (inputs that stay):
+ * The tableau of the voltage optimiser: one symmetric matrix that replaces the Hessian H. F is the
+ * free set (inputs that may move together), A the active set (inputs that stay):
  *
- *   tableau on F, A:   [ -H_FF^-1         H_FF^-1 H_FA                ]
- *                      [ H_AF H_FF^-1     H_AA - H_AF H_FF^-1 H_FA    ]
+ *   tableau on F, A:   [ -H_FF^-1         H_FF^-1 H_FA                ] [ H_AF H_FF^-1     H_AA -
+ *                      H_AF H_FF^-1 H_FA    ]
  *
- * An exchange moves one input between F and A by a symmetric rank-one update. Exchanges are
- * collected: up to PZS_PENDING of them are kept as vectors, rows are corrected for them when they
- * are read, and all are applied to the matrix together, which reads and writes it only once. The
- * result has the bits of applying them one by one.
+ * An exchange moves one input between F and A by a symmetric rank-one update. Up to PZS_PENDING
+ * exchanges are kept as vectors, rows are corrected for them when they are read, and all are
+ * applied to the matrix together, which reads and writes it only once. The result has the bits of
+ * applying them one by one.
  *
  * One product of the tableau with the gradient of F gives the direction: on F the step to the
  * minimum over F, on A the change of the gradient by this step.
@@ -19,39 +19,46 @@
 
 #include "optimiser.h"
 
-/* Pivot of an active input divided by its diagonal entry of H: 1 if independent of the free inputs,
- * 0 if dependent. */
+/*
+ * Return the pivot of an active input divided by its diagonal entry of the Hessian: 1 if the input
+ * is independent of the free inputs, 0 if it depends on them.
+ */
 pzs_real pzs_tableau_independence(const pzs_optimiser *optimiser, uint32_t k);
 
-/* Read the pivots of all inputs from the tableau, when no exchange is pending. */
+/* Read the pivots of all inputs from the tableau. No exchange may be pending. */
 void pzs_tableau_read_pivots(pzs_optimiser *optimiser);
 
-/* row [width] = row k of the tableau, pending exchanges included. */
+/*
+ * Compute row k of the tableau, pending exchanges included.
+ *   row [width] out  the row
+ */
 void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
 
 /*
- * Move input k into F (positive pivot) or out of F (negative pivot).
+ * Move input k into the free set (positive pivot) or out of it (negative pivot).
  *   row [width] in/out  row k of the tableau before and after the exchange
  */
 void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
 
-/* Apply the pending exchanges to the matrix. */
+/* Apply the pending exchanges to the tableau. */
 void pzs_tableau_apply(pzs_optimiser *optimiser);
 
 /*
- * Begin to recompute the tableau from H: all inputs become active, and those that were free wait
- * for pzs_tableau_rebuild.
+ * Begin to recompute the tableau from the Hessian: all inputs become active, and those that were
+ * free wait for pzs_tableau_rebuild.
  */
 void pzs_tableau_reset(pzs_optimiser *optimiser);
 
 /*
- * Exchange the waiting inputs into F, the most independent first, as long as the work allows it.
- * Inputs that depend linearly on those before them stay active. Returns whether no input waits any
- * more. Uses next_voltage.
+ * Move the waiting inputs into the free set, the most independent first, as long as the work limit
+ * allows. Inputs that depend linearly on those before them stay active. Returns whether no input
+ * waits any more. next_voltage is used as work array.
  */
 bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 
-/* Trace of the inverse of H on F; dependent inputs count with the largest value possible (V2/m2).
+/*
+ * Return the trace of the inverse of the Hessian on the free set (V2/m2). Linearly dependent inputs
+ * count with the largest possible value.
  */
 pzs_real pzs_tableau_inverse_trace(pzs_optimiser *optimiser);
 

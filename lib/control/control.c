@@ -1,17 +1,21 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Controller set-up, voltage step and control tick (pzs_control.h).
+ * Initialisation of the controller, voltage step and control tick (pzs_control.h).
  *
- *   min |W (B v - e)|^2 + regularisation |v - v0|^2,  lower <= v <= upper,  |v - v_last| <= step
- * limit
+ * A step solves
  *
- * With H = B'W^2 B + regularisation I, half the gradient at v is
+ *   minimise   |W (B v - e)|^2 + regularisation |v - v0|^2
+ *   subject to lower <= v <= upper,  |v - v_last| <= step limit
+ *
+ * with the voltages v, influence matrix B, output weights W, target error e, reference voltages v0
+ * and last voltages v_last. With the Hessian H = B'W^2 B + regularisation I, half of the gradient
+ * at v is
  *
  *   H (v - base) + regularisation (base - v0) - B'W^2 (e - B base)
  *
- * for any base voltages. Near the base it is as accurate as the residual e - B base itself. A tick
- * predicts B v after each step, which makes v the next base at no cost; pzs_step alone renews its
- * base where rounding errors would show.
+ * for any base voltages. Near the base it is as accurate as the residual e - B base. A tick
+ * predicts the shape B v after each step, which makes v the next base at no cost; pzs_step renews
+ * its base only where rounding errors would matter.
  */
 #include <string.h>
 #include "boxls.h"
@@ -24,19 +28,19 @@
 #include "step_bounds.h"
 
 /*
- * KKT violation that a damped tick leaves, relative to the gradient at its start: the next tick
- * corrects it, and at rest both are zero.
+ * Violation of the optimality (KKT) conditions that a damped tick leaves, relative to the gradient
+ * at its start. The next tick corrects it; in static equilibrium both are zero.
  */
 #define DAMPED_TOLERANCE PZS_R(1e-3)
 
 #define SMALLEST_SQUARE                                                                            \
-    PZS_BY_BITS(1e-31f, 1e-292) /* smallest square without loss of digits by underflow (m2) */
+    PZS_BY_BITS(1e-31f, 1e-292) /* smallest square that loses no digits by underflow (m2) */
 
 /* ---- step ------------------------------------------------------------ */
 
 /*
- * Bounds of this step: step limits cut by voltage limits. Returns the number of inputs whose step
- * limit and voltage limits do not overlap.
+ * Compute the bounds of a voltage step: step limits around the last voltages, clamped to the
+ * voltage limits. Returns the number of inputs whose step limit and voltage limits do not overlap.
  */
 static uint32_t set_step_bounds(pzs_real *restrict lo, pzs_real *restrict hi,
                                 const pzs_real *restrict voltage,
@@ -57,8 +61,8 @@ static uint32_t set_step_bounds(pzs_real *restrict lo, pzs_real *restrict hi,
 }
 
 /*
- * Where step limit and voltage limits do not overlap, use the voltage limit. Returns the first such
- * input, or -1.
+ * Use the voltage limit as both bounds where step limit and voltage limits do not overlap. Returns
+ * the first such input, or -1.
  */
 static int32_t prefer_voltage_limits(pzs_optimiser *optimiser, const pzs_control *control)
 {
@@ -75,8 +79,8 @@ static int32_t prefer_voltage_limits(pzs_optimiser *optimiser, const pzs_control
 }
 
 /*
- * Set the bounds of a step if step limits are in force. Returns the first input whose step limit
- * and voltage limits do not overlap, or -1.
+ * Set the bounds of a voltage step if step limits are in force. Returns the first input whose step
+ * limit and voltage limits do not overlap, or -1.
  */
 static int32_t start_step(pzs_optimiser *optimiser, const pzs_control *control)
 {
@@ -88,7 +92,11 @@ static int32_t start_step(pzs_optimiser *optimiser, const pzs_control *control)
     return prefer_voltage_limits(optimiser, control);
 }
 
-/* out [inputs] = B'W^2 (e - y). Returns |W (e - y)|^2. */
+/*
+ * Compute the gradient B'W^2 (wanted - shape) and return the square |W (wanted - shape)|^2, with
+ * the influence matrix B and the output weights W.
+ *   out [inputs] out  gradient (m2/V)
+ */
 static pzs_real project_misfit(const pzs_control *control, pzs_real *out, const pzs_real *wanted,
                                const pzs_real *shape)
 {
@@ -102,9 +110,10 @@ static pzs_real project_misfit(const pzs_control *control, pzs_real *out, const 
 }
 
 /*
- * Target gradient B'W^2 (e - B base), with shown = B base + disturbance. Returns |W (e - B
- * base)|^2. The target energy |W e|^2 is this value + |W B base|^2 + 2 base . target gradient, and
- * not below what rounding leaves of it. Both are finite only if the target gradient is.
+ * Compute the target gradient B'W^2 (wanted - shown), where shown is the shape of the base voltages
+ * plus the disturbance. Returns |W (wanted - shown)|^2. The target energy, |W e|^2 of the target
+ * error e, follows from this square, the energy of the base and the target gradient; it is bounded
+ * below by its rounding error. Target energy and result are finite only if the target gradient is.
  */
 static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *control,
                                const pzs_real *wanted, const pzs_real *shown)
@@ -119,7 +128,7 @@ static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *cont
     return missed;
 }
 
-/* Make the present voltages the base and predict their shape. */
+/* Make the present voltages the base voltages of the gradient, and predict their shape. */
 static void rebase(pzs_optimiser *optimiser, pzs_control *control)
 {
     const pzs_real regularisation = control->state.problem->regularisation;
@@ -150,7 +159,7 @@ static pzs_status ready(const pzs_control *control, const void *argument)
     return control->state.stage == CONTROL_READY ? PZS_OK : PZS_E_STAGE;
 }
 
-/* Measurements to expect: predicted + disturbance. */
+/* Return the measurements to expect: predicted shape plus disturbance (m). */
 static const pzs_real *expected(const pzs_control *control)
 {
     const uint32_t outputs = control->state.problem->outputs;
@@ -160,7 +169,7 @@ static const pzs_real *expected(const pzs_control *control)
     return sum;
 }
 
-/* Largest number of multiply-adds of the optimiser in this step. */
+/* Return the largest number of multiply-adds of the optimiser in a voltage step. */
 static uint64_t work_limit(const pzs_control *control)
 {
     const uint64_t least = PZS_WORK_LEAST(control->state.problem->inputs);
@@ -168,8 +177,8 @@ static uint64_t work_limit(const pzs_control *control)
 }
 
 /*
- * Optimise. If the base is so far away that rounding errors could cost accuracy, and the work that
- * is left allows it, optimise again from a new base.
+ * Find the optimal voltages. If the base voltages are so far away that rounding errors could cost
+ * accuracy, and the remaining work allows it, optimise again from new base voltages.
  */
 static void optimise(pzs_optimiser *optimiser, pzs_control *control, const pzs_real *wanted,
                      const pzs_real *shown)
@@ -186,7 +195,10 @@ static void optimise(pzs_optimiser *optimiser, pzs_control *control, const pzs_r
     pzs_boxls_optimise(optimiser);
 }
 
-/* Limit of the work and rounding-error bound of a step; missed = |W (e - B base)|^2. */
+/*
+ * Set the work limit and the rounding-error bound of a voltage step. `missed` is the weighted
+ * squared norm of the target error at the base voltages (m2).
+ */
 static void set_work_limits(pzs_optimiser *optimiser, const pzs_control *control, pzs_real missed)
 {
     optimiser->iterations = optimiser->rebuilds = 0;
@@ -197,7 +209,9 @@ static void set_work_limits(pzs_optimiser *optimiser, const pzs_control *control
                                  control->state.largest_column;
 }
 
-/* Largest gradient of the free set at the present voltages (m2/V). */
+/*
+ * Return the largest absolute value of the gradient in the free set at the present voltages (m2/V).
+ */
 static pzs_real largest_free_gradient(const pzs_optimiser *optimiser)
 {
     pzs_real largest = 0;
@@ -209,7 +223,10 @@ static pzs_real largest_free_gradient(const pzs_optimiser *optimiser)
     return largest;
 }
 
-/* Report a step; clash: first input whose step limit and voltage limits do not overlap, or -1. */
+/*
+ * Report the results of a voltage step. `clash` is the first input whose step limit and voltage
+ * limits do not overlap, or -1.
+ */
 static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *control, int32_t clash)
 {
     control->state.behind = PZS_BEHIND_PREDICTION;
@@ -226,10 +243,11 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
 }
 
 /*
- * Change a step from the base, which is the present voltages, into one of a damped tick: the
- * gradient of the static problem counts with the factor state.share, and `damping` is subtracted
- * from it. All energies shrink by share^2; returns |W (e - B base)|^2 as it then is, raised so that
+ * Turn a voltage step into the step of a damped tick: the gradient of the static problem at the
+ * base voltages counts with the factor state.share, and the damping gradient is added to the target
+ * gradient. Returns `missed`, the weighted squared norm of the target error (m2), enlarged so that
  * the rounding-error bound covers the damping gradient too.
+ *   damping [inputs] in  damping gradient (m2/V)
  */
 static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control,
                             const pzs_real *damping, pzs_real missed)
@@ -248,8 +266,8 @@ static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control
 }
 
 /*
- * One step towards `wanted` from the shape `shown`.
- *   damping [inputs] in  damping gradient of a damped tick (m2/V); NULL: the whole step
+ * Make one voltage step from the shape `shown` towards the shape `wanted`.
+ *   damping [inputs] in  damping gradient of a damped tick (m2/V); NULL: undamped step
  */
 static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs_real *wanted,
                        const pzs_real *shown, const pzs_real *damping)
@@ -284,7 +302,7 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error)
 
 /* ---- tick ------------------------------------------------------------ */
 
-/* Renew the prediction if voltages have changed since the last one. */
+/* Predict the shape anew if voltages have changed since the last prediction. */
 static void renew_prediction(pzs_optimiser *optimiser, pzs_control *control)
 {
     if (control->state.behind != PZS_BEHIND_NOTHING)
@@ -319,8 +337,9 @@ static pzs_status hold_voltages(pzs_optimiser *optimiser, pzs_control *control, 
 }
 
 /*
- * Renew the disturbances from measurements. Those of a damped tick are a shape that the damper has
- * checked already. Returns the number of rejected ones; *where is the index of the first one.
+ * Compute the disturbances from the measurements. In a damped tick the measurements come from the
+ * vibration damper and are checked already. Returns the number of rejected measurements; *where is
+ * the index of the first one.
  */
 static uint32_t compare(const pzs_control *control, const pzs_real *measured, int32_t *where)
 {
@@ -358,8 +377,8 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
 /* ---- init and limits ------------------------------------------------- */
 
 /*
- * First input whose limits contain no finite voltage or whose step limit is negative or not a
- * number, or -1.
+ * Return the first input whose limits contain no finite voltage, or whose step limit is negative or
+ * not a number, or -1.
  */
 static int32_t bad_limit(const pzs_problem *problem)
 {
@@ -373,7 +392,7 @@ static int32_t bad_limit(const pzs_problem *problem)
     return -1;
 }
 
-/* Index of the first table entry that is not finite, or -1. */
+/* Return the index of the first entry of a table that is not finite, or -1. */
 static int32_t bad_number(const pzs_problem *problem, const pzs_real *influence)
 {
     const uint32_t inputs = problem->inputs, outputs = problem->outputs;
@@ -458,7 +477,7 @@ void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uin
     row[k] += control->state.problem->regularisation;
 }
 
-/* Bounds before the first step. Without step limits they are always the voltage limits. */
+/* Set the bounds before the first step. Without step limits they are always the voltage limits. */
 static void set_initial_bounds(pzs_optimiser *optimiser, const pzs_control *control)
 {
     pzs_control_share_bounds(optimiser, control);
@@ -471,8 +490,8 @@ static void set_initial_bounds(pzs_optimiser *optimiser, const pzs_control *cont
 }
 
 /*
- * State before the first step: reference voltages inside the limits, every independent input in the
- * free set.
+ * Set the state before the first step: reference voltages clamped to the limits, and every linearly
+ * independent input in the free set.
  */
 static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
 {

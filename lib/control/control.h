@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Controller internals shared with the optional blocks of the tick. */
+/* Internals of the controller that the optional blocks of the loop share. */
 #ifndef PZS_LIB_CONTROL_H
 #define PZS_LIB_CONTROL_H
 
@@ -7,51 +7,65 @@
 
 #define CONTROL_READY 1u /* value of state.stage after a successful pzs_control_init */
 
-/* Checksum of the counts and arrays of a problem, as stored in its crc field. */
+/*
+ * Return the checksum of the counts and arrays of a voltage problem, as stored in its member crc.
+ */
 uint32_t pzs_problem_crc(const pzs_problem *problem);
 
-/* Renew state.predicted = B voltage if voltages have changed since the last tick. */
+/* Predict the shape of the present voltages if they have changed since the last tick. */
 void pzs_control_predict(pzs_control *control);
 
-/* To be called after state.voltage was changed outside a step: the next step or tick starts from
- * the new voltages. */
+/*
+ * To be called after state.voltage was changed outside a voltage step: the next step or tick starts
+ * from the new voltages.
+ */
 void pzs_control_moved(pzs_control *control);
 
 /*
- * Make the next ticks damped ticks: from the present voltages, a tick minimises the static problem
- * with its gradient multiplied by `share`, minus the damping gradient. No change of the voltages
- * is always allowed, and at rest they are those of the undamped tick.
- *   share             in      part of the static gradient, 0 < share <= 1
- *   damping [inputs]  in      damping gradient (m2/V), read in each tick; NULL: undamped ticks
- * again carry [inputs]    in/out  0 at first, then kept by pzs_quantise (V)
+ * Make the next ticks damped ticks, which minimise the static problem from the present voltages
+ * with its gradient multiplied by `share` and with the damping gradient added. Unchanged voltages
+ * are always allowed, and in static equilibrium the voltages are those of the undamped tick.
+ *   share            in      factor of the static gradient, above 0 and at most 1
+ *   damping [inputs] in      damping gradient, read in each tick (m2/V); NULL: undamped ticks again
+ *   carry   [inputs] in/out  parts of voltage changes that the amplifiers have not made, kept by
+ *                            pzs_quantise (V); 0 at first
  */
 void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damping,
                       pzs_real *carry);
 
 /*
- * Record at which voltage an input is held (V), NaN: not held. To be called beside every change of
- * state.lower and state.upper that is to last beyond the tick of a loop.
+ * Record the voltage at which an input is held (V), or NaN if it is not held. To be called with
+ * every change of state.lower and state.upper that is to last beyond the tick of a loop.
  */
 void pzs_control_set_held(pzs_control *control, uint32_t input, pzs_real voltage);
 
 /* ---- parts of the initialisation that a loop repeats (control.c, restore.c) */
 
-/* Point the arrays of the controller into its workspace. The problem is set. */
+/* Let the arrays of the controller point into its workspace. The voltage problem must be set. */
 void pzs_control_place(pzs_control *control, void *work);
 
 /*
- * Row k of H: from the table of the problem, or, without one, the sum over the outputs of W^2 B_ik
- * B_i; symmetric to the last bit.
+ * Compute row k of the Hessian: from the table of the problem, or, without a table, from influence
+ * matrix and weights. The Hessian is symmetric to the last bit.
  */
 void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k);
 
-/* Find out whether some step limit is shorter than the distance between the voltage limits. */
+/*
+ * Find out whether any step limit is shorter than the distance between the voltage limits of its
+ * input.
+ */
 void pzs_control_find_step_limits(pzs_control *control);
 
-/* Without step limits, the bounds of a step are the limits in force: both share their arrays. */
+/*
+ * Without step limits, the bounds of a voltage step are the voltage limits in force: let both share
+ * their arrays.
+ */
 void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *control);
 
-/* Numbers of the optimiser that follow from the diagonal of H and the regularisation. */
+/*
+ * Set the constants of the optimiser that follow from the diagonal of the Hessian and from the
+ * regularisation.
+ */
 void pzs_control_set_constants(pzs_control *control);
 
 /*
@@ -59,15 +73,15 @@ void pzs_control_set_constants(pzs_control *control);
  * and counts, limits in force, step limits, and one row of the Hessian.
  *   influence [outputs][inputs] in  as passed to pzs_control_init
  *   work                        in  workspace of the controller
- * Without damage no bit changes. Work: about 30 operations an input.
+ * Without damage no bit changes. The work is about 30 operations for each input.
  */
 void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
                          const pzs_real *influence, void *work);
 
 /*
- * Continue from the voltages in state.voltage after damaged memory was corrected: the Hessian is
- * compared with the one of the tables or of the influence matrix, entry by entry, and tableau and
- * predicted shape are computed anew.
+ * Continue from the voltages in state.voltage after damaged memory was corrected. The Hessian is
+ * compared with its source entry by entry, and the matrix of the optimiser and the predicted shape
+ * are computed anew.
  *   influence [outputs][inputs] in  as passed to pzs_control_init
  */
 void pzs_control_recover(pzs_control *control, const pzs_real *influence);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * What the parts of the voltage optimiser share: how far loops over the entries of its vectors go,
- * and the work that is counted and limited.
+ * Helpers that the parts of the voltage optimiser share: range of loops over the inputs, and work
+ * that is counted and limited.
  */
 #ifndef PZS_LIB_OPTIMISER_H
 #define PZS_LIB_OPTIMISER_H
@@ -9,9 +9,9 @@
 #include "pzs_control.h"
 
 /*
- * Entries that a loop over the inputs visits. On vector processors it is the width, a multiple of
- * the tile: the mask tells the compiler that such a loop has no remainder. The entries behind the
- * inputs are zero.
+ * Return the number of entries that a loop over the inputs visits. On vector processors it is the
+ * width, a multiple of PZS_TILE; the mask tells the compiler that the loop has no remainder. The
+ * entries beyond the inputs are zero.
  */
 static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 {
@@ -19,8 +19,9 @@ static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 }
 
 /*
- * Whether work of `cost` multiply-adds is within the limit, besides the true gradient that ends
- * every round, and that at its start if the round may be undone and it was only predicted.
+ * Return whether work of `cost` multiply-adds is within the work limit, together with the products
+ * that end the round: the true gradient at its end, and, if the gradient at its start was
+ * predicted, the true gradient there, which is needed to undo the round.
  */
 static inline bool optimiser_affords(const pzs_optimiser *optimiser, uint64_t cost)
 {

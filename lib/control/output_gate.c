@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The last gate before the amplifiers (output_gate.h). */
+/*
+ * The last gate before the amplifiers: a check of all voltages against limits in flash
+ * (output_gate.h).
+ */
 #include <string.h>
 #include "output_gate.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
 #include "step_bounds.h"
 
-/* Continue a checksum with the limits of input i. */
+/* Continue a checksum with the voltage limits and the step limit of input i. */
 static inline uint32_t add_limits(uint32_t sum, const pzs_problem *problem, uint32_t i)
 {
     sum = guard_add(sum, problem->lower[i]);
@@ -22,7 +25,7 @@ uint32_t pzs_output_limit_sum(const pzs_problem *problem)
     return sum;
 }
 
-/* Whether a voltage is finite, inside the limits of input i and inside its step limit. */
+/* Whether a voltage is finite, inside the voltage limits of input i and inside its step limit. */
 static inline bool is_allowed(const pzs_problem *problem, uint32_t i, pzs_real voltage,
                               pzs_real last)
 {
@@ -30,7 +33,7 @@ static inline bool is_allowed(const pzs_problem *problem, uint32_t i, pzs_real v
            number_absolute(voltage - last) <= problem->step_limit[i];
 }
 
-/* The voltage of input i that may be given out in place of one that is not allowed (V). */
+/* Return the voltage of input i that replaces one that is not allowed (V). */
 static pzs_real corrected(const output_gate *gate, uint32_t i, pzs_real voltage, pzs_real last)
 {
     const pzs_problem *problem = gate->problem;

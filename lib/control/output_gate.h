@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The last gate before the amplifiers: every voltage of a loop leaves through pzs_output_gate. The
- * gate trusts neither the controller nor its memory. It compares with the limits in flash and with
- * the voltages given last, of which it keeps three copies.
+ * gate trusts neither the controller nor its memory: it compares each voltage with the limits in
+ * flash and with the last voltage, of which it keeps three copies.
  */
 #ifndef PZS_LIB_OUTPUT_GATE_H
 #define PZS_LIB_OUTPUT_GATE_H
@@ -11,24 +11,26 @@
 
 typedef struct output_gate {
     const pzs_problem *problem;
-    pzs_real *const *held;    /* [3][inputs] voltage at which an input is held (V), NaN: not held */
-    pzs_real *last[3];        /* [inputs] three copies of the voltages given last (V) */
-    volatile pzs_real *frame; /* [inputs] the frame to fill, which nobody reads yet (V) */
+    pzs_real *const *held; /* [3][inputs] three copies of the voltage at which an input is held (V);
+                              NaN: not held */
+    pzs_real *last[3];     /* [inputs] three copies of the voltages of the last tick (V) */
+    volatile pzs_real *frame; /* [inputs] array to fill with the voltages of this tick; it is not
+                                 published yet (V) */
 } output_gate;
 
-/* Checksum of the limits of a problem, for pzs_output_gate. */
+/* Return the checksum of the voltage limits and step limits of a voltage problem. */
 uint32_t pzs_output_limit_sum(const pzs_problem *problem);
 
 /*
- * Cut voltages to what may be given out and fill the frame with them.
- *   voltage [inputs] in/out  (V)
+ * Clamp voltages to what may be applied, and fill the array gate->frame with them.
+ *   voltage [inputs] in/out  voltages of the controller (V)
  *   limit_sum        in      checksum of the limits when the tables were last known to be intact
  *   where            out     first corrected input, or -1
- * A voltage is cut to the step limit around the voltage given last, and to the voltage limits,
- * which take precedence. The voltage of pzs_hold is exempt from the step limit: a held input may go
- * there at once. A voltage that is not finite becomes the last one. Warning: OUTPUT (a voltage was
- * corrected). Error: CRC (limits damaged: the voltages given last do not change and the frame must
- * not be used).
+ * A voltage is clamped to the step limit around the last voltage and to the voltage limits, which
+ * take precedence. An input that pzs_hold holds is exempt from the step limit. A voltage that is
+ * not finite becomes the last voltage. Returns PZS_OK, PZS_W_OUTPUT if a voltage was corrected, or
+ * PZS_E_CRC if limits are damaged: the last voltages are then unchanged, and gate->frame must not
+ * be used.
  */
 pzs_status pzs_output_gate(const output_gate *gate, pzs_real *voltage, uint32_t limit_sum,
                            int32_t *where);

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Checksum of the voltage problem (control.h, problem.h). */
+/* Checksum of a voltage problem and order of its arrays in the checksum (control.h, problem.h). */
 #include "control.h"
 #include "problem.h"
 #include "../core/guard.h"
 
-/* An array of `count` reals, which may be absent. */
+/* Describe an array of `count` reals, which may be absent (NULL), as a part of a checksum. */
 static scrub_part reals(const pzs_real *value, size_t count)
 {
     const scrub_part part = {value, value != NULL ? count * sizeof *value : 0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The arrays of a voltage problem in the order of its checksum. */
+/* Arrays of a voltage problem, in the order in which its checksum covers them. */
 #ifndef PZS_LIB_PROBLEM_H
 #define PZS_LIB_PROBLEM_H
 
