@@ -152,8 +152,8 @@ typedef struct pzs_control_state {
                            and shown shape; second row: the measurements to expect (m) */
     uint8_t *repeats;   /* [outputs] number of ticks in which a measurement stayed constant although
                            its output should have moved */
-    const pzs_real *damping; /* [inputs] damping gradient that the vibration damper adds to the
-                                objective (m2/V); NULL: no damping */
+    const pzs_real *damping; /* [inputs] damping gradient of a damped tick, subtracted from the
+                                gradient of the objective (m2/V); NULL: no damping */
     pzs_real *carry; /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
                         made (V); NULL: not carried over */
     pzs_real share;  /* factor of the static gradient in a damped tick, above 0 and at most 1 */

@@ -2,26 +2,31 @@
 /*
  * Amplifiers that give whole converter steps only and do not follow changes inside a dead band.
  *
- * A wanted voltage becomes the last whole step on the way to it from the present voltage. So the
- * result lies between the two, inside voltage limits and step limit, and integral action changes
+ * A wanted voltage becomes the last whole step on the way to it from the present voltage. The
+ * result lies between the two, inside voltage limits and step limits, and integral action changes
  * the voltage once it has summed up to one step. No step is taken that the next tick would take
- * back, which rounding to the whole step does where the plant is stronger than the model. Voltage
- * limits in force take precedence over whole steps.
+ * back, as rounding to the nearest step would do where the structure responds more than the model.
+ * Voltage limits in force take precedence over whole steps.
  *
- * A damped tick (vibration.c) asks for small changes from the given voltages again and again, each
- * of which may be less than a step. What the amplifier does not give of them is carried on to the
- * next tick, at most one step and the dead band.
+ * A damped tick (vibration.c) demands small changes from the present voltages again and again, each
+ * of which may be less than a step. What the amplifier does not give of them is carried over to the
+ * next tick, up to one step plus the dead band.
  */
 #include <string.h>
 #include "pzs_loop.h"
 #include "control.h"
 #include "../core/numbers.h"
 
-/* A voltage of more steps than this is not rounded: the steps would be finer than the resolution of
- * pzs_real. */
+/*
+ * A voltage of more converter steps than this is not rounded, because the steps would be finer than
+ * the resolution of pzs_real.
+ */
 #define STEP_COUNT_LIMIT PZS_R(1e9)
 
-/* Last whole step on the way from `present` to `wanted`, or `present` if there is none (V). */
+/*
+ * Return the last whole step on the way from `present` to `wanted`, or `present` if there is none
+ * (V).
+ */
 static pzs_real last_step(pzs_real wanted, pzs_real present, pzs_real step)
 {
     const pzs_real steps = wanted / step;
@@ -38,8 +43,8 @@ static pzs_real last_step(pzs_real wanted, pzs_real present, pzs_real step)
 }
 
 /*
- * Voltage of an input plus what the amplifier has not given of earlier changes, inside step limit
- * and voltage limits.
+ * Return the voltage of an input plus the parts of earlier changes that the amplifier has not made,
+ * clamped to step limit and voltage limits (V).
  */
 static pzs_real voltage_with_carry(const pzs_control *control, uint32_t j, pzs_real present)
 {
@@ -85,7 +90,7 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
     return PZS_AMPLIFIER_BLOCK_BYTES(problem->inputs);
 }
 
-/* Let the block point to its tables and its array. */
+/* Let the block point to its tables and to its array. */
 static void place(pzs_amplifier_state *state, const pzs_amplifier *amplifier)
 {
     state->tables = amplifier;

@@ -23,7 +23,7 @@ void pzs_control_moved(pzs_control *control);
 
 /*
  * Make the next ticks damped ticks, which minimise the static problem from the present voltages
- * with its gradient multiplied by `share` and with the damping gradient added. Unchanged voltages
+ * with its gradient multiplied by `share`, minus the damping gradient. Unchanged voltages
  * are always allowed, and in static equilibrium the voltages are those of the undamped tick.
  *   share            in      factor of the static gradient, above 0 and at most 1
  *   damping [inputs] in      damping gradient, read in each tick (m2/V); NULL: undamped ticks again

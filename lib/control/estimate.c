@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Estimator: the shape from a few sensors and the model,  y = B v + G (s - S v). B v is the shape
- * that the voltages make. G (s - S v) is the most probable shape of the other causes, given the
- * deviation of the readings s; G contains the loads and faults for which the tables were generated.
+ * Shape estimator: the shape from a few sensors and the model, B v + G (s - S v). B v is the shape
+ * that the voltages v make, and S v are the readings that they make. G (s - S v) is the most
+ * probable shape of all other causes, given the readings s; the gain G contains the loads and
+ * faults for which the tables were generated.
  *
- * Work of a tick: at most (sensors + outputs) (inputs + sensors) multiply-adds. Nothing depends on
- * the data.
+ * The work of a tick is at most (sensors + outputs) (inputs + sensors) multiply-adds and does not
+ * depend on the data.
  */
 #include <string.h>
 #include "estimate.h"
@@ -61,7 +62,7 @@ static pzs_status finish(pzs_estimate *estimate, pzs_status status, int32_t wher
     return status;
 }
 
-/* Let the estimate point to its controller, its tables and its arrays. */
+/* Let the estimator point to its controller, its tables and its arrays. */
 static void place(pzs_estimate *estimate, pzs_control *control, const pzs_estimator *tables,
                   void *work)
 {
@@ -132,7 +133,10 @@ static void *work_of(pzs_estimate *estimate)
     return (uint8_t *)estimate + PZS_ALIGNED(sizeof *estimate);
 }
 
-/* `self` holds the estimate, then its workspace, then the shape. */
+/*
+ * Initialise the estimator block. Its memory holds the estimator, its workspace, and the estimated
+ * shape.
+ */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     const pzs_estimator *estimator = tables;
@@ -152,7 +156,7 @@ static pzs_real *shape_of(pzs_estimate *estimate)
     return (void *)((uint8_t *)estimate + before);
 }
 
-/* Without a frame of readings there is no measured shape. */
+/* Run the estimator block. Without readings in this tick there is no measured shape. */
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
     pzs_estimate *estimate = self;

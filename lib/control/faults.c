@@ -2,23 +2,25 @@
 /*
  * Fault detector: finds electrodes that do not follow their amplifiers, from the measured shape.
  *
- * Between two shapes the commanded voltages change by x, and the disturbance, measured - predicted,
- * changes by d = B f + load. f_j is the voltage by which electrode j acted beyond its command,
- * estimated by least squares; x + f is the response. An electrode that follows responds with about
- * x; one that does not, with nothing. An electrode is suspected in two cases:
+ * Between two measured shapes the commanded voltages change by x, and the disturbance (measured
+ * minus predicted shape) changes by B f + load, with the influence matrix B. f_j is the voltage by
+ * which the effect of electrode j exceeds its command, estimated by least squares, and x + f is the
+ * response. An electrode that follows responds with about x; one that does not, with about 0. An
+ * electrode is suspected in two cases:
  *
- *   - it was moved by a full amplitude and hardly responded (it is stuck, or was already dead), or
- *   - the shape jumped as if the voltage of this electrode, above all others, had gone (it has just
- *     died).
+ *   - it was moved by a full amplitude and hardly responded: it is stuck, or was dead before; or
+ *   - the shape jumped as if the voltage of this electrode, more than that of any other, had
+ *     vanished:
+ *     it has just died.
  *
- * A load may cause either. So a test signal is applied to the suspect: it is held at two voltages
- * in turn, an amplitude to either side of where it was, inside voltage limits and step limit, while
- * the control step compensates with the other electrodes. It is faulty if it shows no response to
- * these moves; the effect of a load does not correlate with them.
+ * A load may cause either. A test signal is therefore applied to the suspected electrode: it is set
+ * to two voltages in turn, one amplitude above and below its present voltage, inside voltage limits
+ * and step limits, while the control step compensates with the other electrodes. The electrode is
+ * faulty if it does not respond to these moves; the effect of a load does not correlate with them.
  *
- * Work of a tick for m outputs and n inputs: (m + n) n multiply-adds and less than 40 (m + n) other
- * operations; m n^2 / 16 + n^3 / 6 more where measurements become missing or return. Nothing else
- * depends on the data.
+ * The work of a tick for m outputs and n inputs is (m + n) n multiply-adds and less than 40 (m + n)
+ * other operations; m n^2 / 16 + n^3 / 6 more where measurements become missing or return. Nothing
+ * else depends on the data.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -30,29 +32,31 @@
 #include "../core/numbers.h"
 
 #define READY 1u
-/* Factor by which the sums over past shapes are multiplied before each new shape is added. */
+/* Factor by which the sums over earlier shapes decay before each new shape is added. */
 #define FADING PZS_R(0.75)
 /*
- * An electrode shows no response if NO_RESPONSE times the sum of its squared responses is below the
+ * An electrode does not respond if this number times the sum of its squared responses is below the
  * sum of its squared moves.
  */
 #define NO_RESPONSE 16
-/* Lowest regularisation of the least squares, relative to the diagonal of their matrix. */
+/* Lowest regularisation of the least-squares estimate, relative to the diagonal of its matrix. */
 #define LEAST_RIDGE PZS_R(1e-5)
 /*
- * An electrode is observable if the least squares, applied to the effect of 1 V on this electrode
- * alone, return more than this fraction of a volt for it.
+ * An electrode is observable if the least-squares estimate, applied to the effect of 1 V on this
+ * electrode alone, returns more than this part of a volt for it.
  */
 #define OBSERVABLE PZS_R(0.75)
-#define TEST_MOVES 8u       /* number of moves in a test */
-#define TEST_SHAPES 24u     /* largest number of shapes until a test has made these moves */
-#define CLEARED_SHAPES 100u /* shapes before an electrode that passed a test can be suspected */
-#define NO_INPUT 0xFFFFu    /* input number of a test signal that is not in use */
-#define MISSING_LIMIT 8u    /* at most one in MISSING_LIMIT outputs may be without a measurement */
+#define TEST_MOVES 8u   /* number of moves in a test of an electrode */
+#define TEST_SHAPES 24u /* largest number of shapes until a test has made all its moves */
+#define CLEARED_SHAPES                                                                             \
+    100u /* number of shapes during which an electrode that has passed a test is not suspected */
+#define NO_INPUT 0xFFFFu /* input number of a test signal that is not in use */
+#define MISSING_LIMIT                                                                              \
+    8u /* electrodes are observed while at most one in this number of outputs is not measured */
 
 /*
- * Bits of state.missing. NOT_MEASURED: the output had no measurement in the last shape. EXCLUDED:
- * the output is excluded from the least squares.
+ * Bits of state.missing. NOT_MEASURED: the output was not measured in the last shape. EXCLUDED: the
+ * output is excluded from the least-squares estimate.
  */
 enum { NOT_MEASURED = 1, EXCLUDED = 2 };
 
@@ -64,8 +68,8 @@ static pzs_real square(pzs_real number)
 /* ---- init ------------------------------------------------------------- */
 
 /*
- * Default amplitude of a test signal (V): just below half the step limit, or 1/32 of the voltage
- * range if that is smaller. The factor 0.49 instead of 0.5 leaves room for rounding errors.
+ * Return the default amplitude of a test signal (V): just below half the step limit, but at most
+ * 1/32 of the voltage range. The factor 0.49 instead of 0.5 leaves room for rounding errors.
  */
 static pzs_real default_amplitude(const pzs_problem *problem, uint32_t j)
 {
@@ -74,7 +78,7 @@ static pzs_real default_amplitude(const pzs_problem *problem, uint32_t j)
     return PZS_R(0.49) * whole;
 }
 
-/* Take the next `count` reals of the workspace and advance the pointer. */
+/* Reserve the next `count` reals of the workspace and return their address. */
 static pzs_real *take(pzs_real **next, size_t count)
 {
     pzs_real *const taken = *next;
@@ -124,8 +128,9 @@ static void place(pzs_fault_detector *detector, pzs_control *control, uint16_t d
 }
 
 /*
- * Compute the diagonal of B'W^2 B, with 1 for an electrode that has no effect on the shape. The
- * diagonal of the Hessian cannot be used, because it contains the regularisation.
+ * Compute the diagonal of B'W^2 B, with the influence matrix B and the output weights W, and 1 for
+ * an electrode that has no effect on the shape. The diagonal of the Hessian cannot be used instead
+ * because it contains the regularisation.
  */
 static void find_diagonal(pzs_fault_detector *detector)
 {
@@ -145,8 +150,8 @@ static void find_diagonal(pzs_fault_detector *detector)
 }
 
 /*
- * row [j + 1] = row j of B'W^2 B over the outputs that are not excluded, plus the regularisation of
- * the diagonal.
+ * Compute the entries 0 to j in row j of B'W^2 B over the outputs that are not excluded, plus the
+ * regularisation of the diagonal. B is the influence matrix, W the output weights.
  */
 static void form_row(const pzs_fault_detector *detector, uint32_t j, pzs_real *row)
 {
@@ -165,7 +170,7 @@ static void form_row(const pzs_fault_detector *detector, uint32_t j, pzs_real *r
     }
 }
 
-/* Assemble and factor the matrix of the least squares. Returns whether it is regular. */
+/* Compute and factor the matrix of the least-squares estimate. Returns whether it is regular. */
 static bool factor(pzs_fault_detector *detector)
 {
     for (uint32_t j = 0; j < detector->state.columns.n; j++) {
@@ -178,8 +183,8 @@ static bool factor(pzs_fault_detector *detector)
 }
 
 /*
- * Mark an electrode as unobservable if the least squares do not return its voltage from its own
- * effect on the shape.
+ * Mark the electrodes as unobservable whose voltage the least-squares estimate does not return from
+ * their own effect on the shape.
  */
 static void find_unobservable(pzs_fault_detector *detector)
 {
@@ -245,8 +250,9 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
 /* ---- response --------------------------------------------------------- */
 
 /*
- * Update the disturbance. state.change = W^2 times its change since the last shape, zero where
- * either shape has no measurement. Returns whether enough outputs have measurements in both shapes.
+ * Update the disturbance and state.change, the squared output weights times its change since the
+ * last shape, which is zero where either shape has no measurement. Returns whether enough outputs
+ * are measured in both shapes.
  */
 static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *measured)
 {
@@ -271,8 +277,8 @@ static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *mea
 }
 
 /*
- * Whether too few outputs have a measurement. The shape is then skipped, and the next one is
- * compared with the last shape that was used.
+ * Whether too few outputs are measured. The shape is then skipped, and the next one is compared
+ * with the last shape that was used.
  */
 static bool has_too_few(const pzs_fault_detector *detector, const pzs_real *measured)
 {
@@ -284,8 +290,8 @@ static bool has_too_few(const pzs_fault_detector *detector, const pzs_real *meas
 }
 
 /*
- * [inputs] voltages that were applied when the measured shape was taken, `delay` ticks ago. They
- * are the oldest of the stored voltages.
+ * Return the voltages [inputs] that were applied when the measured shape was taken, `delay` ticks
+ * ago: the oldest of the stored voltages.
  */
 static pzs_real *oldest_voltages(const pzs_fault_detector *detector)
 {
@@ -293,7 +299,7 @@ static pzs_real *oldest_voltages(const pzs_fault_detector *detector)
            (size_t)detector->state.oldest * detector->state.control->state.problem->inputs;
 }
 
-/* Store the voltages of this tick, overwriting the oldest ones. */
+/* Store the voltages of this tick in place of the oldest ones. */
 static void store_voltages(pzs_fault_detector *detector)
 {
     memcpy(oldest_voltages(detector), detector->state.control->state.voltage,
@@ -304,9 +310,9 @@ static void store_voltages(pzs_fault_detector *detector)
 }
 
 /*
- * Estimate the voltages f by least squares and store them in state.deviation. Then update three
- * sums for each electrode, in which past shapes fade: squared moves, squared responses, and f
- * itself (the voltage lost). Returns |f|^2 (V2).
+ * Estimate the voltages by which the electrodes exceed their commands, by least squares, into
+ * state.deviation. Then update three fading sums for each electrode: squared moves, squared
+ * responses, and lost voltage. Returns the sum of the squared deviations (V2).
  */
 static pzs_real update_responses(pzs_fault_detector *detector, const pzs_real *voltage)
 {
@@ -338,8 +344,9 @@ static bool is_held(const pzs_control *control, uint32_t j)
 }
 
 /*
- * Whether electrode j has lost about all of its voltage since the last shape (40 % to 160 % by the
- * estimate f), and its part of |f|^2 is at least a quarter. deviation2 = |f|^2 (V2).
+ * Whether electrode j has lost about all of its voltage since the last shape: 40 % to 160 % by the
+ * least-squares estimate, and at least a quarter of deviation2, the sum of the squared deviations
+ * of all electrodes (V2).
  */
 static bool has_just_failed(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage,
                             pzs_real deviation2)
@@ -351,7 +358,7 @@ static bool has_just_failed(const pzs_fault_detector *detector, uint32_t j, pzs_
            loss < PZS_R(1.6) * limit && 4 * square(loss) >= deviation2;
 }
 
-/* Strength of the suspicion that electrode j is faulty (V2); 0 if it is not suspected. */
+/* Return the strength of the suspicion that electrode j is faulty (V2); 0: not suspected. */
 static pzs_real suspicion(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage,
                           pzs_real deviation2)
 {
@@ -366,8 +373,8 @@ static pzs_real suspicion(const pzs_fault_detector *detector, uint32_t j, pzs_re
 }
 
 /*
- * Start a test of electrode j around its present voltage. If this voltage is less than one
- * amplitude from a limit, the test is around the nearest voltage that is not.
+ * Start a test of electrode j around its present voltage, or, if this is less than one amplitude
+ * from a limit, around the nearest voltage that is not.
  */
 static void start_test(pzs_fault_detector *detector, pzs_test_signal *test, uint32_t j,
                        const pzs_real *voltage)
@@ -391,7 +398,7 @@ static bool has_room(const pzs_fault_detector *detector, uint32_t j)
            4 * detector->settings.amplitude[j];
 }
 
-/* Start tests of the electrodes with the strongest suspicion, as long as test signals are free. */
+/* Start tests of the electrodes under the strongest suspicion, as long as test signals are free. */
 static void start_tests(pzs_fault_detector *detector, const pzs_real *voltage, pzs_real deviation2)
 {
     for (uint32_t k = 0; k < PZS_TEST_SIGNALS; k++) {
@@ -412,9 +419,8 @@ static void start_tests(pzs_fault_detector *detector, const pzs_real *voltage, p
 }
 
 /*
- * Set the test voltages of the next tick. Both limits of each electrode under test become its test
- * voltage, which lies inside the limits that the electrode had before the test, even if the
- * amplitude has been changed since.
+ * Set the test voltages of the next tick: both limits of each electrode under test become its test
+ * voltage, which lies inside the limits before the test even if the amplitude has changed since.
  */
 static void set_test_voltages(pzs_fault_detector *detector)
 {
@@ -436,7 +442,7 @@ static void set_test_voltages(pzs_fault_detector *detector)
 }
 
 /*
- * Mark an electrode that passed its test as cleared, so that it is not suspected for CLEARED_SHAPES
+ * Mark an electrode that has passed its test, so that it is not suspected for CLEARED_SHAPES
  * shapes.
  */
 static void mark_cleared(pzs_fault_detector *detector, uint32_t j)
@@ -457,9 +463,9 @@ static void end_test(pzs_fault_detector *detector, pzs_test_signal *test)
 }
 
 /*
- * Hold a faulty electrode where it is believed to be: dead at 0 V, stuck at its present voltage.
- * Voltages and prediction then agree with the structure, so the next step only has to compensate
- * for the lost effect of the electrode.
+ * Hold a faulty electrode at its probable voltage: 0 V for a dead one, the present voltage for a
+ * stuck one. Voltages and prediction then agree with the structure, and the next step only has to
+ * compensate for the lost effect of the electrode.
  */
 static void hold_electrode(pzs_fault_detector *detector, pzs_test_signal *test)
 {
@@ -478,7 +484,7 @@ static void hold_electrode(pzs_fault_detector *detector, pzs_test_signal *test)
 
 /*
  * Whether the electrode under test did not respond: the variance of its responses is compared with
- * that of its moves.
+ * the variance of its moves.
  */
 static bool has_no_response(const pzs_test_signal *test)
 {
@@ -489,7 +495,7 @@ static bool has_no_response(const pzs_test_signal *test)
 }
 
 /*
- * Add one shape to a test, and end the test when it has all its moves or took too long. Returns
+ * Add one shape to a test, and end the test after all its moves or after too many shapes. Returns
  * whether the electrode is faulty.
  */
 static bool continue_test(pzs_fault_detector *detector, pzs_test_signal *test,
@@ -527,7 +533,7 @@ static bool is_overridden(const pzs_fault_detector *detector, const pzs_test_sig
            control->state.upper[j] > test->set;
 }
 
-/* Add one shape to all running tests. Returns the first input found to be faulty, or -1. */
+/* Add one shape to all running tests. Returns the first input found faulty, or -1. */
 static int32_t run_tests(pzs_fault_detector *detector, const pzs_real *voltage)
 {
     int32_t first = -1;
@@ -554,12 +560,12 @@ static void update_states(pzs_fault_detector *detector)
             detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED;
         if (detector->state.electrode[j] == PZS_ELECTRODE_HELD &&
             !is_held(detector->state.control, j))
-            detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED; /* pzs_release was called:
-                                                                      observed again */
+            detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED; /* pzs_release was called, so the
+                                                                      electrode is observed again */
     }
 }
 
-/* Evaluate one measured shape. Returns the first input found to be faulty, or -1. */
+/* Evaluate one measured shape. Returns the first input found faulty, or -1. */
 static int32_t evaluate_shape(pzs_fault_detector *detector, const pzs_real *voltage)
 {
     const pzs_real deviation2 = update_responses(detector, voltage);
@@ -598,7 +604,7 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 
 /*
  * Set the amplitude of all test signals to that of the tables, reduced to just below half the step
- * limit. The amplitude of an electrode whose limits leave no room is 0.
+ * limit. The amplitude is 0 for an electrode whose limits leave no room.
  */
 static void set_amplitude(pzs_fault_detector *detector, pzs_real amplitude)
 {
@@ -614,7 +620,7 @@ static void *work_of(pzs_fault_detector *detector)
     return (uint8_t *)detector + PZS_ALIGNED(sizeof *detector);
 }
 
-/* `self` holds the detector, then its workspace. */
+/* Initialise the fault detector block. Its memory holds the detector, followed by its workspace. */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     const pzs_fault_detection *detection = tables;

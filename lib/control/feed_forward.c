@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The shape, or the readings, that known loads make: y = K a, subtracted before the controller sees
- * it. Work of a tick: (sensors + outputs) loads multiply-adds.
+ * Feed-forward of known loads: the effect of known loads on shape and readings is subtracted before
+ * the controller sees them. The work of a tick is (sensors + outputs) loads multiply-adds.
  */
 #include <string.h>
 #include "estimate.h"
@@ -55,7 +55,9 @@ pzs_status pzs_feed_forward(const pzs_feed_forward_table *table, const pzs_real 
 
 /* ---- block ------------------------------------------------------------ */
 
-/* Table of the readings; that of the shape where the readings are the measured shape. */
+/*
+ * Return the table of the readings, or that of the shape where the readings are the measured shape.
+ */
 static const pzs_feed_forward_table *readings_table(const pzs_known_loads *loads)
 {
     return loads->readings != NULL ? loads->readings : loads->shape;
@@ -68,7 +70,10 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
     return PZS_FEED_FORWARD_BLOCK_BYTES(sensors, problem->outputs);
 }
 
-/* Check that a table is valid, belongs to the scene of the problem and has this number of rows. */
+/*
+ * Check that a table is valid, belongs to the scene of the voltage problem and has a given number
+ * of rows.
+ */
 static pzs_status check(const pzs_feed_forward_table *table, const pzs_problem *problem,
                         uint16_t rows)
 {
@@ -104,7 +109,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     return PZS_OK;
 }
 
-/* Let *signal point to `copy`, a copy of the signal without the effect of the known loads. */
+/* Let *signal point to `copy`, which receives the signal minus the effect of the known loads. */
 static pzs_status subtract_known(const pzs_feed_forward_table *table, const pzs_real *known,
                                  const pzs_real **signal, pzs_real *copy)
 {
@@ -115,7 +120,7 @@ static pzs_status subtract_known(const pzs_feed_forward_table *table, const pzs_
     return pzs_feed_forward(table, known, copy);
 }
 
-/* Index of the first known value that is not finite, or -1. */
+/* Return the index of the first load value that is not finite, or -1. */
 static int32_t find_nonfinite_value(const pzs_loop_signals *signals, uint32_t loads)
 {
     int32_t bad = -1;

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reference governor: lets a damped tick follow a moving target without its lag.
+ * Reference governor: lets a damped tick follow a moving target without the lag of the damped tick.
  *
- * A damped tick goes a small share of the way to the static optimum. The governor computes the
- * bounded optimum v_t of the target alone whenever the target changes, moves reference voltages
- * v_ref towards v_t by at most a part of the step limits, dr in a tick, and replaces the target z
- * by
+ * A damped tick goes only the part `share` of the way to the static optimum. Whenever the target
+ * changes, the governor computes the optimal voltages v_t within the limits for the target alone.
+ * It moves reference voltages v_ref towards v_t, by dr in a tick, which is at most a part of the
+ * step limits. It replaces the target shape z by
  *
- *   z - B (v_t - v_ref) + B dr / share,
+ *   z - B (v_t - v_ref) + B dr / share
  *
- * so that the damped tick adds dr itself to the voltages, and a share only of what is left. Once
- * v_ref has arrived, the target is passed on as it is.
+ * with the influence matrix B, so that the damped tick adds all of dr to the voltages, and only a
+ * share of what is left. Once v_ref has arrived, the target is passed on unchanged.
  *
- * Work of a tick: nothing while the target stands and v_ref has arrived; otherwise outputs * inputs
- * multiply-adds, and a voltage step when the target has changed.
+ * The work of a tick is zero while the target stands still and v_ref has arrived; otherwise outputs
+ * * inputs multiply-adds, and a voltage step when the target has changed.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -49,7 +49,7 @@ static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_con
     state->wanted = state->target + problem->outputs;
 }
 
-/* The influence matrix as pzs_control_init takes it: NULL for that of the problem. */
+/* Return the influence matrix as pzs_control_init takes it: NULL stands for that of the problem. */
 static const pzs_real *influence_of(const pzs_control *control)
 {
     const pzs_real *influence = control->state.influence;
@@ -82,7 +82,7 @@ static bool are_equal(const pzs_real *left, const pzs_real *right, uint32_t coun
     return i == count;
 }
 
-/* Whether target and limits are those of the last optimum. */
+/* Whether target and voltage limits are those for which the last optimum was computed. */
 static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 {
     const pzs_problem *problem = state->control->state.problem;
@@ -92,7 +92,10 @@ static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
            are_equal(own->upper, loop->upper, problem->inputs);
 }
 
-/* Compute the bounded optimum of the target, within the limits in force and without step limits. */
+/*
+ * Compute the optimal voltages for the target, within the voltage limits in force and without step
+ * limits.
+ */
 static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
 {
     const pzs_problem *problem = state->control->state.problem;
@@ -107,7 +110,9 @@ static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
     state->has_target = !PZS_IS_ERROR(pzs_step(optimum, wanted));
 }
 
-/* Largest part of the way to the optimum that keeps within the governor's part of the step limits.
+/*
+ * Return the largest part of the way to the optimum that respects the governor's part of the step
+ * limits.
  */
 static pzs_real largest_part(const pzs_governor_state *state)
 {
@@ -121,8 +126,8 @@ static pzs_real largest_part(const pzs_governor_state *state)
 }
 
 /*
- * Move the reference voltages. ahead = v_t - v_ref - dr / share. Returns whether the target has to
- * be moved.
+ * Move the reference voltages by one tick, and compute the voltages by whose shape the target is to
+ * be changed: optimum - reference - move / share. Returns whether the target has to be changed.
  */
 static bool move_reference(pzs_governor_state *state)
 {
@@ -146,7 +151,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     const pzs_problem *problem = signals->control->state.problem;
     place(state, signals->tables, signals->control);
     if (pzs_guard_nonfinite(signals->wanted, problem->outputs) >= 0)
-        return PZS_OK; /* the control step holds the voltages and says why */
+        return PZS_OK; /* the control step holds the voltages and returns the reason */
     if (!is_known(state, signals->wanted))
         find_optimum(state, signals->wanted);
     if (!state->has_target || !move_reference(state))

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The control loop: a list of blocks, all laid out in one workspace and run in the order of the
- * list; then the last gate.
+ * The control loop: a list of blocks, which are initialised in one workspace and run in the order
+ * of the list, followed by the last gate.
  *
- * The workspace holds, each part aligned to 8 bytes: two frames of voltages, three copies of the
- * voltages given last, the blocks.
+ * The workspace holds, each part aligned to 8 bytes: two arrays of voltages that are published in
+ * turn, three copies of the voltages of the last tick, and the blocks.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -33,8 +33,8 @@ static bool is_complete(const pzs_block *block)
 }
 
 /*
- * Whether a list cannot hold both blocks: two blocks of one type, two step blocks or two blocks
- * that make the measured shape.
+ * Whether a list cannot hold both blocks: two blocks of one type, two step blocks, or two blocks
+ * that compute the measured shape.
  */
 static bool excludes(const pzs_block_type *one, const pzs_block_type *other)
 {
@@ -44,8 +44,8 @@ static bool excludes(const pzs_block_type *one, const pzs_block_type *other)
 }
 
 /*
- * Check block k: whether it is complete, fits the blocks before it and stands in the order of
- * phases.
+ * Check block k of a list: whether it is complete, may stand beside the blocks before it and is in
+ * the order of the phases.
  */
 static pzs_status check_block(const pzs_block *blocks, size_t k)
 {
@@ -57,7 +57,7 @@ static pzs_status check_block(const pzs_block *blocks, size_t k)
     return k > 0 && blocks[k].type->phase < blocks[k - 1].type->phase ? PZS_E_STAGE : PZS_OK;
 }
 
-/* Index of the step block in a list, or `count` if the list has none. */
+/* Return the index of the step block in a list, or `count` if the list has none. */
 static size_t find_step(const pzs_block *blocks, size_t count)
 {
     size_t k = 0;
@@ -79,7 +79,7 @@ static pzs_status check_list(pzs_loop *loop, const pzs_block *blocks, size_t cou
 
 /* ---- layout ----------------------------------------------------------- */
 
-/* The trusted part of a loop, after its three copies have been compared. */
+/* Return the constant part of the state of a loop, after a majority vote over its three copies. */
 static pzs_loop_core *trusted(pzs_loop *loop)
 {
     pzs_loop_core *core = loop->state.core;
@@ -87,7 +87,10 @@ static pzs_loop_core *trusted(pzs_loop *loop)
     return core;
 }
 
-/* Make the other copies of the trusted part equal to the first one, after it has been changed. */
+/*
+ * Make the other two copies of the constant part of the state equal to the first one, which was
+ * changed.
+ */
 static void copy_core(pzs_loop *loop)
 {
     loop->state.core[1] = loop->state.core[0];
@@ -104,7 +107,7 @@ static size_t bytes_of(const pzs_block *block, const pzs_problem *problem)
     return PZS_ALIGNED(block->type->block_bytes(block->tables, problem));
 }
 
-/* Memory of block k. */
+/* Return the memory of block k of the loop. */
 static void *memory_of(const pzs_loop_core *core, const pzs_problem *problem, size_t k)
 {
     uint8_t *memory = core->memory + PZS_LOOP_BYTES(core->count, problem->inputs) -
@@ -123,13 +126,13 @@ static size_t bytes_needed(const pzs_loop_core *core)
     return need;
 }
 
-/* Frame 0 or 1 of the voltages. */
+/* Return the array 0 or 1 of voltages that are published in turn. */
 static pzs_real *frame_of(const pzs_loop_core *core, const pzs_problem *problem, uint32_t number)
 {
     return (pzs_real *)(void *)core->memory + (number & 1u) * (size_t)problem->inputs;
 }
 
-/* The last gate, with the frame to fill next. */
+/* Return the last gate, with the array of voltages that it is to fill next. */
 static output_gate gate_of(const pzs_loop *loop, const pzs_loop_core *core)
 {
     const pzs_problem *problem = problem_of(core);
@@ -141,7 +144,7 @@ static output_gate gate_of(const pzs_loop *loop, const pzs_loop_core *core)
     return gate;
 }
 
-/* Let the program see the frame that the gate has just filled. */
+/* Publish the array of voltages that the last gate has just filled. */
 static void publish(pzs_loop *loop, const pzs_loop_core *core)
 {
     const uint32_t frames = loop->info.frames + 1u;
@@ -162,7 +165,7 @@ static pzs_status init_block(pzs_loop *loop, size_t k, pzs_loop_signals *signals
     return status == PZS_OK ? PZS_OK : finish(loop, status, block->type, signals->where);
 }
 
-/* The voltages of the controller are those given last, and the published frame. */
+/* Make the voltages of the controller the voltages of the last tick, and publish them. */
 static void start_gate(pzs_loop *loop)
 {
     const pzs_loop_core *core = loop->state.core;
@@ -176,8 +179,8 @@ static void start_gate(pzs_loop *loop)
 }
 
 /*
- * Initialise all blocks but the step block, from the last to the first, because each block takes
- * the readings that the next one needs.
+ * Initialise all blocks except the step block, from the last to the first, because each block needs
+ * the number of readings of the block after it.
  */
 static pzs_status init_others(pzs_loop *loop)
 {
@@ -196,7 +199,10 @@ static pzs_status init_others(pzs_loop *loop)
     return finish(loop, PZS_OK, NULL, -1);
 }
 
-/* Checksum of an influence matrix that was computed on the device; 0 without one. */
+/*
+ * Return the checksum of an influence matrix that was computed on the device, or 0 if there is
+ * none.
+ */
 static uint32_t device_influence_crc(const pzs_loop_core *core)
 {
     const pzs_problem *problem = problem_of(core);
@@ -260,7 +266,7 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage)
     const int32_t bad = pzs_guard_nonfinite(voltage, inputs);
     if (bad >= 0)
         return finish(loop, PZS_E_NONFINITE, NULL, bad);
-    for (uint16_t j = 0; j < inputs; j++) /* also those that a test signal holds */
+    for (uint16_t j = 0; j < inputs; j++) /* releases also electrodes that a test signal holds */
         (void)pzs_release(core->control, j);
     (void)pzs_control_start(core->control, voltage);
     return init_others(loop);
@@ -281,7 +287,9 @@ pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *ne
 
 /* ---- tick ------------------------------------------------------------- */
 
-/* [inputs] the voltages given last, after their three copies have been compared (V). */
+/*
+ * Return the voltages of the last tick [inputs], after a majority vote over their three copies (V).
+ */
 static const pzs_real *voted_voltages(const pzs_loop *loop, const pzs_loop_core *core)
 {
     const output_gate gate = gate_of(loop, core);
@@ -290,7 +298,7 @@ static const pzs_real *voted_voltages(const pzs_loop *loop, const pzs_loop_core 
     return gate.last[0];
 }
 
-/* Return the controller to the voltages given last. */
+/* Return the controller to the voltages of the last tick. */
 static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
 {
     memcpy(core->control->state.voltage, voted_voltages(loop, core),
@@ -298,7 +306,10 @@ static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
     pzs_control_moved(core->control);
 }
 
-/* Read the next slice of the tables. Returns whether they are intact as far as is known. */
+/*
+ * Check the next slice of the tables against their checksum. Returns whether the tables are intact,
+ * as far as is known.
+ */
 static bool scrub_tables(pzs_loop *loop, const pzs_loop_core *core, const pzs_problem *problem)
 {
     scrub_part part[PROBLEM_PARTS];
@@ -321,8 +332,8 @@ static bool takes_precedence(pzs_status status, const pzs_block_type *type, pzs_
 }
 
 /*
- * Run all blocks; after an error, also one that the tick begins with, only the supervisor. Stores
- * block and index of the status that takes precedence, and returns this status.
+ * Run all blocks; after an error, also one with which the tick begins, only the supervisor. Returns
+ * the status that takes precedence, and stores its block and its index.
  */
 static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signals *signals,
                       pzs_status result)
@@ -368,7 +379,7 @@ static pzs_status give_out(pzs_loop *loop, const pzs_loop_core *core, pzs_status
     return PZS_IS_ERROR(status) ? status : finish(loop, passed, NULL, where);
 }
 
-/* Whether the list has a supervisor, which then stands at its end. */
+/* Whether the list of blocks ends with a supervisor. */
 static bool is_supervised(const pzs_loop_core *core)
 {
     return core->blocks[core->count - 1u].type->phase == PZS_PHASE_SUPERVISE;
@@ -404,7 +415,10 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
 
 /* ---- for the program ---------------------------------------------------- */
 
-/* The trusted part of a loop that must not be changed. Returns whether the loop is ready. */
+/*
+ * Copy the constant part of the state of a loop, after a majority vote, without changing the loop.
+ * Returns whether the loop is initialised.
+ */
 static bool read_core(const pzs_loop *loop, pzs_loop_core *core)
 {
     pzs_loop_core copy[3];

@@ -1,35 +1,44 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Divergence monitor. A tick is implausible in two cases:
+ * Divergence monitor of the supervisor. A tick is implausible in two cases:
  *
- *   - the deviation of the structure from the model is larger than what changes of the target,
- * noise and the largest sudden load explain:
+ *   - the structure deviates from the model by more than changes of the target, noise and the
+ *     largest
+ *     sudden load explain:
  *
  *         amplitude > 4 envelope + 6 noise + load
  *
- *     The envelope rises by the RMS of each change of the target and fades. The deviation is that
- * of the vibration block, if there is one; otherwise the RMS of the disturbance (measured minus
+ *     The envelope rises by the RMS of each change of the target, and decays. The amplitude is that
+ *       of
+ *     the vibration block, if there is one; otherwise the RMS of the disturbance (measured minus
  *     predicted shape) minus its low-passed value, so that steady loads and a steady error of the
- *     model do not count;
- *   - the shape does not answer: over the last moves, the measured changes of the shape had less
- *     than a tenth of the predicted size in the predicted direction, as with a wrong polarity, an
- *     amplifier that is off, or a structure that vibrates under a loop without a model of it.
+ *       model
+ *     do not count;
+ *   - the shape does not respond: over the last moves, the measured changes of the shape had less
+ *     than
+ *     a tenth of the predicted size in the predicted direction, as with a wrong polarity, an
+ *                                      amplifier
+ *     that is switched off, or vibration under a loop without a vibration model.
  *
- * Work of a tick: about 20 operations an output.
+ * The work of a tick is about 20 operations for each output.
  */
 #include <string.h>
 #include "monitor.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
 
-#define MARGIN 4       /* factor of the envelope */
-#define NOISE_MARGIN 6 /* factor of the noise */
-/* Factor of one tick by which the largest deviation of the last ticks fades. */
+#define MARGIN 4       /* factor of the envelope in the threshold of the deviation */
+#define NOISE_MARGIN 6 /* factor of the noise in the threshold of the deviation */
+/* Factor by which the largest deviation of the last ticks decays in each tick. */
 #define PEAK_FADING PZS_R(0.9)
-/* Gain of the low-pass filter of the disturbance, and of the sums over the last moves. */
+/* Gain of the low-pass filter of the disturbance, and of the fading sums over the last moves. */
 #define SLOW PZS_R(0.02)
-#define LEAST_ANSWER PZS_R(0.1) /* smallest plausible answer to a predicted change */
-/* Moves are judged if the root of their sum of squares is above this part of the load. */
+#define LEAST_ANSWER                                                                               \
+    PZS_R(0.1) /* smallest plausible ratio of measured to predicted changes of the shape */
+/*
+ * The response of the shape is judged only if the root of the summed squares of the predicted moves
+ * exceeds this part of the largest sudden load.
+ */
 #define LEAST_MOVE PZS_R(0.25)
 
 void pzs_monitor_place(pzs_monitor_state *monitor, pzs_real *memory, uint32_t outputs)
@@ -48,17 +57,18 @@ void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t out
     pzs_monitor_place(monitor, memory, outputs);
 }
 
-/* Mean squares over the outputs of one tick (m2). */
+/* Mean squares over the outputs in one tick (m2). */
 typedef struct squares {
-    pzs_real deviation; /* disturbance minus its low-passed value */
-    pzs_real target;    /* change of the target */
-    pzs_real moved;     /* predicted change of the shape */
-    pzs_real answered;  /* predicted times measured change of the shape */
+    pzs_real deviation; /* of the disturbance minus its low-passed value */
+    pzs_real target;    /* of the change of the target shape */
+    pzs_real moved;     /* of the predicted change of the shape */
+    pzs_real answered;  /* mean product of predicted and measured change of the shape */
 } squares;
 
 /*
- * Number of inputs whose voltage is fixed, times 2, plus 1 while a test signal is applied. Where
- * this number changes, a voltage has jumped to where the electrode already was.
+ * Return the number of inputs that cannot move, times 2, plus 1 while a test signal is applied.
+ * Where this number changes, a voltage has been set to the place at which the electrode already
+ * was.
  */
 static uint32_t count_fixed(const pzs_loop_signals *signals)
 {
@@ -72,7 +82,7 @@ static uint32_t count_fixed(const pzs_loop_signals *signals)
     return 2u * fixed + is_tested;
 }
 
-/* Take over the shapes of the first tick, with which later ones are compared. */
+/* Store the shapes of the first tick, with which the next tick is compared. */
 static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {
     const uint32_t outputs = signals->control->state.problem->outputs;
@@ -97,8 +107,8 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 
 /*
  * Compare the shapes of this tick with those of the last one. info.predicted is the shape that the
- * voltages of this tick will make. The disturbance belongs to the shape predicted one tick before,
- * whose change monitor->move holds.
+ * voltages of this tick will make; the disturbance belongs to the shape that was predicted one tick
+ * earlier, whose change monitor->move holds.
  */
 static squares compare(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {
@@ -129,7 +139,7 @@ pzs_real pzs_monitor_threshold(const pzs_monitor_state *monitor, const pzs_super
     return MARGIN * monitor->envelope + NOISE_MARGIN * tables->noise + tables->load;
 }
 
-/* Whether the moves of the last ticks are large enough to be judged, and were not answered. */
+/* Whether the last moves are large enough to be judged, and the shape has not responded to them. */
 static bool is_unanswered(const pzs_monitor_state *monitor, const pzs_supervision *tables)
 {
     const pzs_real least = LEAST_MOVE * tables->load + NOISE_MARGIN * tables->noise;
@@ -137,8 +147,8 @@ static bool is_unanswered(const pzs_monitor_state *monitor, const pzs_supervisio
 }
 
 /*
- * Add the moves of this tick to the sums by which answers are judged. While electrodes are tested
- * or have just been held, there is nothing to judge.
+ * Add the moves of this tick to the sums from which the response is judged. While electrodes are
+ * under test, or have just been held, nothing is added.
  */
 static void sum_moves(pzs_monitor_state *monitor, const squares *sum,
                       const pzs_loop_signals *signals)

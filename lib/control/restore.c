@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Damage of working memory, as by radiation or by a wrong pointer of the firmware. At the start of
- * each tick of a loop everything that does not change from tick to tick is derived again from the
- * tables in flash, so that damage lasts for one tick at most; the Hessian is compared row by row,
- * so that its damage lasts for as many ticks as there are inputs. What changes from tick to tick is
- * corrected by the measurements and by the optimiser's own checks.
+ * Repair of damaged working memory, as by radiation or by a wrong pointer of the firmware.
+ * Everything that stays constant from tick to tick is derived again from the tables in flash at the
+ * start of each tick of a loop, so that damage lasts for one tick at most. The Hessian is compared
+ * with its source row by row, so that its damage lasts for as many ticks as there are inputs. What
+ * changes from tick to tick is corrected by the measurements and by the checks of the optimiser.
  */
 #include "boxls.h"
 #include "boxls_tableau.h"
@@ -36,7 +36,10 @@ void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *contr
     optimiser->upper = control->state.upper;
 }
 
-/* Smallest pivot floor: rounding errors of a tableau that is built once. */
+/*
+ * Return the smallest pivot threshold, which covers the rounding errors of a newly computed
+ * tableau.
+ */
 static pzs_real least_pivot_floor(const pzs_optimiser *optimiser)
 {
     return 4 * (pzs_real)optimiser->inputs * PZS_EPSILON;
@@ -57,7 +60,10 @@ void pzs_control_set_constants(pzs_control *control)
                                          : 0;
 }
 
-/* Limits in force and step limits: those of the tables, narrowed to a voltage where held. */
+/*
+ * Set voltage limits in force and step limits: those of the tables, or the held voltage of an input
+ * that is held.
+ */
 static void restore_limits(pzs_control *control)
 {
     const pzs_problem *problem = control->state.problem;
@@ -75,8 +81,8 @@ static void restore_limits(pzs_control *control)
 /* ---- Hessian ----------------------------------------------------------- */
 
 /*
- * First entry of row k of H that differs from its source, or the number of inputs. The source is
- * the row of the table; without a table, the entries on the other side of the diagonal.
+ * Return the first entry of row k of the Hessian that differs from its source, or the number of
+ * inputs. The source is the row of the table, or without a table the entries across the diagonal.
  */
 static uint32_t find_difference(const pzs_control *control, const pzs_real *table, uint32_t k)
 {
@@ -95,7 +101,10 @@ static uint32_t find_difference(const pzs_control *control, const pzs_real *tabl
     return inputs;
 }
 
-/* Form rows k and j of H again, with their entries on the other side and on the diagonal. */
+/*
+ * Compute rows k and j of the Hessian again, with their diagonal entries and the entries across the
+ * diagonal.
+ */
 static void repair_rows(pzs_control *control, const pzs_real *table, uint32_t k, uint32_t j)
 {
     pzs_optimiser *optimiser = &control->state.optimiser;
@@ -109,7 +118,7 @@ static void repair_rows(pzs_control *control, const pzs_real *table, uint32_t k,
     optimiser->diagonal[last] = optimiser->hessian[(size_t)last * optimiser->width + last];
 }
 
-/* Compare row k of H with its source. Returns whether it had to be repaired. */
+/* Compare row k of the Hessian with its source. Returns whether the row had to be repaired. */
 static bool scrub_row(pzs_control *control, const pzs_real *table, uint32_t k)
 {
     pzs_optimiser *optimiser = &control->state.optimiser;
@@ -122,7 +131,10 @@ static bool scrub_row(pzs_control *control, const pzs_real *table, uint32_t k)
     return true;
 }
 
-/* Number of inputs in the active set. The marks of the free set become exactly 0 or 1. */
+/*
+ * Return the number of inputs in the active set, after setting each mark of the free set to exactly
+ * 0 or 1.
+ */
 static uint32_t count_active(pzs_optimiser *optimiser)
 {
     uint32_t active = 0;
@@ -133,7 +145,10 @@ static uint32_t count_active(pzs_optimiser *optimiser)
     return active;
 }
 
-/* The next row of the Hessian; after the last one, the numbers that follow from all of them. */
+/*
+ * Check the next row of the Hessian; after the last row, set the constants that follow from all
+ * rows.
+ */
 static void scrub_next_row(pzs_control *control, const pzs_real *table)
 {
     pzs_optimiser *optimiser = &control->state.optimiser;
@@ -164,7 +179,8 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     control->state.influence = influence != NULL ? influence : problem->influence;
     control->state.stage = CONTROL_READY;
     pzs_control_place(control, work);
-    pzs_control_damp(control, 1, NULL, NULL); /* unless the damper of this tick says otherwise */
+    pzs_control_damp(control, 1, NULL, NULL); /* the vibration damper of this tick may set its
+                                                 damping again */
     guard_repair_bool(&optimiser->is_verified);
     guard_repair_bool(&optimiser->is_rebuilding);
     guard_repair_bool(&optimiser->is_predicted);

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Scrub of tables (scrub.h). */
+/* Scrub of constant tables, which checks them slice by slice (scrub.h). */
 #include "scrub.h"
 #include "../core/guard.h"
 
 /*
- * End of a pass: compare the checksum, and start the next pass. Returns whether this pass or the
- * one before it had the right checksum.
+ * Compare the checksum after the last slice of the tables, and start again at the first slice.
+ * Returns whether this checksum or the one before it was right.
  */
 static bool end_pass(pzs_scrub *scrub, uint32_t crc)
 {

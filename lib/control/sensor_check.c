@@ -1,13 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sensor check of measurements against expected values (sensor_check.h). */
+/*
+ * Check of measurements against expected values, by which missing and stuck sensors are found
+ * (sensor_check.h).
+ */
 #include "sensor_check.h"
 #include "../core/numbers.h"
 
-/* Resolution assumed of sensors: an expected value moves if it changes in one tick by more than
- * 1/RESOLUTION of |measured| + the largest |expected| of all sensors. */
+/*
+ * Assumed resolution of the sensors: an expected value counts as moving if it changes in one tick
+ * by more than 1/RESOLUTION of |measured| plus the largest |expected| of all sensors.
+ */
 #define RESOLUTION 64
 
-/* Largest absolute value of vector [n]. */
+/* Return the largest absolute value among `count` numbers. */
 static pzs_real largest_size(const pzs_real *vector, uint32_t count)
 {
     pzs_real most = 0;
@@ -17,11 +22,11 @@ static pzs_real largest_size(const pzs_real *vector, uint32_t count)
 }
 
 /*
- * Whether measurement i, which is not finite or has the same bits as before, is rejected. It is
- * missing if it is not finite. It is stuck if it kept the same bits for SENSOR_STUCK_TICKS ticks in
- * which its expected value moved, that is, in which measured - expected changed by more than the
- * resolution of sensors. *most is the largest |expected| of all sensors, or negative as long as no
- * measurement has needed it.
+ * Whether to reject measurement i, which is not finite or has the same bits as in the last tick. A
+ * measurement that is not finite is missing. It is stuck if it kept the same bits for
+ * SENSOR_STUCK_TICKS ticks in which its expected value moved by more than the resolution of the
+ * sensors.
+ *   most in/out  largest |expected| of all sensors; negative: not yet computed
  */
 static bool is_unusable(const sensor_check *sensors, uint32_t i, pzs_real measured, pzs_real *most)
 {
@@ -42,8 +47,8 @@ static bool is_unusable(const sensor_check *sensors, uint32_t i, pzs_real measur
 }
 
 /*
- * Update the differences of usable measurements, that is, of finite ones that differ from the last
- * tick, starting at index i < n. Returns the index of the first measurement that is neither, or n.
+ * Update the differences of measurements that are finite and differ from the last tick, from index
+ * i on. Returns the index of the first other measurement, or the number of measurements.
  */
 static uint32_t skip_usable(const sensor_check *sensors, const pzs_real *measured, uint32_t i)
 {

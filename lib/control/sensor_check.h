@@ -1,32 +1,40 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sensor check: differences between measurements and the values expected of them. Measurements that
- * are missing or stuck are rejected. */
+/*
+ * Sensor check: differences between measurements and their expected values. Measurements that are
+ * missing or stuck are rejected.
+ */
 #ifndef PZS_LIB_SENSOR_CHECK_H
 #define PZS_LIB_SENSOR_CHECK_H
 
 #include "pzs_base.h"
 
-/* A measurement is stuck once it has repeated in this many ticks in which it should have moved. */
+/*
+ * Number of ticks after which a measurement counts as stuck, if it repeated in all of them although
+ * it should have moved.
+ */
 #define SENSOR_STUCK_TICKS 8u
 
-/* The measurements of one tick and what the check remembers of earlier ticks. */
+/*
+ * The measurements of one tick and what the sensor check remembers of earlier ticks. All arrays
+ * have one entry for each sensor.
+ */
 typedef struct sensor_check {
     uint32_t n;
-    const pzs_real *expected; /* [n] values that the model predicts */
-    pzs_real *last;           /* [n] last measurements */
-    pzs_real *difference; /* [n] measured - expected; a rejected measurement keeps its last one */
-    uint8_t *repeats;     /* [n] ticks in which a measurement repeated although it should have
+    const pzs_real *expected; /* values that the model predicts (unit of each sensor) */
+    pzs_real *last;           /* measurements of the last tick (unit of each sensor) */
+    pzs_real *difference; /* measured minus expected value; a rejected measurement keeps its last
+                             difference (unit of each sensor) */
+    uint8_t *repeats;     /* number of ticks in which a measurement repeated although it should have
                              moved */
 } sensor_check;
 
 /*
- * Update all differences from measured [n].
- * Returns the number of rejected measurements; *where is the index of the first one, and is left
- * unchanged if there is none.
+ * Update all differences from the measurements of a tick. Returns the number of rejected
+ * measurements; *where receives the index of the first one, and stays unchanged if there is none.
  */
 uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured, int32_t *where);
 
-/* Whether the last call of pzs_sensor_check rejected this measurement. */
+/* Return whether the last call of pzs_sensor_check rejected a measurement. */
 static inline bool sensor_is_unusable(const uint8_t *repeats, pzs_real measured)
 {
     const pzs_real none = measured - measured;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The control step, pzs_tick, as a block of the loop. */
+/* The control step pzs_tick as a block of the loop. */
 #include "pzs_loop.h"
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
@@ -8,7 +8,10 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
     return PZS_STEP_BLOCK_BYTES(problem->inputs, problem->outputs);
 }
 
-/* In `self`: the controller, its workspace. */
+/*
+ * Initialise the step block. Its memory holds the controller, followed by the workspace of the
+ * controller.
+ */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     const pzs_problem *problem = tables;

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * How far a step limit lets a voltage move in one step. Rounding may narrow this range, never widen
- * it: the computed difference to the last voltage is at most the step limit.
+ * Range of voltages that a step limit allows in one step. Rounding may narrow this range but never
+ * widens it: the computed difference to the last voltage is at most the step limit.
  */
 #ifndef PZS_LIB_STEP_BOUNDS_H
 #define PZS_LIB_STEP_BOUNDS_H
 
 #include "../core/numbers.h"
 
-/* Lowest voltage that one step reaches from the voltage `last` (V). */
+/* Return the lowest voltage that one step can reach from the voltage `last` (V). */
 static inline pzs_real step_down(pzs_real last, pzs_real step_limit)
 {
     const pzs_real down = last - step_limit;
@@ -17,7 +17,7 @@ static inline pzs_real step_down(pzs_real last, pzs_real step_limit)
     return inner < last ? inner : last;
 }
 
-/* Highest voltage that one step reaches from the voltage `last` (V). */
+/* Return the highest voltage that one step can reach from the voltage `last` (V). */
 static inline pzs_real step_up(pzs_real last, pzs_real step_limit)
 {
     const pzs_real up = last + step_limit;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Supervisor of the loop (pzs_loop.h): one table of transitions, a divergence monitor (monitor.c),
- * and ramps. A ramp is a straight line: with `remaining` ticks to go, each tick goes the part
- * 1 / remaining of the way from the voltages given last, so nothing but that number has to be
- * remembered, and a ramp that the last gate had to cut still ends in time or by the step limit.
+ * Supervisor of the loop (pzs_loop.h): a table of transitions between modes, a divergence monitor
+ * (monitor.c) and ramps. A ramp is a straight line: with `remaining` ticks to go, each tick moves
+ * the voltages by 1 / remaining of the way from those of the last tick. This number alone must be
+ * remembered, and a ramp that the last gate has to clamp still ends in time or at the step limit.
  */
 #include <string.h>
 #include "control.h"
@@ -56,9 +56,9 @@ static pzs_status check(const pzs_supervision *tables, const pzs_problem *proble
 
 /* ---- transitions -------------------------------------------------------- */
 
-#define STAY PZS_MODES /* the event does not change the mode */
+#define STAY PZS_MODES /* the event leaves the mode unchanged */
 
-/* Next mode: a row for each mode, a column for each event. */
+/* Transition table: the next mode for each mode (row) and each event (column). */
 static const uint8_t transition[PZS_MODES][PZS_EVENTS] = {
     [PZS_MODE_INITIALISE] = {STAY, STAY, PZS_MODE_ARMED, PZS_MODE_PARKING, STAY, PZS_MODE_STOPPING,
                              STAY, STAY, PZS_MODE_STOPPING, STAY},
@@ -89,9 +89,12 @@ static bool is_in_control(uint32_t mode)
 
 /* ---- ramps -------------------------------------------------------------- */
 
-#define MOST_TICKS 4e9f /* a ramp of more ticks than this has no bound */
+#define MOST_TICKS 4e9f /* ramps of more ticks count as unbounded */
 
-/* Smallest number of ticks in which a voltage changes by `way` with this step limit (V). */
+/*
+ * Return the smallest number of ticks in which a voltage changes by `way` (V) with a step limit
+ * (V).
+ */
 static uint32_t ticks_of(pzs_real way, pzs_real step_limit)
 {
     const pzs_real ticks = way / step_limit;
@@ -103,7 +106,10 @@ static uint32_t ticks_of(pzs_real way, pzs_real step_limit)
     return (uint32_t)(ticks * (1 + 16 * PZS_EPSILON)) + 1u;
 }
 
-/* The larger one of `most` and the ticks that input i needs from one voltage to another. */
+/*
+ * Return the larger one of `most` and the number of ticks that input i needs from one voltage to
+ * another.
+ */
 static uint32_t longer(uint32_t most, const pzs_problem *problem, uint32_t i, pzs_real from,
                        pzs_real to)
 {
@@ -120,7 +126,7 @@ uint32_t pzs_supervisor_ramp(const pzs_supervision *tables, const pzs_problem *p
     return most;
 }
 
-/* A voltage of input i inside its limits (V). */
+/* Return a voltage of input i clamped to its limits (V). */
 static pzs_real inside(const pzs_problem *problem, uint32_t i, pzs_real voltage)
 {
     return number_clamp(voltage, problem->lower[i], problem->upper[i]);
@@ -140,7 +146,7 @@ uint32_t pzs_supervisor_longest_ramp(const pzs_supervision *tables, const pzs_pr
     return most;
 }
 
-/* Voltage at the end of the ramp (V). */
+/* Return the voltage of an input at the end of the ramp (V). */
 static pzs_real target_of(const pzs_supervisor *supervisor, uint32_t i)
 {
     const pzs_problem *problem = supervisor->state.problem;
@@ -149,7 +155,7 @@ static pzs_real target_of(const pzs_supervisor *supervisor, uint32_t i)
                   is_flat ? problem->reference_voltage[i] : supervisor->state.tables->park[i]);
 }
 
-/* Start a ramp from the voltages given last. */
+/* Start a ramp from the voltages of the last tick. */
 static void start_ramp(pzs_supervisor *supervisor, const pzs_real *given)
 {
     const pzs_problem *problem = supervisor->state.problem;
@@ -159,7 +165,7 @@ static void start_ramp(pzs_supervisor *supervisor, const pzs_real *given)
     supervisor->state.core[0].remaining = most;
 }
 
-/* Set the voltages of the next tick of the ramp; at its end they stay at its target. */
+/* Set the voltages of the next tick of the ramp. At the end of the ramp they stay. */
 static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
     pzs_supervisor_core *core = &supervisor->state.core[0];
@@ -177,7 +183,7 @@ static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *sign
 
 /* ---- events ------------------------------------------------------------- */
 
-/* Let an event change the mode. */
+/* Change the mode according to an event. */
 static void happen(pzs_supervisor *supervisor, pzs_supervisor_event event,
                    const pzs_loop_signals *signals)
 {
@@ -200,9 +206,9 @@ static void happen(pzs_supervisor *supervisor, pzs_supervisor_event event,
 }
 
 #define COMMAND_STEP                                                                               \
-    256u /* a command word is COMMAND_STEP times a running number plus the command */
+    256u /* a command word is this number times a command counter, plus the command */
 
-/* The command word that two of its copies agree on. */
+/* Return the command word on which two of its three copies agree. */
 static uint32_t command_word(const pzs_supervisor *supervisor)
 {
     const uint32_t first = supervisor->state.command[0], second = supervisor->state.command[1],
@@ -235,7 +241,7 @@ static void obey(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 
 #define WARNED(signals, status) (((signals)->warnings >> (status)&1u) != 0)
 
-/* Count ticks without a usable frame, and let frames change the mode. */
+/* Count ticks without usable readings, and change the mode when readings arrive or are missing. */
 static void judge_frame(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
     pzs_supervisor_core *core = &supervisor->state.core[0];
@@ -249,7 +255,10 @@ static void judge_frame(pzs_supervisor *supervisor, const pzs_loop_signals *sign
         happen(supervisor, PZS_EVENT_FRAME, signals);
 }
 
-/* Let time-out, divergence monitor and errors of other blocks change the mode. */
+/*
+ * Change the mode after a time-out, an alarm of the divergence monitor or an error of another
+ * block.
+ */
 static void judge_health(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
     pzs_supervisor_core *core = &supervisor->state.core[0];
@@ -294,7 +303,7 @@ static pzs_real *work_of(pzs_supervisor *supervisor)
     return (void *)((uint8_t *)supervisor + PZS_ALIGNED(sizeof *supervisor));
 }
 
-/* Make the other copies of the core equal to the first one. */
+/* Make the other two copies of the supervisor's variables equal to the first one. */
 static void copy_core(pzs_supervisor *supervisor)
 {
     supervisor->state.core[1] = supervisor->state.core[0];
@@ -329,7 +338,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     return PZS_OK;
 }
 
-/* Status of a mode in which the loop is not in control. */
+/* Return the status of a mode in which the loop is not in control. */
 static pzs_status status_of(uint32_t mode)
 {
     if (mode == PZS_MODE_STOPPING)

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Checksum of the tables of the supervisor, for those who make them. */
+/* Checksum of the tables of the supervisor, for the functions that generate the tables. */
 #ifndef PZS_LIB_SUPERVISOR_H
 #define PZS_LIB_SUPERVISOR_H
 
 #include "pzs_loop.h"
 
-/* CRC of the counts, settings and arrays, as stored in the crc field. */
+/*
+ * Return the checksum of the settings and arrays of supervisor tables, as stored in their member
+ * crc.
+ */
 uint32_t pzs_supervision_crc(const pzs_supervision *tables);
 
 #endif

@@ -1,31 +1,33 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Damper: the vibration modes of the structure, observed from the readings and damped by the
- * control step.
+ * Vibration damper: the vibration modes of the structure are observed from the readings and damped
+ * by the control step.
  *
- * A mode with the static coordinate g v under voltages v and the static coordinate w under loads
- * turns about its equilibrium: with the deviation d = q - g v - w and the velocity p over the
- * angular frequency, one tick under constant voltages makes (d, p) := R (d, p). An observer of
- * fixed gain estimates q, p and w of each mode from readings that are `delay` ticks old: it
- * corrects the state that it predicted for their time, and predicts from there to the present tick.
+ * A mode has the coordinate q, the static coordinate g v under the voltages v, and the static
+ * coordinate w under loads. With the deviation d = q - g v - w from its equilibrium and the
+ * velocity p divided by the angular frequency, one tick under constant voltages turns (d, p) into R
+ * (d, p), with a 2 x 2 matrix R. An observer of constant gain estimates q, p and w of each mode
+ * from readings that are `delay` ticks old: it corrects the state that it predicted for the time of
+ * the readings, and predicts from there to the present tick.
  *
- * The control step then minimises
+ * The control step then minimises, within all limits and up to terms that do not depend on v,
  *
  *   share * |W (B v + C w + r - z)|^2 / 2  -  v . sum_i damping_i d_i  +  |W B (v - v_last)|^2 / 2
  *
- * up to terms that do not depend on v, within all limits; r is what the modes do not explain,
- * through a low-pass filter. The damping term takes energy out of the modes: it moves the voltages
- * at a rate that is in phase with the deviation, and a rate that the step limit cuts keeps its
- * phase. No change is always allowed, so the sum of the energy of the modes and of the static
- * objective never rises, whatever the limits, the step limits and the held inputs are (for exact
- * modes that are observed without error; mix 0). At rest d = p = 0, and the voltages are those of
- * the undamped tick.
+ * with the output weights W, the influence matrix B, the mode shapes C, the target shape z, and the
+ * low-passed part r of the shape that the modes do not explain. The damping term takes energy out
+ * of the modes: it moves the voltages in phase with the deviation, also where a step limit cuts the
+ * move. Unchanged voltages are always allowed, so the sum of the energy of the modes and of the
+ * static objective never rises, whatever the voltage limits, the step limits and the held inputs
+ * are (for exact modes that are observed without error, with mix 0). In static equilibrium d = p =
+ * 0, and the voltages are those of the undamped tick.
  *
- * The deviation that is damped is a mean of q - g v - w and of the change of the velocity in one
- * tick over the angle that the mode turns in it: that form does not depend on g.
+ * The deviation that is damped is a weighted mean of q - g v - w and of the change of the velocity
+ * in one tick, divided by the angle that the mode turns in a tick. The second form does not depend
+ * on g.
  *
- * Work of a tick: at most 3 modes (sensors + outputs) + inputs (sensors + 2 modes) + outputs
- * sensors multiply-adds beside those of the step. Nothing depends on the data.
+ * The work of a tick, in addition to the control step, is at most 3 modes (sensors + outputs) +
+ * inputs (sensors + 2 modes) + outputs sensors multiply-adds. It does not depend on the data.
  */
 #include <string.h>
 #include "vibration.h"
@@ -36,8 +38,10 @@
 #include "sensor_check.h"
 
 #define READY 1u
-/* A reading that deviates by more than this from its prediction counts as missing; sums of squares
- * up to it do not overflow. */
+/*
+ * A reading that deviates by more than this from its prediction counts as missing. Sums of squares
+ * up to this size do not overflow.
+ */
 #define DEVIATION_LIMIT PZS_R(1e12)
 
 /* ---- tables ----------------------------------------------------------- */
@@ -135,8 +139,8 @@ static size_t sensor_width(const pzs_damper *damper)
 }
 
 /*
- * Row of a ring of the last voltages: age 0 is that of the present ones, age `delay` that of the
- * voltages in force when the readings of the present tick were taken.
+ * Return the row of a ring buffer of the last ticks: age 0 is the present tick, age `delay` the
+ * tick in which the present readings were taken.
  */
 static size_t row_of(const pzs_damper *damper, uint32_t age)
 {
@@ -154,7 +158,10 @@ static pzs_real *expected_of(const pzs_damper *damper, uint32_t age)
     return damper->state.expected + row_of(damper, age) * sensor_width(damper);
 }
 
-/* Compute static coordinates and readings under the present voltages into the newest row. */
+/*
+ * Compute static modal coordinates and static readings under the present voltages into the newest
+ * row.
+ */
 static void record_voltages(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
@@ -171,8 +178,10 @@ static void record_voltages(pzs_damper *damper)
     }
 }
 
-/* Predict the state state [3][width] of all modes one tick on, under voltages with this
- * equilibrium. */
+/*
+ * Predict the state [3][width] of all modes by one tick, under voltages with a given static
+ * equilibrium.
+ */
 static void predict(const pzs_damper *damper, pzs_real *state, const pzs_real *equilibrium)
 {
     const pzs_vibration *tables = damper->state.tables;
@@ -188,7 +197,7 @@ static void predict(const pzs_damper *damper, pzs_real *state, const pzs_real *e
     }
 }
 
-/* Move to the next tick: the present voltages become the newest of the ring. */
+/* Advance by one tick: the present voltages take the newest row of the ring buffer. */
 static void advance(pzs_damper *damper)
 {
     damper->state.newest =
@@ -209,13 +218,13 @@ static void catch_up(pzs_damper *damper)
 
 /* ---- readings --------------------------------------------------------- */
 
-/* [sensors][modes] readings in each mode. */
+/* Return the table of the readings per modal coordinate, [sensors][modes]. */
 static const pzs_real *readings_table(const pzs_vibration *tables)
 {
     return tables->reading != NULL ? tables->reading : tables->shape;
 }
 
-/* Readings that the voltages in force and the modes predict for the time of the readings. */
+/* Predict the readings, at their time, from the voltages and the modes. */
 static void predict_readings(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
@@ -228,7 +237,10 @@ static void predict_readings(pzs_damper *damper)
                     tables->modes);
 }
 
-/* Residual of one sensor: low-passed innovation minus its part that the modes explain. */
+/*
+ * Return the residual of one sensor: its low-passed innovation minus the part that the modes
+ * explain.
+ */
 static pzs_real residual_of(const pzs_damper *damper, uint32_t sensor)
 {
     const pzs_vibration *tables = damper->state.tables;
@@ -239,7 +251,10 @@ static pzs_real residual_of(const pzs_damper *damper, uint32_t sensor)
     return rest;
 }
 
-/* Replace the innovations of unusable readings by their residuals. Returns the number of them. */
+/*
+ * Replace the innovations of unusable readings by their residuals. Returns the number of unusable
+ * readings.
+ */
 static uint32_t replace_unusable(pzs_damper *damper, const pzs_real *readings, int32_t *where)
 {
     uint32_t unusable = 0;
@@ -254,7 +269,10 @@ static uint32_t replace_unusable(pzs_damper *damper, const pzs_real *readings, i
     return unusable;
 }
 
-/* Set the innovations of a frame. Returns the number of unusable readings. */
+/*
+ * Compute the innovations, readings minus predicted readings. Returns the number of unusable
+ * readings.
+ */
 static uint32_t compare(pzs_damper *damper, const pzs_real *readings, int32_t *where)
 {
     const uint32_t sensors = damper->state.tables->sensors;
@@ -272,7 +290,10 @@ static uint32_t compare(pzs_damper *damper, const pzs_real *readings, int32_t *w
     return unusable;
 }
 
-/* fit [modes] = readings table' times the innovations, weighted by their precision. */
+/*
+ * Compute fit [modes], the transposed table of the readings times the innovations, each weighted by
+ * the precision of its sensor.
+ */
 static void project_innovation(pzs_damper *damper, pzs_real *fit)
 {
     const pzs_vibration *tables = damper->state.tables;
@@ -287,7 +308,10 @@ static void project_innovation(pzs_damper *damper, pzs_real *fit)
                          tables->modes);
 }
 
-/* Correct the state at the time of the readings, and filter what the modes do not explain. */
+/*
+ * Correct the state at the time of the readings, and low-pass the part that the modes do not
+ * explain.
+ */
 static void correct(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
@@ -311,7 +335,7 @@ static void correct(pzs_damper *damper)
 
 /* ---- results ---------------------------------------------------------- */
 
-/* Deviation of the modes from their equilibrium, and the damping gradient. */
+/* Compute the deviations of the modes from their equilibrium and the damping gradient. */
 static void damp(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
@@ -334,8 +358,8 @@ static void damp(pzs_damper *damper)
 }
 
 /*
- * Shape in which the structure would rest under the present voltages and loads, from sensors that
- * measure it: B v + C w + residual.
+ * Static shape under the present voltages and loads, from sensors that measure the shape: predicted
+ * shape, plus shape of the modes under loads, plus residual.
  */
 static void measured_shape(pzs_damper *damper, pzs_real *shape)
 {
@@ -350,7 +374,10 @@ static void measured_shape(pzs_damper *damper, pzs_real *shape)
         shape[i] += damper->state.residual[i];
 }
 
-/* The same shape from few sensors: B v + C w + gain times residual. */
+/*
+ * Static shape under the present voltages and loads, from few sensors: predicted shape, plus shape
+ * of the modes under loads, plus gain times residual readings.
+ */
 static void estimated_shape(pzs_damper *damper, pzs_real *shape)
 {
     const pzs_vibration *tables = damper->state.tables;
@@ -376,7 +403,7 @@ static pzs_status finish(pzs_damper *damper, pzs_status status, int32_t where)
     return status;
 }
 
-/* Point the arrays of the damper into the workspace. */
+/* Let the arrays of the damper point into the workspace. */
 static void lay_out(pzs_damper *damper, pzs_real *at)
 {
     const size_t width = width_of(damper), sensors = sensor_width(damper);
@@ -404,7 +431,7 @@ static void lay_out(pzs_damper *damper, pzs_real *at)
     damper->info.load = damper->state.now + 2 * width;
 }
 
-/* Structure at rest under the present voltages, which have been given out for long. */
+/* Set the state of a structure in static equilibrium under the present voltages. */
 static void set_initial_state(pzs_damper *damper)
 {
     const size_t bytes = width_of(damper) * sizeof(pzs_real);
@@ -506,7 +533,7 @@ static void *work_of(pzs_damper *damper)
     return (uint8_t *)damper + PZS_ALIGNED(sizeof *damper);
 }
 
-/* `self` holds the damper, then its workspace, then the shape. */
+/* Initialise the damper block. Its memory holds the damper, its workspace, and the static shape. */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     const pzs_vibration *vibration = tables;
@@ -525,7 +552,8 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     pzs_real *shape = (void *)((uint8_t *)work_of(damper) + workspace_of(tables));
     place(damper, signals->control, tables, work_of(damper));
     const pzs_status status = pzs_damper_tick(damper, signals->readings, shape);
-    if (!number_is_finite(damper->info.deviation)) { /* damaged memory: start anew, at rest */
+    if (!number_is_finite(damper->info.deviation)) { /* working memory was damaged: start again in
+                                                        static equilibrium */
         memset(work_of(damper), 0, workspace_of(tables));
         set_initial_state(damper);
     }

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Checksum of the tables of the damper, for those who make them. */
+/* Checksum of the tables of the vibration damper, for the functions that generate the tables. */
 #ifndef PZS_LIB_VIBRATION_H
 #define PZS_LIB_VIBRATION_H
 
 #include "pzs_loop.h"
 
-/* CRC of the counts, arrays and settings of the tables, as stored in their crc field. */
+/*
+ * Return the checksum of the counts, arrays and settings of vibration tables, as stored in their
+ * member crc.
+ */
 uint32_t pzs_vibration_crc(const pzs_vibration *tables);
 
 #endif
