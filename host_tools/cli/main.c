@@ -713,9 +713,9 @@ static int judge_storms(analysis *analysis, char *error)
 }
 
 /*
- * Compute all contents of the tables. Nonlinear tables contain the scene's equilibrium, and a
- * voltage problem where the scene has a target; control tables contain the influence matrix that
- * the simulation of the scene uses.
+ * Compute all contents of the tables of a firmware. Tables for the nonlinear solver contain the
+ * scene's equilibrium, and a voltage problem where the scene has a target; tables for the
+ * controller alone contain the influence matrix that the simulation of the scene uses.
  */
 static int prepare_tables(analysis *analysis, tables_image image, char *error)
 {

@@ -130,8 +130,9 @@ static void json_head(json *json, const analysis *analysis)
 /* ---- check ------------------------------------------------------------ */
 
 /*
- * Compute the memory that the tables of an image need on a device, by writing the tables to a file
- * that is discarded. Returns 0, or -1 where the scene cannot have this image.
+ * Compute the memory that the tables of a control, linear or nonlinear firmware need on a device,
+ * by writing the tables to a file that is discarded. Returns 0, or -1 where the scene cannot have
+ * these tables.
  */
 static int image_size(const analysis *analysis, tables_image image, tables_size *size,
                       tables_memory *need)
@@ -520,7 +521,8 @@ static void print_narrower(const voltages *result, int amplifiers)
 
 /*
  * Print how many target rows lie on constrained dof and differ from the wanted value, which the
- * shape error does not include, and the names of the free functions.
+ * shape error does not include, and the names of the free functions (shapes that may be added to
+ * the target at no cost).
  */
 static void print_target_rows(const design *design, const voltages *result)
 {

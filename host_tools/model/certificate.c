@@ -148,8 +148,8 @@ static void append(char text[CERTIFICATE_TEXT], const char *format, ...)
 }
 
 /*
- * Append the first sentence on a loop with a vibration model: whether the loop is stable, and what
- * the damped tick damps.
+ * Append the first sentence on a loop with a vibration model: whether the loop is stable, and which
+ * modes its control tick damps.
  */
 static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
@@ -165,7 +165,8 @@ static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEX
 }
 
 /*
- * Append the sentences on the storms (random jumps of the target) of a loop with a vibration model.
+ * Append the sentences on the storms (simulations with fast jumps of the target) of a loop with a
+ * vibration model.
  */
 static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {

@@ -22,41 +22,45 @@
 enum { CERTIFICATE_TEXT = 2000 }; /* length of the text that describes a certificate (characters) */
 
 /*
- * Largest distance from the best shape at which a storm counts as settled, relative to the norm of
- * the target. A storm is a simulation with random jumps of the target.
+ * Largest distance from the best shape, relative to the norm of the target, at which a storm (a
+ * simulation with fast jumps of the target) counts as settled.
  */
 #define CERTIFICATE_TOLERANCE 0.05
 
 /*
  * Certificate of a loop with a vibration model, from simulations of the loop with structures that
- * differ from the model: growth of small vibrations, storms (random jumps of the target), margins
+ * differ from the model: growth of small vibrations, storms (fast jumps of the target), margins
  * (simulate/certify.h).
  */
 typedef struct certificate_loop {
     bool is_made;
-    bool is_stable; /* true where small vibrations decay on every structure that was tried and every
-                       storm settles */
+    bool is_stable; /* true where small vibrations decay on every simulated structure and every
+                       storm (simulation with fast jumps of the target) settles */
     int modes;      /* number of modes of the simulated structure */
-    int observed;   /* number of modes that the damped tick observes */
+    int observed;   /* number of modes that the observer of the control tick estimates */
     double radius;  /* largest growth factor of small vibrations per tick, without limits */
     double at_gain, at_frequency; /* gain and natural frequencies of the structure with the largest
                                      growth, relative to the model */
-    int storms, failed;           /* number of storms; number of storms that did not settle */
-    double worst; /* largest distance from the best shape at the end of a storm, relative to the
-                     norm of the target */
-    double worst_gain, worst_frequency, worst_step; /* gain and natural frequencies of the structure
-                                                       in the worst storm, relative to the model,
-                                                       and its step limit relative to the scene's */
-    double ticks; /* mean number of ticks until a storm has settled */
+    int storms, failed; /* number of storms (simulations with fast jumps of the target); number of
+                           those that did not settle */
+    double worst; /* largest distance from the best shape at the end of a storm (a simulation with
+                     fast jumps of the target), relative to the norm of the target */
+    double worst_gain, worst_frequency, worst_step; /* gain and natural frequencies, relative to the
+                                                       model, of the structure in the worst storm
+                                                       (simulation with fast target jumps), and its
+                                                       step limit relative to the scene's */
+    double ticks; /* mean number of ticks until a storm (a simulation with fast jumps of the target)
+                     has settled */
     int delay;    /* age of the readings that the scene states (ticks) */
     int older;    /* number of ticks by which every reading may be older than the scene states: with
-                     each number up to this one, vibrations decay and every storm settles */
+                     each number up to this one, vibrations decay and the shape settles after fast
+                     jumps of the target */
     int newer; /* number of ticks by which every reading may be newer than the scene states, at most
-                  the stated delay: with each number up to this one, vibrations decay and every
-                  storm settles */
+                  the stated delay: with each number up to this one, vibrations decay and the shape
+                  settles after fast jumps of the target */
     bool has_margins;
-    double margin_gain; /* largest gain of the structure, relative to the model, with which the loop
-                           is stable */
+    double margin_gain; /* largest static response of the structure to voltages, relative to the
+                           model, with which the loop is stable */
     bool ends_at_most;  /* true where `older` is the largest number of ticks that was tried */
     double margin_slow, margin_fast; /* lowest and highest natural frequencies, relative to the
                                         model, with which the loop is stable */
@@ -83,8 +87,9 @@ typedef struct certificate {
                       vibrations per tick; NAN without a rate */
     double gain;   /* approximately the largest stable gain of the control step: 2 x damping ratio x
                       angular frequency of the first mode x tick interval; NAN without a rate */
-    bool has_settings;        /* true where `settings` were chosen by storms */
-    damper_settings settings; /* settings of the damped tick */
+    bool has_settings; /* true where `settings` were chosen by simulations with fast jumps of the
+                          target */
+    damper_settings settings; /* settings of the control tick that damps vibration */
     certificate_loop loop;    /* certificate of the loop with a vibration model */
     double stable_rate; /* highest tick rate (1/s) up to which every rate is stable; 0 where no
                            stable rate was found, infinite where every rate is stable */

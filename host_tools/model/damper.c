@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Tables of the damped tick of a scene: choice of the observed modes, mode shapes and readings
- * (damper.h).
+ * Tables of the control tick that damps vibration, for one scene: choice of the observed modes,
+ * mode shapes and readings (damper.h).
  */
 #include "damper.h"
 #include <math.h>
@@ -28,7 +28,7 @@ static const double visible = 1e-3;
  */
 static const double slow_limit = 0.02, slow_part = 0.5;
 
-/* Intermediate results while the tables of a damped tick are made. */
+/* Intermediate results while the tables of a control tick that damps vibration are made. */
 typedef struct builder {
     damper *damper;
     const analysis *analysis;
@@ -55,7 +55,7 @@ typedef struct builder {
 
 /*
  * Displacement of the target nodes in a mode of unit modal mass, without its part along the free
- * functions of the target.
+ * functions of the target (shapes that may be added to the target at no cost).
  *   shape [targets] out
  */
 static void mode_shape(const builder *builder, size_t mode, double *shape)
@@ -252,8 +252,8 @@ static void fill_noise(const builder *builder, double *noise)
 
 /*
  * Compute the inverse variance of each reading, scaled so that the weighted readings of a mode have
- * a root mean square of about 1. Rows of a target with free functions count by their weight, so
- * that the free functions do not appear in any mode.
+ * a root mean square of about 1. Where the target has free functions (shapes that may be added at
+ * no cost), its rows count by their weight, so that the free functions do not appear in any mode.
  */
 static void fill_precision(builder *builder)
 {
@@ -390,8 +390,8 @@ static bool reads_displacements(const scene *scene)
 }
 
 /*
- * Whether the tables can be made for a loop that needs the damped tick; if not, the member `reason`
- * is filled.
+ * Whether the tables can be made for a loop that needs a control tick that damps vibration; if not,
+ * the member `reason` is filled.
  */
 static bool is_possible(damper *damper, const analysis *analysis, const estimator *estimator)
 {

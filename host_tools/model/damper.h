@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Tables of the damped tick (pzs_vibration) of a scene: which modes it observes, how the sensors
- * and the outputs move in these modes, and the gains (damper_gains.h). The damped tick observes
- * modes that turn by at most 2 rad in a tick and that move the outputs, from the lowest on: no more
- * modes than there are amplifiers that are not held, and fewer modes than sensors. Modal
- * coordinates are scaled so that a unit moves the outputs by a root mean square of 1.
+ * Tables of the control tick that damps vibration (pzs_vibration), for one scene: which modes the
+ * tick observes, how the sensors and the outputs move in these modes, and the gains
+ * (damper_gains.h). The tick observes modes that turn by at most 2 rad in a tick and that move the
+ * outputs, from the lowest on: no more modes than there are amplifiers that are not held, and fewer
+ * modes than sensors. Modal coordinates are scaled so that a unit moves the outputs by a root mean
+ * square of 1.
  */
 #ifndef DAMPER_H
 #define DAMPER_H
@@ -14,10 +15,10 @@
 #include "estimator.h"
 
 typedef struct damper {
-    bool is_used; /* true where the control loop needs the damped tick; the following members are
-                     set only then */
-    char reason[SCENE_ERROR]; /* why a loop that needs the damped tick cannot have one; otherwise
-                                 empty */
+    bool is_used; /* true where the control tick must damp vibration; the following members are set
+                     only then */
+    char reason[SCENE_ERROR]; /* where the control tick must damp vibration but cannot, the reason;
+                                 otherwise empty */
     int modes;                /* number of observed modes */
     double *frequency;        /* [modes] natural frequencies of the observed modes (Hz) */
     double rate;              /* tick rate (1/s) */
@@ -25,7 +26,10 @@ typedef struct damper {
     pzs_vibration tables;
 } damper;
 
-/* Tick rate, age of the readings and settings for which the tables of a damped tick are made. */
+/*
+ * Tick rate, age of the readings and settings for which the tables of a control tick that damps
+ * vibration are made.
+ */
 typedef struct damper_options {
     double rate; /* tick rate (1/s) */
     int delay;   /* age of the readings (ticks) */
@@ -39,17 +43,17 @@ typedef struct damper_options {
 damper_options damper_options_of(const analysis *analysis);
 
 /*
- * Make the tables of the damped tick for given options, whether the loop needs them or not. The
- * other arguments are those of damper_open. Returns 0, or -1 with error filled and the damper
- * unused.
+ * Make the tables of a control tick that damps vibration for given options, whether the loop needs
+ * them or not. The other arguments are those of damper_open. Returns 0, or -1 with error filled and
+ * the damper unused.
  */
 int damper_make(damper *damper, const analysis *analysis, const estimator *estimator,
                 const damper_options *options, char *error);
 
 /*
- * Make the tables of the damped tick where the scene has a tick rate and densities and its control
- * step alone would be unstable (certificate_refuses). Otherwise, and with the option `quasi_static`
- * of the analysis, leave the damper unused.
+ * Make the tables of a control tick that damps vibration where the scene has a tick rate and
+ * densities and its control step alone would be unstable (certificate_refuses). Otherwise, and with
+ * the option `quasi_static` of the analysis, leave the damper unused.
  *   analysis  in  after certificate_make and design_control; must outlive the damper
  *   estimator in  estimator of the controller; must outlive the damper; NULL: every target node is
  *       measured

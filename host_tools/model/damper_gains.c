@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Gains of the damped tick: Riccati equation by structured doubling, observer, damping gradient
- * (damper_gains.h).
+ * Gains of the control tick that damps vibration: Riccati equation by structured doubling,
+ * observer, damping gradient (damper_gains.h).
  */
 #include "damper_gains.h"
 #include <math.h>
@@ -280,7 +280,8 @@ static int fill_explain(double *explain, const damper_model *model)
 /* ---- damping ---------------------------------------------------------- */
 
 /*
- * Part of a mode's deviation by which the damped tick moves the equilibrium of the mode.
+ * Part of a mode's deviation by which a control tick that damps vibration moves the equilibrium of
+ * the mode.
  *   angle in  angle by which the mode turns in a tick (rad)
  */
 static double damping_of(double angle, const damper_settings *settings)

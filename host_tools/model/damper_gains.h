@@ -21,8 +21,8 @@
 #include <stddef.h>
 
 /*
- * Settings of the damped tick. The angle of a mode is its angular frequency times the tick
- * interval.
+ * Settings of the control tick that damps vibration. The angle of a mode is its angular frequency
+ * times the tick interval.
  */
 typedef struct damper_settings {
     double damping; /* damping per radian: in a tick, the equilibrium of a mode moves by `damping`
@@ -42,14 +42,14 @@ typedef struct damper_settings {
     double slow;  /* gain of the low-pass filter of the part of the readings that the modes do not
                      explain */
     int later;    /* number of ticks by which the readings are assumed to be older than the scene
-                     states; a damped tick tolerates newer readings better than older ones */
+                     states; the observer tolerates newer readings better than older ones */
     bool is_gradient; /* true: use a damping gradient whose energy decays at any limits; false: use
                          the gradient of the squared error of the shape that damps */
 } damper_settings;
 
 /*
- * Default settings, with which all storms of tests/unit/test_vibration_block.c settle on every
- * structure.
+ * Default settings, with which the shape settles after fast jumps of the target on every structure
+ * of tests/unit/test_vibration_block.c.
  */
 damper_settings damper_default_settings(void);
 
@@ -70,7 +70,10 @@ typedef struct damper_model {
     const double *square; /* [modes] weighted squared norm of each mode shape at the outputs */
 } damper_model;
 
-/* Gains of the damped tick in the layout of pzs_vibration. The caller owns all arrays. */
+/*
+ * Gains of the control tick that damps vibration, in the layout of pzs_vibration. The caller owns
+ * all arrays.
+ */
 typedef struct damper_gains {
     double *turn;     /* [4][modes] propagators of free vibration over one tick */
     double *observer; /* [3][modes][modes] observer gains of position, velocity and static position
@@ -83,8 +86,8 @@ typedef struct damper_gains {
 } damper_gains;
 
 /*
- * Compute the gains of the damped tick. Returns 0, or -1 where memory runs out or the iteration
- * does not converge, for example because a number is not finite.
+ * Compute the gains of the control tick that damps vibration. Returns 0, or -1 where memory runs
+ * out or the iteration does not converge, for example because a number is not finite.
  */
 int damper_compute(damper_gains *gains, const damper_model *model, const damper_settings *settings);
 

@@ -303,7 +303,10 @@ static void add_unit_resultants(const mesh *mesh, int element, int ply, double f
         h0[i] += factor * one[i];
 }
 
-/* Patch of whole elements, second index fastest, that contains an element, or -1. */
+/*
+ * Index of the patch of whole elements that contains an element, second grid index fastest, or -1
+ * where no patch contains it.
+ */
 static int patch_in(const mesh *mesh, int element, const scene_patches *patches)
 {
     double t[2][2];
@@ -411,7 +414,10 @@ static void patch_columns(const mesh *mesh, const scene_actuator *actuator, row_
     }
 }
 
-/* Append the columns of the stacks of an actuator: their forces along the rows of their springs. */
+/*
+ * Append the columns of the stack actuators of an actuator: forces along the directions of their
+ * springs.
+ */
 static void stack_columns(const mesh *mesh, int actuator, row_builder *columns, double *dense)
 {
     const int item = springs_item(mesh->scene, actuator);

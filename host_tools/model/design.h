@@ -50,8 +50,8 @@ typedef struct design {
                          scene */
     int *place_node;  /* mesh nodes of the named outputs, one output after the other; an output
                          without a node has no entry */
-    double *target;   /* [targets] target displacements, with the part along the free functions
-                         removed */
+    double *target;   /* [targets] target displacements, without their part along the free functions
+                         (shapes that may be added to the target at no cost) */
     double *wanted;   /* [targets] displacements that the voltages must cause: target minus
                          displacement under the scene's loads */
     double *weight;   /* [targets] weight of each target row in the error; 0 for rows on constrained
@@ -61,10 +61,12 @@ typedef struct design {
                              move; 0 for the other rows */
     int free_functions; /* number of free functions of the target: shapes that may be added to it at
                            no cost */
-    double *free_value; /* [free_functions][targets] combinations of the free functions that are
-                           orthonormal in the weighted scalar product */
+    double *free_value; /* [free_functions][targets] free functions of the target (shapes that may
+                           be added at no cost), combined so that they are orthonormal in the
+                           weighted scalar product */
     double *influence;  /* [targets][amplifiers] influence matrix without its part along the free
-                           functions, filled by design_control */
+                           functions of the target (shapes that may be added at no cost), filled by
+                           design_control */
     double *hessian;    /* [amplifiers][amplifiers] Hessian B'W^2 B of half the squared error, with
                            influence matrix B and weights W */
     double *lower, *upper, *step_limit, *reference_voltage; /* [amplifiers] voltage limits (V), step
@@ -157,8 +159,8 @@ int design_row(const design *design, int target);
 double design_target_gap(const design *design);
 
 /*
- * Evaluate the target displacement at the target nodes and remove its part along the free
- * functions.
+ * Evaluate the target displacement at the target nodes, and remove its part along the free
+ * functions (shapes that may be added to the target at no cost).
  *   value [targets] out
  * Returns 0, or -1 with error filled where a value is not finite.
  */
@@ -201,14 +203,15 @@ void design_shape(const design *design, const double *displacement, double *shap
 
 /*
  * Squared weighted norm |W P (shape - wanted)|^2, or |W P shape|^2 where `wanted` is NULL, with the
- * weights W and the projector P that removes the free functions.
+ * weights W and the projector P that removes the free functions (shapes that may be added to the
+ * target at no cost).
  *   shape, wanted [targets] in
  */
 double design_squares(const design *design, const double *shape, const double *wanted);
 
 /*
- * Difference between a shape and the wanted displacements after the free functions are removed from
- * it.
+ * Difference between a shape and the wanted displacements, without its part along the free
+ * functions (shapes that may be added to the target at no cost).
  *   shape, wanted [targets] in
  *   misfit        [targets] out
  * Returns the weighted sum of squares of the misfit in the rows on constrained dof.
@@ -217,14 +220,15 @@ double design_misfit(const design *design, const double *shape, const double *wa
                      double *misfit);
 
 /*
- * Remove the part along the free functions from a shape.
+ * Remove the part along the free functions of the target (shapes that may be added at no cost) from
+ * a shape.
  *   shape [targets] in/out
  */
 void design_take_free(const design *design, double *shape);
 
 /*
- * Influence matrix for the voltage problem: the part along the free functions is removed, and rows
- * on constrained dof are set to 0.
+ * Influence matrix for the voltage problem: the part along the free functions (shapes that may be
+ * added to the target at no cost) is removed, and rows on constrained dof are set to 0.
  *   influence [outputs][stride]     in   influence matrix, the amplifiers' columns first
  *   column    [targets]             work
  *   out       [targets][amplifiers] out
@@ -233,8 +237,8 @@ void design_influence_free(const design *design, const double *influence, size_t
                            double *column, double *out);
 
 /*
- * Find the target rows on constrained dof, orthonormalise the free functions, and evaluate the
- * target. Returns 0, or -1 with error filled.
+ * Find the target rows on constrained dof, orthonormalise the free functions (shapes that may be
+ * added to the target at no cost), and evaluate the target. Returns 0, or -1 with error filled.
  */
 int design_target_rows(design *design, char *error);
 

@@ -56,8 +56,9 @@ static double difference(const double *first, const double *second, int i)
 }
 
 /*
- * Entry i of shape - wanted minus the first `count` free functions multiplied by their
- * coefficients.
+ * Entry i of shape - wanted minus a combination of the first `count` free functions of the target
+ * (shapes that may be added at no cost).
+ *   coefficient [count] in  coefficients of this combination
  */
 static double residual_entry(const design *design, const double *shape, const double *wanted,
                              const double *coefficient, int count, int i)
@@ -70,8 +71,8 @@ static double residual_entry(const design *design, const double *shape, const do
 }
 
 /*
- * Weighted least-squares fit of the first `count` free functions to shape - wanted. A second
- * iteration corrects rounding errors.
+ * Weighted least-squares fit of the first `count` free functions of the target (shapes that may be
+ * added at no cost) to shape - wanted. A second iteration corrects rounding errors.
  *   coefficient [count] out
  */
 static void fit(const design *design, const double *shape, const double *wanted, int count,
@@ -103,8 +104,8 @@ static double weighted_squares(const design *design, const double *shape)
 }
 
 /*
- * Rounding-error bound of the weighted norm of a fit's residual, relative to the norm of the fitted
- * vector.
+ * Rounding-error bound of the weighted norm of what a least-squares fit leaves of a vector,
+ * relative to the norm of the vector.
  */
 static double rounding(const design *design)
 {
@@ -112,8 +113,8 @@ static double rounding(const design *design)
 }
 
 /*
- * Subtract from a shape [targets] its fit by the first `count` free functions. Weighted rows are
- * set to 0 where only rounding errors remain.
+ * Subtract from a shape [targets] its fit by the first `count` free functions of the target (shapes
+ * that may be added at no cost). Weighted rows are set to 0 where only rounding errors remain.
  */
 static void remove_fit(const design *design, int count, double *shape)
 {
@@ -129,8 +130,9 @@ static void remove_fit(const design *design, int count, double *shape)
 }
 
 /*
- * Evaluate free function j at the target nodes, orthogonalise it to the free functions before it
- * and scale it to the weighted norm 1. Returns 0, or -1 with error filled.
+ * Evaluate free function j (a shape that may be added to the target at no cost) at the target
+ * nodes, orthogonalise it to the free functions before it and scale it to the weighted norm 1.
+ * Returns 0, or -1 with error filled.
  */
 static int add_free(design *design, int j, char *error)
 {

@@ -5,27 +5,24 @@
 #include "../../lib/model/electrode.h"
 #include "../scene/outline_common.h"
 
-/*
- * Action of an input in one element: the voltage of the input, multiplied by a factor, lies across
- * a ply.
- */
+/* Voltage of one input across a ply of one element, multiplied by a factor. */
 typedef struct across {
     int input, ply;
     double factor;
-    double share; /* part of the element that the electrode covers */
+    double share; /* part of the element that the electrode covers, from 0 to 1 */
     const scene_patches *patches;
     int patch;
 } across;
 
-/* The actions in one element. */
+/* List of the voltages of all inputs across the plies of one element. */
 typedef struct across_list {
     across *entry;
-    design_part *part; /* work: the patches of one item in the element */
+    design_part *part; /* work array for the patches of one actuator or sensor in the element */
     int count, room;
-    bool is_full; /* memory ran out */
+    bool is_full; /* true where memory has run out */
 } across_list;
 
-/* Make room for a number of further actions. */
+/* Enlarge a list so that `more` further entries fit. */
 static void make_room(across_list *list, int more)
 {
     int full = 0;
@@ -38,8 +35,9 @@ static void make_room(across_list *list, int more)
 }
 
 /*
- * Append the actions of one actuator or sensor in an element, of which `first` is the first input.
- * Different drives may name one ply. Returns the new number of actions.
+ * Append the voltages of one actuator or sensor across the plies of an element to a list. Several
+ * drives of an actuator may name one ply.
+ *   first in  first input of the actuator or sensor
  */
 static void append_across(const mesh *mesh, const scene_actuator *actuator, int first, int element,
                           across_list *list)
@@ -58,7 +56,7 @@ static void append_across(const mesh *mesh, const scene_actuator *actuator, int 
     }
 }
 
-/* Find all actions in one element. */
+/* List the voltages of all actuators and sensors across the plies of one element. */
 static void all_across(const design *design, int element, across_list *list)
 {
     const scene *scene = design->scene;
@@ -71,7 +69,7 @@ static void all_across(const design *design, int element, across_list *list)
 }
 
 /*
- * Part of an element in which two electrodes lie over each other. Those of one layer do not
+ * Part of an element in which two electrodes overlap, from 0 to 1. Electrodes of one layer do not
  * overlap.
  */
 static double common_share(const design *design, int element, const across *one,

@@ -56,8 +56,8 @@ void plausible_voltages(plausible *warnings, const scene *scene, const double *v
 /* Numbers of an optimum of the voltages that are compared with their usual ranges. */
 typedef struct plausible_optimum {
     double target; /* root mean square of the displacements that the voltages are to cause, without
-                      the free functions, relative to the largest entry of the target; 0 where that
-                      entry is 0 */
+                      the free functions (shapes added at no cost), relative to the largest entry of
+                      the target; 0 where that entry is 0 */
     double error;  /* relative shape error of the optimum within the voltage limits */
     double share;  /* largest absolute voltage of the optimum relative to the largest limit; NAN
                       without limits */

@@ -40,27 +40,42 @@ typedef struct measured {
  */
 typedef int measure(const subject *of, int k, measured *found);
 
-/* Functions for the rules on the numbers of a scene (plausible_scene.c). */
+/* Functions that measure the numbers of a scene for the plausibility rules (plausible_scene.c). */
 measure measure_modulus, measure_density, measure_piezo, measure_thickness;
 measure measure_limit_field, measure_applied_field, measure_resolution;
 
-/* Functions for the rules on a mesh and its laminate (plausible_mesh.c). */
+/*
+ * Functions that measure the numbers of a mesh and its laminate for the plausibility rules
+ * (plausible_mesh.c).
+ */
 measure measure_locking, measure_coarse, measure_strips, measure_narrow;
 measure measure_shear, measure_faces;
 measure measure_held_spring, measure_long_spring;
 
-/* Functions for the rules on a mesh from a file (plausible_file.c). */
+/*
+ * Functions that measure the numbers of a mesh from a file for the plausibility rules
+ * (plausible_file.c).
+ */
 measure measure_sharp_edge, measure_slit;
 
-/* Functions for the rules on a measured influence matrix (plausible_matrix.c). */
+/*
+ * Functions that measure the numbers of a measured influence matrix for the plausibility rules
+ * (plausible_matrix.c).
+ */
 measure measure_matrix_entry, measure_matrix_shape, measure_dead_column, measure_repeated_column;
 
-/* Functions for the rules on computed voltages and displacements (plausible_result.c). */
+/*
+ * Functions that measure computed voltages and displacements for the plausibility rules
+ * (plausible_result.c).
+ */
 measure measure_found_field, measure_displacement, measure_strain;
 measure measure_path, measure_stability;
 measure measure_target, measure_unreached, measure_idle;
 
-/* Function for the rule on a certified control loop (plausible_result.c). */
+/*
+ * Function that measures a certified control loop for the plausibility rule on the age of its
+ * readings (plausible_result.c).
+ */
 measure measure_age;
 
 /*

@@ -15,12 +15,12 @@ typedef struct voltages {
     double *voltage; /* [amplifiers] computed voltages (V) */
     double *u;       /* [free_dof] displacement vector under the voltages and the scene's loads */
     double *shape;   /* [targets] displacements of the target rows */
-    double *aligned_target; /* [targets] target plus the combination of its free functions that fits
-                               the shape best */
+    double *aligned_target; /* [targets] target plus the combination of its free functions (shapes
+                               that may be added at no cost) that fits the shape best */
     double error; /* relative shape error: weighted norm of shape minus target over that of target
-                     minus shape without voltages, both without the free functions and over the rows
-                     that can move. The shape without voltages is the linear one. NAN: no
-                     equilibrium was found */
+                     minus shape without voltages, over the rows that can move and without the free
+                     functions (shapes that may be added to the target at no cost). The shape
+                     without voltages is the linear one. NAN: no equilibrium was found */
     double error_all;   /* relative shape error with the target rows on constrained dof included */
     double rms, valley; /* weighted root mean square and peak-to-valley value of shape minus target,
                            over the rows that can move */

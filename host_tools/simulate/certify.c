@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Certificate of a control loop with a vibration model: choice of settings, growth of small
- * vibrations, storms, margins (certify.h).
+ * vibrations, simulations with fast jumps of the target, margins (certify.h).
  */
 #include "certify.h"
 #include <math.h>
@@ -11,13 +11,17 @@
 #include "storm.h"
 
 enum {
-    PLANTS = 5, /* number of structures in storms: the model and four around it */
-    ENOUGH = 3, /* number of storms that do not settle after which no further storm is simulated */
-    SEEDS = 3,  /* number of sequences of targets for the storms */
+    PLANTS = 5, /* number of structures in storms (simulations with fast jumps of the target): the
+                   model and four around it */
+    ENOUGH = 3, /* number of simulations with fast target jumps that do not settle after which no
+                   further one is run */
+    SEEDS = 3,  /* number of random sequences of targets for the simulations with fast target jumps
+                 */
     STORMS = PLANTS * 2 * SEEDS,
     CORNERS = 9,  /* number of structures for which the growth of small vibrations is measured */
     PERIODS = 24, /* periods of the first mode during which the growth of vibrations is measured */
-    TICKS_LEAST = 600, /* fewest and most ticks of a measurement of growth */
+    TICKS_LEAST = 600, /* fewest and most ticks of a simulation that measures the growth of small
+                          vibrations */
     TICKS_MOST = 3000,
     HALVINGS = 5,   /* number of bisections for a margin */
     OLDER_MOST = 4, /* largest error of the readings' age that is tried (ticks) */
@@ -26,7 +30,10 @@ enum {
 
 static const double two_pi = 6.283185307179586;
 
-/* Gains and frequencies, relative to the model, of the structures in storms. */
+/*
+ * Gains and frequencies, relative to the model, of the structures in simulations with fast jumps of
+ * the target.
+ */
 static const double storm_gain[PLANTS] = {1, 0.8, 0.8, 1.33, 1.33},
                     storm_frequency[PLANTS] = {1, 0.9, 1.1, 0.9, 1.1};
 
@@ -43,9 +50,9 @@ static const double gains[3] = {0.8, 1, 1.33}, frequencies[3] = {0.9, 1, 1.1};
 static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
 
 /*
- * Settings of the damped tick to choose from, the fastest first: damping per radian, part of the
- * deviation that is computed from the velocity, change of the loads in a tick, number of ticks by
- * which the readings are assumed to be older than the scene states.
+ * Settings of the control tick that damps vibration to choose from, the fastest first: damping per
+ * radian, part of the deviation that is computed from the velocity, change of the loads in a tick,
+ * number of ticks by which the readings are assumed to be older than the scene states.
  */
 static const struct {
     double damping, mix, drift;
@@ -55,8 +62,8 @@ static const struct {
 enum { CHOICES = sizeof choices / sizeof *choices };
 
 /*
- * Largest ratio of the storms' durations to those of the fastest settings that pass, up to which
- * settings that tolerate a larger error of the readings' age are preferred.
+ * Limit for preferring settings that tolerate a larger error of the readings' age: largest ratio of
+ * their settling time after fast target jumps to that of the fastest settings that pass.
  */
 static const double slowest = 1.25;
 
@@ -118,9 +125,9 @@ static int growth_ticks(const trial *trial)
 }
 
 /*
- * Measure the growth of small vibrations on one structure. They count as decaying unless their
- * amplitude grows by more than an eighth in the second half of the simulation, which is as far as
- * the simulation can resolve.
+ * Measure the growth of small vibrations on one structure. Vibrations count as decaying unless
+ * their amplitude grows by more than an eighth in the second half of the simulation, which is the
+ * resolution of the measurement.
  */
 static int grow(const trial *trial, double gain, double frequency, int more_delay,
                 storm_result *result, char *error)
@@ -159,8 +166,8 @@ static int measure_growth(const trial *trial, certificate_loop *loop, bool *is_s
 /* ---- storms ----------------------------------------------------------- */
 
 /*
- * Structure, step limits and targets of the i-th storm, with readings that are `older` ticks older
- * than the scene states.
+ * Structure, step limits and targets of the i-th storm (simulation with fast jumps of the target),
+ * with readings that are `older` ticks older than the scene states.
  */
 static storm_plant plant_of(int i, int older)
 {
@@ -172,8 +179,8 @@ static storm_plant plant_of(int i, int older)
 }
 
 /*
- * Simulate storms until all have settled, or until so many have not settled that further ones are
- * useless. Returns 0, or -1 with error filled.
+ * Run storms (simulations with fast jumps of the target) until all have settled, or until so many
+ * have not settled that further ones are useless. Returns 0, or -1 with error filled.
  */
 static int run_storms(const trial *trial, certificate_loop *loop, char *error)
 {
@@ -197,8 +204,9 @@ static int run_storms(const trial *trial, certificate_loop *loop, char *error)
 }
 
 /*
- * Determine whether vibrations decay and all storms settle on every structure, with readings that
- * are `older` ticks older than the scene states. Returns 0, or -1 with error filled.
+ * Determine whether small vibrations decay and the shape settles after fast jumps of the target on
+ * every structure, with readings that are `older` ticks older than the scene states. Returns 0, or
+ * -1 with error filled.
  */
 static int try_age(const trial *trial, int older, bool *settles, char *error)
 {
@@ -280,8 +288,9 @@ static bool tolerates_all(const certificate_loop *loop)
 }
 
 /*
- * Whether a choice of settings is better than the best so far: first by the number of storms that
- * settle, then by the tolerated error of the readings' age, unless the choice is much slower.
+ * Whether a choice of settings is better than the best so far: first by the number of storms
+ * (simulations with fast jumps of the target) that settle, then by the tolerated error of the
+ * readings' age, unless the choice is much slower.
  *   fastest in  mean number of ticks of a storm with the fastest choice that passes
  */
 static bool is_better(const certificate_loop *loop, const certificate_loop *best, double fastest)
@@ -400,8 +409,8 @@ static int find_ages(const trial *trial, certificate_loop *loop, char *error)
 
 /*
  * Determine whether the loop with tables for a tick rate is stable on the model and on structures
- * with the largest gain and lower or higher frequencies, and settles after two storms on these
- * structures. Returns 0, or -1 with error filled.
+ * with the largest gain and lower or higher frequencies, and whether two simulations with fast
+ * target jumps on these structures settle. Returns 0, or -1 with error filled.
  */
 static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
 {

@@ -18,9 +18,10 @@
 #include "../model/analysis.h"
 
 /*
- * Choose the settings of the damped tick and certify the loop, where the scene's loop needs a
- * vibration model. Otherwise, and for a loop that is certified already, do nothing. Storms that do
- * not settle are not an error of this function.
+ * Choose the settings of the control tick that damps vibration and certify the loop, where the
+ * scene's loop needs a vibration model. Otherwise, and for a loop that is certified already, do
+ * nothing. A loop that does not settle after fast jumps of the target is not an error of this
+ * function.
  *   analysis in/out  after certificate_make and simulate_tables; `certificate.loop` and the
  *       settings are filled
  * Returns 0, or -1 with error filled.
@@ -35,7 +36,10 @@ int certify_loop(analysis *analysis, char *error);
  */
 int certify_margins(analysis *analysis, bool with_rates, char *error);
 
-/* Describe the structure with which a certified loop is unstable or a storm does not settle. */
+/*
+ * Describe the structure with which a certified loop is unstable or does not settle after fast
+ * jumps of the target.
+ */
 void certify_failure(const certificate *certificate, char text[SCENE_ERROR]);
 
 #endif

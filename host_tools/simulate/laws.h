@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Control laws for comparison with the library's control step, as step blocks for a list of blocks
- * (pzs_loop.h). All laws enforce the voltage limits and the step limits by clipping. A held
- * amplifier has no step limit, because its voltage is set at once.
+ * Control laws for comparison with the library's control step. Each is a step block, the block of a
+ * control tick that computes the voltages, for a list of blocks (pzs_loop.h). All laws enforce the
+ * voltage limits and the step limits by clipping. A held amplifier has no step limit, because its
+ * voltage is set at once.
  */
 #ifndef LAWS_H
 #define LAWS_H
@@ -11,8 +12,8 @@
 #include "pzs_loop.h"
 
 /*
- * Tables of a step block for comparison. Each loop needs its own, because they contain the memory
- * of the block.
+ * Tables of a control law for comparison, which is a block of the control tick (pzs_block). Each
+ * loop needs its own tables, because they contain the memory of the block.
  */
 typedef struct law {
     pzs_problem problem; /* voltage problem; the library requires it as first member */
@@ -33,15 +34,15 @@ bool law_open(law *law, const pzs_problem *problem, double regularisation);
 void law_close(law *law);
 
 /*
- * Step block of clipped least squares: unconstrained least-squares voltages for target minus last
- * measured disturbance, then clipped.
+ * Block of a control tick for clipped least squares: unconstrained least-squares voltages for
+ * target minus last measured disturbance, then clipped.
  */
 extern const pzs_block_type law_clipped_block;
 
 /*
- * Step block of the leaky integrator of adaptive optics: the new voltages are (1 - leak) times the
- * old ones plus gain times the least-squares voltages for target minus measured shape, then
- * clipped.
+ * Block of a control tick for the leaky integrator of adaptive optics: the new voltages are (1 -
+ * leak) times the old ones plus gain times the least-squares voltages for target minus measured
+ * shape, then clipped.
  */
 extern const pzs_block_type law_leaky_block;
 

@@ -155,9 +155,9 @@ static int check_range(const design *design, char *error)
 }
 
 /*
- * Refuse a fault detector together with free functions of the target. The fault detector compares
- * measured with predicted displacements, and free functions are removed from these displacements.
- * Returns 0, or -1 with error filled.
+ * Refuse a fault detector for a target with free functions (shapes that may be added to the target
+ * at no cost). The fault detector compares measured with predicted displacements, and free
+ * functions are removed from these displacements. Returns 0, or -1 with error filled.
  */
 static int check_free(const design *design, char *error)
 {

@@ -312,8 +312,9 @@ static loop *loop_of(const pzs_loop_signals *signals)
 }
 
 /*
- * Run one tick on the board and on its twin, and compare their results bit by bit. Returns the
- * status of the board, or -1 with error filled.
+ * Run one tick of the firmware on the board and on its twin, the firmware's C code on this
+ * computer, and compare their results bit by bit. Returns the status of the board, or -1 with error
+ * filled.
  */
 static int run_board_tick(loop *loop, char *error)
 {
@@ -337,9 +338,9 @@ static int run_board_tick(loop *loop, char *error)
 }
 
 /*
- * Tick of the step block that runs the firmware on the board. The board receives the readings of
- * the sensors and not the output of the preceding blocks, because the firmware contains these
- * blocks itself.
+ * Tick of the block that runs the firmware on the board in place of the library's step block, which
+ * computes the voltages. The board receives the readings of the sensors and not the output of the
+ * preceding blocks, because the firmware contains these blocks itself.
  */
 static pzs_status board_tick(void *self, pzs_loop_signals *signals)
 {
@@ -355,8 +356,8 @@ static const pzs_block_type board_block = {"board", PZS_PHASE_STEP, law_bytes, l
 
 /*
  * Copy the block list of the scene. For clipped least squares, which has no vibration model, or for
- * a board, replace the library's step block and omit all blocks behind the step block. Returns the
- * number of blocks.
+ * a board, replace the library's step block (the block that computes the voltages) and omit all
+ * blocks behind it. Returns the number of blocks.
  */
 static size_t list_blocks(loop *loop)
 {
@@ -421,7 +422,10 @@ static void copy_board_voltages(loop *loop)
     pzs_control_moved(control);
 }
 
-/* Copy the results of the library's step block: voltages, iterations and electrode states. */
+/*
+ * Copy the results of the library's step block, the block that computes the voltages: voltages,
+ * iterations and electrode states.
+ */
 static void take_command(loop *loop)
 {
     const size_t amplifiers = (size_t)loop->design->amplifiers;
@@ -432,9 +436,9 @@ static void take_command(loop *loop)
 }
 
 /*
- * Status of a tick for the statistics: the status of the step block. The status that the fault
- * detector has reported an electrode is left out, because reported electrodes are counted
- * separately.
+ * Status of a tick for the statistics: the status of the block that computes the voltages. The
+ * status that the fault detector has reported an electrode is left out, because reported electrodes
+ * are counted separately.
  */
 static pzs_status counted_status(const loop *loop, pzs_status status)
 {
@@ -643,8 +647,8 @@ static void reset_loop(loop *loop)
 }
 
 /*
- * Start the board and its twin, and read their initial voltages. Returns 0, or -1 with error
- * filled.
+ * Start the firmware on the board and its twin, the firmware's C code on this computer, and read
+ * their initial voltages. Returns 0, or -1 with error filled.
  */
 static int start_board(loop *loop, char *error)
 {

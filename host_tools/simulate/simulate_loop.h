@@ -24,8 +24,9 @@ typedef struct disturbance {
 } disturbance;
 
 /*
- * Tables of a step block that the simulation provides: the voltage problem, which the library
- * requires first, and the loop in which the block runs.
+ * Tables of the block with which the simulation replaces the library's step block (the block that
+ * computes the voltages): the voltage problem, which the library requires first, and the loop in
+ * which the block runs.
  */
 typedef struct law_tables {
     pzs_problem problem;
@@ -39,12 +40,14 @@ typedef struct loop {
     bool is_damped;   /* true: the controller has a vibration block */
     int missed_ticks; /* number of ticks missed since the last tick in which the controller ran */
     pzs_block block[PZS_BLOCK_LIMIT]; /* blocks of the control law */
-    law_tables tables; /* tables of the simulation's own step block; unused where the library's step
-                          block runs */
-    law compared;      /* tables of the step block of LAW_CLAMP and LAW_REGULARISED */
+    law_tables tables; /* tables of the simulation's own block for the voltages; unused where the
+                          library's step block computes the voltages */
+    law compared; /* tables of the block that computes the voltages of LAW_CLAMP and LAW_REGULARISED
+                   */
     pzs_loop controller; /* the library's control loop, in double precision */
     device board, twin; /* firmware on a board and its twin, the firmware's C code on this computer;
-                           both replace the library's step block where the simulation has a board */
+                           both replace the library's step block (the block that computes the
+                           voltages) where the simulation has a board */
     char *message;      /* [SCENE_ERROR] error text of a board that does not answer */
     int is_silent;      /* 1: the board did not answer in the last tick */
     uint64_t random;    /* state of the random number generator */
@@ -73,8 +76,9 @@ typedef struct loop {
                                         interval), readings that arrive later (ticks) */
     double vibration; /* weighted norm of the deviation from the static equilibrium relative to that
                          of the scene's target; 0 for a quasi-static plant */
-    double *twin_command, *last_voltage; /* [amplifiers] voltages of the board's twin; voltages
-                                            before the tick (V) */
+    double *twin_command, *last_voltage; /* [amplifiers] voltages of the board's twin (the
+                                            firmware's C code on this computer); voltages before the
+                                            tick (V) */
     electrode *electrode;                /* [amplifiers] state of each electrode */
     int sensors;    /* number of sensors: one for each target, or those of the scene's `estimate`
                        section */
@@ -102,12 +106,14 @@ typedef struct loop {
     double measurement_error;    /* weighted norm of the difference between true and measured shape,
                                     relative to that of the scene's target */
     uint8_t *state, *twin_state; /* [amplifiers] electrode states by the fault detector, of the loop
-                                    and of the board's twin */
+                                    and of the board's twin (the firmware's C code on this computer)
+                                  */
     void *controller_memory;     /* memory of the library's control loop */
     double error;                /* relative shape error at the start of the last tick */
     pzs_status status;           /* status of the controller in the last tick */
     int iterations;
-    int twin_agrees; /* 1: the board and its twin gave bit-identical results in the last tick */
+    int twin_agrees; /* 1: the board and its twin (the firmware's C code on this computer) gave
+                        bit-identical results in the last tick */
     int detected, falsely_detected, detection_ticks; /* number of electrodes that the fault detector
                                                         reported in the last tick; number of those
                                                         without a fault; longest time from a fault

@@ -100,8 +100,8 @@ typedef struct simulate_count {
     long detected, falsely_detected; /* number of electrodes that the fault detector reported;
                                         number of those without a fault */
     int detection_ticks;             /* longest time from a fault to its detection (ticks) */
-    long agreeing_ticks; /* number of ticks in which the board and its twin gave bit-identical
-                            results */
+    long agreeing_ticks; /* number of ticks in which the board and its twin (the firmware's C code
+                            on this computer) gave bit-identical results */
     double seconds;
 } simulate_count;
 
@@ -113,13 +113,14 @@ typedef struct simulation {
                                    the scene */
     estimator estimator; /* gains of the estimator and feed-forward tables; empty unless `estimates`
                             or `feeds` is set */
-    damper damper;       /* tables of the damped tick; unused for a quasi-static plant */
+    damper damper; /* tables of the control tick that damps vibration; unused for a quasi-static
+                      plant */
     damper unused_damper; /* an unused damper, for the block list without a vibration block */
     struct loop_blocks *undamped_blocks; /* block list without a vibration block, for the control
                                             laws for comparison */
     int estimates, feeds, quantises; /* flags: the shape is estimated from few sensors; known loads
-                                        are fed forward; the amplifiers have a resolution or a dead
-                                        band */
+                                        are fed forward to the voltages; the amplifiers have a
+                                        resolution or a dead band */
     double reference; /* weighted norm of the scene's target, the denominator of all relative errors
                        */
     double compared_regularisation; /* regularisation that LAW_REGULARISED adds to that of the scene

@@ -10,14 +10,15 @@
 #include "../model/mass.h"
 
 enum {
-    TARGETS = 10,      /* number of targets in a storm before the last one */
+    TARGETS = 10, /* number of targets in a storm (a simulation with fast target jumps) before the
+                     last target */
     REST_PERIODS = 12, /* periods of the first mode during which the last target stays */
     EVERY_LEAST = 10,  /* fewest and most ticks between two targets */
     EVERY_MOST = 1200,
     REST_LEAST = 1200, /* fewest ticks during which the last target stays: six time constants of the
                           low-pass filter of what the modes do not explain */
     REST_MOST = 20000,
-    END_LEAST = 20, /* fewest and most ticks that count as the end of a storm */
+    END_LEAST = 20, /* fewest and most ticks that count as the end of the simulation */
     END_MOST = 500
 };
 
@@ -145,11 +146,11 @@ void storm_close(storm_rig *rig)
 
 /* ---- one run ---------------------------------------------------------- */
 
-/* State of one simulated storm. */
+/* State of one storm: a simulated control loop with fast jumps of the target. */
 typedef struct storm {
     const storm_rig *rig;
     const storm_plant *plant;
-    pzs_problem problem; /* voltage problem with the step limits of the storm */
+    pzs_problem problem; /* voltage problem with the step limits of the simulation */
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
     pzs_loop loop;
@@ -158,13 +159,13 @@ typedef struct storm {
     uint64_t random;
     int tick, kept; /* present tick; number of ticks whose readings are stored */
     double noise;   /* standard deviation of the noise of a reading */
-    double *memory; /* one allocation that holds the arrays of the storm */
+    double *memory; /* one allocation that holds the arrays from `limits` on */
     double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
-                       the storm (V) */
+                       the simulation (V) */
     double *voltage; /* [amplifiers] present voltages (V) */
     double *before;  /* [amplifiers] voltages before the last tick (V) */
     double *thrown;  /* [targets] present target */
-    double *goal;    /* [targets] last target of the storm: the target of the scene */
+    double *goal;    /* [targets] last target of the simulation: the target of the scene */
     double *best; /* [targets] best shape for the last target that the limits allow on the simulated
                      structure */
     double *shape;   /* [targets] present shape */
@@ -211,7 +212,7 @@ static void multiply(double *product, const double *matrix, const double *vector
         product[i] *= factor;
 }
 
-/* Set the limits of the voltage problem to those of the storm. */
+/* Set the limits of the voltage problem to those of the simulation. */
 static void set_limits(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers;
@@ -233,10 +234,10 @@ static void set_limits(storm *storm)
 }
 
 /*
- * Replace the tables of the step block by tables with the limits of the storm. A law for comparison
- * keeps its memory beside its problem, so its problem is replaced in place. A run without limits
- * omits the blocks behind the step block, because converter steps and held electrodes would hide
- * the growth of vibrations.
+ * Replace the tables of the step block, the block that computes the voltages, by tables with the
+ * limits of the simulation. A control law for comparison keeps its memory beside its problem, so
+ * its problem is replaced in place. A simulation without limits omits the blocks behind the step
+ * block, because converter steps and held electrodes would hide the growth of vibrations.
  */
 static void set_tables(storm *storm)
 {

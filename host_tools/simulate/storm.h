@@ -17,7 +17,10 @@
 #include "inertia.h"
 #include "laws.h"
 
-/* Structure of a storm relative to the model, and step limits of the voltages. */
+/*
+ * Structure in a storm (a simulation with fast target jumps), relative to the controller's model,
+ * and step limits of the voltages.
+ */
 typedef struct storm_plant {
     double gain;       /* static response to voltages, relative to the model */
     double frequency;  /* natural frequencies, relative to the model */
@@ -28,7 +31,7 @@ typedef struct storm_plant {
     uint64_t seed;  /* seed of the random sequence of targets */
 } storm_plant;
 
-/* Data that all storms of one control loop share. */
+/* Data that all storms (simulations with fast target jumps) of one control loop share. */
 typedef struct storm_rig {
     const analysis *analysis;
     const estimator *estimator; /* estimator of the controller; NULL: the target rows are measured
@@ -62,7 +65,7 @@ typedef struct storm_result {
 } storm_result;
 
 /*
- * Prepare the storms of an analysis.
+ * Prepare the storms (simulations with fast target jumps) of an analysis.
  *   analysis  in  after analysis_influence, with a target and all densities
  *   estimator in  NULL where every target row is measured
  * Returns 0, or -1 with error filled; call storm_close in either case.
@@ -71,13 +74,13 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
 void storm_close(storm_rig *rig);
 
 /*
- * Set the control loop of the next storms.
+ * Set the control loop of the next storms (simulations with fast target jumps).
  *   block [blocks] in  copied; the tables of the blocks must outlive the rig
  *   delay          in  age of the readings that the scene states (ticks)
  */
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay);
 
-/* Simulate one storm. Returns 0, or -1 with error filled. */
+/* Run one storm, a simulation with fast target jumps. Returns 0, or -1 with error filled. */
 int storm_run(const storm_rig *rig, const storm_plant *plant, storm_result *result, char *error);
 
 /*

@@ -10,8 +10,8 @@
 #include "../model/tick_work.h"
 
 /*
- * Fraction of the step limits that the governor uses; the rest is left for the damping of
- * vibration.
+ * Fraction of the step limits (largest voltage change in a tick) that the governor of the target
+ * uses; the rest is left for the damping of vibration.
  */
 static const double governor_part = 0.5;
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Generated C tables of a control, linear or nonlinear image (tables.h). */
+/*
+ * Generated C tables of a firmware with the control, linear or nonlinear part of the library
+ * (tables.h).
+ */
 #include "tables.h"
 #include <ctype.h>
 #include <stdlib.h>
@@ -287,8 +290,8 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
 /* ---- memory of the device --------------------------------------------- */
 
 /*
- * Bytes of workspace and stack of an image, computed by the macros that a firmware uses; `real` is
- * the type of pzs_real on the device.
+ * Bytes of workspace and stack of a firmware, computed by the macros that the firmware uses; `real`
+ * is the type of pzs_real on the device.
  */
 #define NEED(real, k)                                                                              \
     {                                                                                              \
@@ -483,7 +486,8 @@ static void write_head(const emitter *emitter, const analysis *analysis, const c
 }
 
 /*
- * Write preprocessor checks that a nonlinear image is compiled with options with which it can run.
+ * Write preprocessor checks that a firmware with the nonlinear solver is compiled with options with
+ * which it can run.
  */
 static void write_demands(const emitter *emitter, const analysis *analysis)
 {

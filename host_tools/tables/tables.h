@@ -27,7 +27,7 @@ typedef struct tables_size {
 } tables_size;
 
 /*
- * Bytes of workspace and of stack that an image needs on a device, in single precision [0] and in
+ * Bytes of workspace and of stack that a firmware needs on a device, in single precision [0] and in
  * double precision [1]. The stack is that of the library alone, which `make test` verifies.
  */
 typedef struct tables_memory {
