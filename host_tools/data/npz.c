@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Named arrays as .npz and as CSV (named_array.h). The .npz file is a ZIP archive whose members are
- * stored without compression; their CRC-32 is that of the generated tables.
+ * Output of named arrays as .npz and as CSV files (named_array.h). An .npz file is a ZIP archive
+ * whose members are stored without compression; each has a CRC-32 checksum.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -11,12 +11,14 @@
 #include "../../lib/core/guard.h"
 
 enum {
-    NPY_HEADER = 128, /* bytes of the header of a .npy file, a multiple of 64 */
-    NPY_VERSION = 10, /* bytes before the text of the header */
-    TEXT = 96         /* bytes of a text of `units` */
+    NPY_HEADER = 128, /* size of the header of a .npy file, a multiple of 64 (bytes) */
+    NPY_VERSION = 10, /* offset of the text in the header of a .npy file (bytes) */
+    TEXT = 96         /* size of each text in the array `units` (bytes) */
 };
 
-/* A member of the archive, described again in the directory at its end. */
+/*
+ * Member of the ZIP archive: what its own header and the directory at the end of the archive state.
+ */
 typedef struct member {
     char name[NAMED_ARRAY_NAME + 8];
     uint32_t crc, bytes, offset;
@@ -26,7 +28,7 @@ typedef struct archive {
     FILE *file;
     member member[NAMED_ARRAY_MOST + 1];
     size_t members;
-    uint64_t offset; /* bytes written so far */
+    uint64_t offset; /* number of bytes written so far */
 } archive;
 
 /* ---- bytes ------------------------------------------------------------ */
@@ -37,7 +39,7 @@ static void put_bytes(archive *archive, const void *bytes, size_t count)
     archive->offset += count;
 }
 
-/* Write a number of 2 or 4 bytes, lowest byte first. */
+/* Write an integer of 2 or 4 bytes, least significant byte first. */
 static void put_number(archive *archive, uint32_t number, int bytes)
 {
     unsigned char text[4];
@@ -46,24 +48,32 @@ static void put_number(archive *archive, uint32_t number, int bytes)
     put_bytes(archive, text, (size_t)bytes);
 }
 
-/* Numbers of a member that its own header and the directory have in common. */
+/*
+ * Write the fields of a member that its own header and the directory of the archive have in common.
+ */
 static void put_member(archive *archive, const member *member)
 {
-    put_number(archive, 20, 2); /* version of ZIP that is needed */
-    put_number(archive, 0, 2);  /* flags */
-    put_number(archive, 0, 2);  /* stored without compression */
-    put_number(archive, 0, 2);  /* time: midnight */
-    put_number(archive, 33, 2); /* date: 1 January 1980, so that equal arrays give equal files */
+    put_number(archive, 20, 2); /* version of the ZIP format that a reader needs */
+    put_number(archive, 0, 2);  /* flags of the member */
+    put_number(archive, 0, 2);  /* compression method: none */
+    put_number(archive, 0, 2);  /* modification time: midnight */
+    put_number(archive, 33, 2); /* modification date: 1 January 1980, so that equal arrays give
+                                   equal files */
     put_number(archive, member->crc, 4);
     put_number(archive, member->bytes, 4);
     put_number(archive, member->bytes, 4);
     put_number(archive, (uint32_t)strlen(member->name), 2);
-    put_number(archive, 0, 2); /* no extra field */
+    put_number(archive, 0, 2); /* length of the extra field */
 }
 
 /* ---- members ---------------------------------------------------------- */
 
-/* Header of a .npy file of version 1: `type` as '<f8', and the shape. header [NPY_HEADER] out */
+/*
+ * Write the header of a .npy file of version 1.
+ *   header   [NPY_HEADER] out
+ *   type     in  type of the numbers, such as '<f8'
+ *   columns  in  0 for a vector
+ */
 static void npy_header(char *header, const char *type, size_t rows, size_t columns)
 {
     char shape[64];
@@ -82,7 +92,7 @@ static void npy_header(char *header, const char *type, size_t rows, size_t colum
     header[NPY_HEADER - 1] = '\n';
 }
 
-/* Write one .npy file as a member of the archive. Returns 0, or -1 where the archive is full. */
+/* Write one .npy file as a member of the archive. Returns 0, or -1 if the archive is full. */
 static int put_npy(archive *archive, const char *name, const char *header, const void *data,
                    size_t bytes)
 {
@@ -121,7 +131,10 @@ static int put_array(archive *archive, const named_array *array)
                    array->rows * columns * sizeof *array->value);
 }
 
-/* Write the list of the units. */
+/*
+ * Write the array `units`, a list of texts "NAME: UNIT". Returns 0, or -1 if memory runs out or the
+ * archive is full.
+ */
 static int put_units(archive *archive, const named_array *array, size_t count)
 {
     char header[NPY_HEADER], type[16];
@@ -137,29 +150,30 @@ static int put_units(archive *archive, const named_array *array, size_t count)
     return failed;
 }
 
-/* Write the directory at the end of the archive. */
+/* Write the directory at the end of the ZIP archive. */
 static void put_directory(archive *archive)
 {
     const uint32_t begin = (uint32_t)archive->offset;
     for (size_t k = 0; k < archive->members; k++) {
         const member *member = &archive->member[k];
         put_bytes(archive, "PK\1\2", 4);
-        put_number(archive, 20, 2); /* version of ZIP that wrote the archive */
+        put_number(archive, 20, 2); /* version of the ZIP format that the writer of the archive uses
+                                     */
         put_member(archive, member);
-        put_number(archive, 0, 2); /* no comment */
-        put_number(archive, 0, 4); /* first disk, no internal attributes */
-        put_number(archive, 0, 4); /* no external attributes */
+        put_number(archive, 0, 2); /* length of the member's comment */
+        put_number(archive, 0, 4); /* number of the first disk, and internal attributes */
+        put_number(archive, 0, 4); /* external attributes of the member */
         put_number(archive, member->offset, 4);
         put_bytes(archive, member->name, strlen(member->name));
     }
     const uint32_t end = (uint32_t)archive->offset;
     put_bytes(archive, "PK\5\6", 4);
-    put_number(archive, 0, 4); /* one disk */
+    put_number(archive, 0, 4); /* numbers of this disk and of the disk with the directory */
     put_number(archive, (uint32_t)archive->members, 2);
     put_number(archive, (uint32_t)archive->members, 2);
     put_number(archive, end - begin, 4);
     put_number(archive, begin, 4);
-    put_number(archive, 0, 2); /* no comment */
+    put_number(archive, 0, 2); /* length of the archive's comment */
 }
 
 int named_array_npz(FILE *file, const named_array *array, size_t count)

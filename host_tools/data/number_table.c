@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Tables of numbers from files (number_table.h). */
+/* Reading of tables of numbers from files of several formats (number_table.h). */
 #include "number_table.h"
 #include <errno.h>
 #include <stdbool.h>
@@ -9,7 +9,7 @@
 
 static const char npy_magic[] = "\x93NUMPY", fits_magic[] = "SIMPLE  =";
 
-/* Fill error with the name of the file and a message. Returns -1. */
+/* Write an error message that begins with the name of the file. Returns -1. */
 static int fault(const char *path, const char *message, char *error)
 {
     const char *separator = *message >= '0' && *message <= '9' ? ":" : ": ";
@@ -19,8 +19,8 @@ static int fault(const char *path, const char *message, char *error)
 }
 
 /*
- * Read a whole file of at most NUMBER_BYTES bytes. The size is checked before anything is read.
- * Returns the bytes followed by a NUL, or NULL with error filled.
+ * Read a whole file of at most NUMBER_BYTES bytes, whose size is checked first. Returns its bytes
+ * followed by a NUL, to be released with free, or NULL with error filled.
  */
 static char *read_bytes(const char *path, size_t *count, char *error)
 {

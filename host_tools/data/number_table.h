@@ -14,8 +14,8 @@
 #include <stdint.h>
 
 /*
- * Limits: bytes of an error message (NUMBER_ERROR), bytes of a name with its NUL (NUMBER_NAME),
- * bytes of a file (NUMBER_BYTES), numbers of a table (NUMBER_VALUES).
+ * Sizes: an error message (NUMBER_ERROR) and a name with its NUL (NUMBER_NAME) in bytes, largest
+ * file in bytes (NUMBER_BYTES), and largest number of entries of a table (NUMBER_VALUES).
  */
 enum { NUMBER_ERROR = 240, NUMBER_NAME = 64, NUMBER_BYTES = 64 << 20, NUMBER_VALUES = 1 << 23 };
 
@@ -23,41 +23,49 @@ typedef char number_name[NUMBER_NAME];
 
 typedef struct number_table {
     size_t rows, columns;
-    double *value;            /* [rows][columns], may contain NAN and infinities */
-    number_name *column_name; /* [columns], or NULL where the file names none */
-    number_name *row_name;    /* [rows], or NULL where the file names none */
-    uint32_t *line;           /* [rows] line of the file, from 1; NULL for binary files */
-    uint32_t hash;            /* FNV-1a hash of the bytes of the file */
+    double *value;            /* [rows][columns] numbers of the table, possibly NAN or infinite */
+    number_name *column_name; /* [columns] names of the columns, or NULL if the file has none */
+    number_name *row_name;    /* [rows] names of the rows, or NULL if the file has none */
+    uint32_t *line; /* [rows] line of each row in a text file, counted from 1; NULL for binary files
+                     */
+    uint32_t hash;  /* FNV-1a hash of the bytes of the file */
 } number_table;
 
 /*
- * Read a table.
- *   error [NUMBER_ERROR] out  "FILE:LINE: what was found; what to do"
+ * Read a table of numbers from a file.
+ *   error  [NUMBER_ERROR] out  "FILE:LINE: what was found; what to do"
  * Returns 0, or -1 with error filled and the table empty.
  */
 int number_table_read(number_table *table, const char *path, char *error);
 void number_table_free(number_table *table);
 
 /*
- * Index of a column by its name, or by its number from 1 where it has no such name; -1 where there
- * is none.
+ * Return the index of a column that is given by its name, or by its number counted from 1 if no
+ * column has this name; -1 if there is none.
  */
 int number_table_column(const number_table *table, const char *name);
 
-/* Place of an entry in words, "line 3, column 2" or "row 3, column 2". text [NUMBER_NAME] out */
+/*
+ * Write the position of an entry of a table in words, such as "line 3, column 2" (text
+ * [NUMBER_NAME] out).
+ */
 void number_table_place(const number_table *table, size_t row, size_t column, char *text);
 
 /* ---- formats ---------------------------------------------------------- */
 
 /*
- * Read a table from the bytes of a file; `bytes` is followed by a NUL. Each returns 0, or -1 with
- * error filled: what was found and what to do, after "LINE: " in text files. The caller releases
- * the table in either case.
+ * Readers of the table formats: they read a table from the bytes of a file, which are followed by a
+ * NUL.
+ *   error  [NUMBER_ERROR] out  what was found and what to do, behind "LINE: " in text files
+ * Each returns 0, or -1 with error filled. The caller releases the table in both cases.
  */
 int table_text_read(number_table *table, const char *bytes, size_t count, char *error);
 int table_npy_read(number_table *table, const char *bytes, size_t count, char *error);
 int table_pgm_read(number_table *table, const char *bytes, size_t count, char *error);
-/* Read a table from a FITS file; without the library cfitsio, every FITS file is refused. */
+/*
+ * Read a table from an image in a FITS file. Without the library cfitsio every FITS file is
+ * refused. Returns 0, or -1 with error filled.
+ */
 int table_fits_read(number_table *table, const char *path, char *error);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Voronoi areas of scattered points (point_area.h): the convex hull cut by half-planes. */
+/* Voronoi areas of scattered points (point_area.h): their convex hull is cut by half-planes. */
 #include "point_area.h"
 #include <math.h>
 #include <stdlib.h>
@@ -10,13 +10,17 @@ typedef struct point {
     size_t index;
 } point;
 
-/* Convex polygon with room for the corners of the hull and one more for each cut. */
+/*
+ * Convex polygon, with memory for the corners of the convex hull and one more corner for each cut.
+ */
 typedef struct polygon {
     size_t corners;
     double (*corner)[2];
 } polygon;
 
-/* Twice the area of the triangle a, b, c; positive where the turn is counterclockwise. */
+/*
+ * Return twice the area of a triangle; it is positive if the corners a, b, c run counterclockwise.
+ */
 static double turn(const point *a, const point *b, const point *c)
 {
     return (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
@@ -31,8 +35,8 @@ static int left_first(const void *left, const void *right)
 }
 
 /*
- * Convex hull of sorted points by the monotone chain. hull [2 count + 2] out. Returns its number of
- * corners.
+ * Find the convex hull of points that are sorted by x, by the monotone chain algorithm (hull [2
+ * count + 2] out). Returns the number of its corners.
  */
 static size_t hull_of(const point *sorted, size_t count, point *hull)
 {
@@ -63,8 +67,8 @@ static double area_of(const polygon *shape)
 }
 
 /*
- * Keep the part of `from` where normal . x <= limit, as `to`. The polygon has at most one corner
- * more afterwards.
+ * Copy the part of a convex polygon where normal . x <= limit to another polygon; it has at most
+ * one corner more.
  */
 static void cut(const polygon *from, const double normal[2], double limit, polygon *to)
 {
@@ -84,7 +88,7 @@ static void cut(const polygon *from, const double normal[2], double limit, polyg
     }
 }
 
-/* Largest distance of a corner of a polygon from a point. */
+/* Return the largest distance of a polygon's corners from a point. */
 static double reach_of(const polygon *shape, const point *centre)
 {
     double most = 0;
@@ -93,7 +97,10 @@ static double reach_of(const polygon *shape, const point *centre)
     return most;
 }
 
-/* Area of the cell of one point; `cell` and `other` are polygons to work with. */
+/*
+ * Return the area of the Voronoi cell of one point within the convex hull; `cell` and `other` are
+ * scratch polygons.
+ */
 static double cell_area(const point *points, size_t count, size_t own, const polygon *hull,
                         polygon *cell, polygon *other)
 {
@@ -102,7 +109,10 @@ static double cell_area(const point *points, size_t count, size_t own, const pol
     cell->corners = hull->corners;
     memcpy(cell->corner, hull->corner, hull->corners * sizeof *hull->corner);
     double reach = reach_of(cell, centre);
-    /* Points in the order of x: those beyond twice the reach do not cut the cell. */
+    /*
+     * The points are sorted by x. A point farther away than twice the largest distance of the
+     * cell's corners does not cut the cell.
+     */
     for (size_t step = 1; step < count; step++) {
         int is_near = 0;
         for (int side = 0; side < 2; side++) {
@@ -129,7 +139,7 @@ static double cell_area(const point *points, size_t count, size_t own, const pol
     return area_of(cell) / sharing;
 }
 
-/* Lengths of points on a line: half of the distance to each neighbour. */
+/* Compute the lengths that belong to points on a line: half of the distances to both neighbours. */
 static void lengths(const point *sorted, size_t count, double *area)
 {
     for (size_t i = 0; i < count; i++)

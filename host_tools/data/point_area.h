@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Areas that belong to scattered points: the weights of an integral over the points. */
+/* Areas that belong to scattered points: weights of an integral over the points. */
 #ifndef POINT_AREA_H
 #define POINT_AREA_H
 
 #include <stddef.h>
 
 /*
- * Area of the part of the convex hull of the points, seen along z, that is nearer to each point
- * than to any other (its Voronoi cell). On a rectangular grid with its border, inner points have
- * the area of a cell of the grid, points of the border half and corners a quarter of it. Where all
- * points lie on a line, `area` is the length instead. Points at the same place share their area.
- *   place [count][3]  in   x, y, z
- *   area [count]      out
- * Returns 0, or -1 where memory runs out.
+ * Compute the area of each point's Voronoi cell: the part of the convex hull, seen along z, that is
+ * nearer to this point than to any other. On a rectangular grid with its border, inner points have
+ * the area of a grid cell, points on the border half of it and corners a quarter of it. If all
+ * points lie on a line, the area is a length instead. Points at the same place share their area.
+ *   place  [count][3] in  coordinates x, y, z
+ *   area   [count] out
+ * Returns 0, or -1 when memory runs out.
  */
 int point_areas(size_t count, double (*place)[3], double *area);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Polygons of a plane (polygon.h). */
+/* Areas, parts and intersections of polygons in a plane (polygon.h). */
 #include "polygon.h"
 #include <math.h>
 #include <stdlib.h>
@@ -7,13 +7,15 @@
 
 /* ---- areas ------------------------------------------------------------ */
 
-/* Twice the area of the triangle a, b, c; positive where it runs counterclockwise. */
+/*
+ * Return twice the area of a triangle; it is positive if the corners a, b, c run counterclockwise.
+ */
 static double turn(const double a[2], const double b[2], const double c[2])
 {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/* The polygon is the signed sum of the triangles from the origin to each of its sides. */
+/* A polygon is the signed sum of the triangles between the origin and each of its sides. */
 polygon_sums polygon_sums_of(const double (*point)[2], size_t count, const double origin[2])
 {
     polygon_sums sums = {0, {0, 0}};
@@ -48,7 +50,10 @@ bool polygon_boxes_meet(const polygon_box *one, const polygon_box *other)
 
 /* ---- clipping --------------------------------------------------------- */
 
-/* Part of a polygon on the left of the line from a to b. Returns the number of its points. */
+/*
+ * Compute the part of a polygon on the left of the line from a to b. Returns the number of its
+ * points.
+ */
 static size_t clip_at_line(const double (*point)[2], size_t count, const double a[2],
                            const double b[2], double (*out)[2])
 {
@@ -79,12 +84,17 @@ size_t polygon_clip(const double (*point)[2], size_t count, const double (*quad)
 
 /* ---- area in common --------------------------------------------------- */
 
-/* A side of a polygon from left to right, and the sign of the area below it. */
+/*
+ * Side of a polygon, directed from left to right, and the sign with which the area below it counts.
+ */
 typedef struct side {
     double x[2], y[2], sign;
 } side;
 
-/* Sides of a counterclockwise polygon: the area lies below those that run to the left. */
+/*
+ * List the sides of a counterclockwise polygon. The area below a side counts as positive if the
+ * polygon runs along it to the left. Returns their number.
+ */
 static size_t list_sides(const double (*point)[2], size_t count, side *list)
 {
     size_t sides = 0;
@@ -110,7 +120,7 @@ static double height_at(const side *s, double x)
     return s->y[0] + part * (s->y[1] - s->y[0]);
 }
 
-/* Area above the level `base` and below both of two sides. */
+/* Return the area that lies above the level `base` and below both of two sides. */
 static double area_below(const side *one, const side *other, double base)
 {
     const double from = fmax(one->x[0], other->x[0]), to = fmin(one->x[1], other->x[1]);
@@ -122,7 +132,10 @@ static double area_below(const side *one, const side *other, double base)
     const double lower = fmin(left[0] + right[0], left[1] + right[1]) / 2;
     if (gap[0] * gap[1] >= 0)
         return (to - from) * lower;
-    /* The sides cross: the lower of their ends on the left, the crossing, the lower one right. */
+    /*
+     * The two sides cross each other: the boundary of the area consists of the lower end on the
+     * left, the crossing and the lower end on the right.
+     */
     const double part = gap[0] / (gap[0] - gap[1]), middle = left[0] + part * (right[0] - left[0]);
     return (to - from) *
            (part * (fmin(left[0], left[1]) + middle) +
@@ -130,7 +143,11 @@ static double area_below(const side *one, const side *other, double base)
            2;
 }
 
-/* Sum the areas below all pairs of sides, with their signs. one, other [rooms] work */
+/*
+ * Return the sum, over all pairs of sides of two polygons, of the areas below both sides with their
+ * signs.
+ *   one, other  work  memory for the sides of each polygon
+ */
 static double sum_pairs(const double (*a)[2], size_t a_count, side *one, const double (*b)[2],
                         size_t b_count, side *other, double base)
 {
@@ -144,9 +161,9 @@ static double sum_pairs(const double (*a)[2], size_t a_count, side *one, const d
 }
 
 /*
- * A polygon is the sum of the areas below its sides, with signs; the same sum over the pairs of
- * sides of two polygons is the area that both contain. Both are cut to the rectangle that their
- * boxes have in common first.
+ * The area of a polygon is the sum of the signed areas below its sides. The same sum over all pairs
+ * of sides of two polygons is the area of their intersection. Both polygons are first clipped to
+ * the rectangle that their bounding boxes have in common.
  */
 double polygon_common_area(const polygon *one, const polygon *other)
 {
@@ -177,14 +194,14 @@ double polygon_common_area(const polygon *one, const polygon *other)
 
 /* ---- check ------------------------------------------------------------ */
 
-/* Whether c lies on the line through a and b and between them, where the three are in one line. */
+/* Return whether point c, known to lie on the line through a and b, lies between them. */
 static bool lies_between(const double a[2], const double b[2], const double c[2])
 {
     return c[0] >= fmin(a[0], b[0]) && c[0] <= fmax(a[0], b[0]) && c[1] >= fmin(a[1], b[1]) &&
            c[1] <= fmax(a[1], b[1]);
 }
 
-/* Whether two sides, a to b and c to d, have a point in common. */
+/* Return whether two sides, from a to b and from c to d, have a point in common. */
 static bool do_cross(const double a[2], const double b[2], const double c[2], const double d[2])
 {
     const double of_c = turn(a, b, c), of_d = turn(a, b, d), of_a = turn(c, d, a),
@@ -196,7 +213,10 @@ static bool do_cross(const double a[2], const double b[2], const double c[2], co
            (of_a == 0 && lies_between(c, d, a)) || (of_b == 0 && lies_between(c, d, b));
 }
 
-/* Find two sides that cross or touch; neighbouring sides may share their common point alone. */
+/*
+ * Find two sides of a polygon that cross or touch, apart from the common point of neighbouring
+ * sides. Returns whether there are any.
+ */
 static bool find_crossing(const double (*point)[2], size_t count, size_t at[2])
 {
     for (size_t i = 0; i < count; i++)
@@ -217,7 +237,7 @@ static bool find_crossing(const double (*point)[2], size_t count, size_t at[2])
     return false;
 }
 
-/* Find the first point that is not finite, or that equals the next one. */
+/* Find the first point that is not finite or that equals the next point. */
 static polygon_fault check_points(const double (*point)[2], size_t count, size_t at[2])
 {
     for (size_t i = 0; i < count; i++) {

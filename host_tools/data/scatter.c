@@ -11,23 +11,25 @@ enum { NEAREST = 16, DEPTH = 64, SAMPLES = 500 };
 struct scatter {
     int axes;
     size_t count;
-    double *point;  /* [count][SCATTER_AXES] in the order of the tree, unused coordinates 0 */
-    double *value;  /* [count] in the same order */
-    size_t *source; /* [count] order under construction */
+    double *point;  /* [count][SCATTER_AXES] coordinates of the points in the order of the tree;
+                       coordinates beyond `axes` are 0 */
+    double *value;  /* [count] values of the points in the order of the tree */
+    size_t *source; /* [count] number of the point at each position of the tree, while the tree is
+                       built */
 };
 
-/* The nearest points found so far, with ascending distance. */
+/* Nearest points found so far, with ascending distance. */
 typedef struct neighbours {
     size_t count, most;
     size_t index[NEAREST];
-    double square[NEAREST]; /* squared distances */
+    double square[NEAREST]; /* squared distances of the points */
 } neighbours;
 
 /* ---- tree ------------------------------------------------------------- */
 
 /*
- * The tree is the array of points: the middle one of a range divides it along an axis that changes
- * with the depth, and each half is divided in the same way.
+ * Range of the array of points that forms a k-d tree: the middle point of a range divides it along
+ * an axis that changes with the depth, and both halves are divided in the same way.
  */
 typedef struct tree_range {
     size_t first, end;
@@ -44,7 +46,7 @@ static int compare(const void *left, const void *right)
     return (first > second) - (first < second);
 }
 
-/* Arrange `source` as a tree over the given points. */
+/* Sort the numbers of the points in `source` so that they form a k-d tree. */
 static void build(scatter *scatter, const double *point)
 {
     tree_range stack[DEPTH] = {{0, scatter->count, 0}};
@@ -131,10 +133,10 @@ static double square_distance(const double *first, const double *second)
     return sum;
 }
 
-/* A range of the tree that is to be searched unless it lies beyond the points found so far. */
+/* Range of the tree that is searched unless it is farther away than all points found so far. */
 typedef struct search_range {
     tree_range range;
-    double beyond; /* square of a lower bound of its distance */
+    double beyond; /* square of a lower bound of the distance to any point of the range */
 } search_range;
 
 static void search(const scatter *scatter, const double place[SCATTER_AXES], neighbours *found)
@@ -154,18 +156,19 @@ static void search(const scatter *scatter, const double place[SCATTER_AXES], nei
         const search_range low = {{range.first, middle, axis}, across > 0 ? across * across : 0};
         const search_range high = {{middle + 1, range.end, axis}, across < 0 ? across * across : 0};
         offer(found, middle, square_distance(place, point));
-        stack[waiting++] = across > 0 ? low : high; /* the nearer half is searched first */
+        stack[waiting++] = across > 0 ? low : high; /* the half of the range that is nearer to the
+                                                       place is searched first */
         stack[waiting++] = across > 0 ? high : low;
     }
 }
 
 /* ---- local fit -------------------------------------------------------- */
 
-/* Weighted moments of the nearest points about their centre. */
+/* Weighted means and second moments of the nearest points and their values. */
 typedef struct moments {
-    double centre[SCATTER_AXES], value; /* means of coordinates and values */
+    double centre[SCATTER_AXES], value; /* weighted means of the coordinates and of the values */
     double spread[SCATTER_AXES][SCATTER_AXES];
-    double cross[SCATTER_AXES]; /* of coordinates and values */
+    double cross[SCATTER_AXES]; /* weighted moments of the coordinates with the values */
 } moments;
 
 static moments moments_of(const scatter *scatter, const neighbours *found)
@@ -174,7 +177,8 @@ static moments moments_of(const scatter *scatter, const neighbours *found)
     double sum = 0, weight[NEAREST];
     memset(&moments, 0, sizeof moments);
     for (size_t k = 0; k < found->count; k++) {
-        weight[k] = found->square[0] / found->square[k]; /* the nearest point has weight 1 */
+        weight[k] = found->square[0] / found->square[k]; /* weights are inverse squared distances,
+                                                            relative to that of the nearest point */
         sum += weight[k];
     }
     for (size_t k = 0; k < found->count; k++) {
@@ -197,7 +201,10 @@ static moments moments_of(const scatter *scatter, const neighbours *found)
     return moments;
 }
 
-/* One Jacobi rotation of a symmetric matrix that makes s[a][b] zero; v collects the rotations. */
+/*
+ * Apply a Jacobi rotation to a symmetric matrix so that its entry (row, column) becomes 0, and to
+ * the matrix of eigenvectors.
+ */
 static void rotate(double matrix[SCATTER_AXES][SCATTER_AXES],
                    double vectors[SCATTER_AXES][SCATTER_AXES], int row, int column)
 {
@@ -222,12 +229,13 @@ static void rotate(double matrix[SCATTER_AXES][SCATTER_AXES],
 }
 
 /*
- * Value of the fitted linear function at a place. Directions in which the points spread less than
- * 1e-4 of the widest have no slope: there the function is constant.
+ * Return the value of the fitted linear function at a place. The function is constant in directions
+ * in which the points spread less than 1e-4 of their largest spread.
  */
 static double linear_value(moments *moments, const double place[SCATTER_AXES])
 {
-    static const double narrow = 1e-8; /* of squared widths */
+    static const double narrow = 1e-8; /* smallest relative squared spread that determines a slope
+                                        */
     double vectors[SCATTER_AXES][SCATTER_AXES] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     double widest = 0, value = moments->value;
     for (int sweep = 0; sweep < 12; sweep++)

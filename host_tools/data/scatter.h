@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Values at scattered points, interpolated by moving least squares: around the place, a linear
- * function is fitted to the nearest points, weighted by the inverse square of their distance.
- *
- * The result is the given value at a point, exact for linear functions wherever the points span
- * their directions, and constant in a direction that they do not span.
+ * Interpolation between values at scattered points by moving least squares: a linear function is
+ * fitted to the points nearest to a place, weighted with the inverse squares of their distances.
+ * The result equals the given value at a point, is exact for linear functions in all directions
+ * that the points span, and is constant in a direction that they do not span.
  */
 #ifndef SCATTER_H
 #define SCATTER_H
@@ -16,22 +15,22 @@ enum { SCATTER_AXES = 3 };
 typedef struct scatter scatter;
 
 /*
- * Keep copies of points and values.
- *   axes                     in  number of coordinates of a point, 1 to 3
- *   point [count][axes]      in  finite
- *   value [count]            in  finite
- * Returns NULL where memory runs out.
+ * Copy points and values for the interpolation.
+ *   axes   in                 number of coordinates of a point, 1 to 3
+ *   point  [count][axes] in   coordinates of the points, finite
+ *   value  [count] in         values at the points, finite
+ * Returns NULL when memory runs out.
  */
 scatter *scatter_open(int axes, size_t count, const double *point, const double *value);
 void scatter_close(scatter *scatter);
 
 /*
- * Interpolate at a place, place [axes]. distance out: to the nearest point; NULL where it does not
- * matter.
+ * Return the interpolated value at a place [axes]. If distance is not NULL, it becomes the distance
+ * to the nearest point.
  */
 double scatter_value(const scatter *scatter, const double *place, double *distance);
 
-/* Median distance of a point to its nearest neighbour, over at most 500 of the points. */
+/* Return the median distance of a point to its nearest neighbour, over at most 500 points. */
 double scatter_spacing(const scatter *scatter);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * FITS images (number_table.h), read by the library cfitsio: the first image of a file, of one to
- * three dimensions. An image of one dimension is one column. A cube is a table with a row for each
- * of its planes, as a cube of influence functions has a plane for each actuator.
+ * Reading of FITS images (number_table.h) by the library cfitsio: the first image of a file with
+ * one to three dimensions. An image of one dimension is one column. A cube becomes a table with one
+ * row for each of its planes; a cube of influence functions has one plane for each actuator.
  */
 #include <math.h>
 #include <stdio.h>
@@ -18,7 +18,7 @@ static int fault(char *error, const char *message)
     return -1;
 }
 
-/* Fill error with the words of cfitsio for a status. Returns -1. */
+/* Write an error message with cfitsio's description of a status. Returns -1. */
 static int explain(int status, char *error)
 {
     char words[FLEN_STATUS];
@@ -27,7 +27,9 @@ static int explain(int status, char *error)
     return -1;
 }
 
-/* Go to the first image that has numbers. Returns 0, or -1 with error filled. */
+/*
+ * Move to the first image of a FITS file that contains numbers. Returns 0, or -1 with error filled.
+ */
 static int find_image(fitsfile *file, int *dimensions, char *error)
 {
     int status = 0, units = 0, type;
@@ -51,8 +53,8 @@ static int find_image(fitsfile *file, int *dimensions, char *error)
 }
 
 /*
- * Set the size of the table from the axes of the image, of which the first runs fastest. Returns 0,
- * or -1 with error filled.
+ * Set the size of a table from the axes of an image, whose first axis runs fastest. Returns 0, or
+ * -1 with error filled.
  */
 static int take_size(number_table *table, fitsfile *file, int dimensions, char *error)
 {
@@ -75,11 +77,14 @@ static int take_size(number_table *table, fitsfile *file, int dimensions, char *
     return 0;
 }
 
-/* Read the numbers of the image at which the file stands. */
+/*
+ * Read the numbers of the present image of a FITS file into a table. Returns 0, or -1 with error
+ * filled.
+ */
 static int read_image(number_table *table, fitsfile *file, int dimensions, char *error)
 {
     LONGLONG first[FITS_DIMENSIONS] = {1, 1, 1};
-    double blank = (double)NAN; /* for pixels that the file marks as undefined */
+    double blank = (double)NAN; /* value for pixels that the file marks as undefined */
     int status = 0, has_blank = 0;
     if (take_size(table, file, dimensions, error) < 0)
         return -1;

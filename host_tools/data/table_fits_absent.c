@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Refusal of FITS files in a program built without the library cfitsio (number_table.h). */
+/*
+ * Refusal of FITS files by a program that was built without the library cfitsio (number_table.h).
+ */
 #include <stdio.h>
 #include "number_table.h"
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * NumPy arrays (number_table.h): versions 1, 2 and 3 of the format, real numbers of 1 to 8 bytes in
- * either byte order, C and Fortran order, one or two dimensions. An array of one dimension is one
- * column.
+ * Reading of NumPy arrays (number_table.h): versions 1, 2 and 3 of the .npy format, real numbers of
+ * 1 to 8 bytes in both byte orders, C and Fortran order, one or two dimensions. An array of one
+ * dimension becomes one column.
  */
 #include <stdbool.h>
 #include <stdio.h>
@@ -10,13 +10,14 @@
 #include <string.h>
 #include "number_table.h"
 
-/* What the header of the file says. */
+/* Contents of the header of a .npy file. */
 typedef struct npy_header {
-    char type;          /* 'f' floating point, 'i' signed, 'u' unsigned integer, 'b' boolean */
-    size_t size;        /* bytes of a number */
-    bool is_big_endian; /* byte order of a number */
-    bool is_fortran;    /* the first index runs fastest */
-    int dimensions;     /* number of dimensions in the file; `shape` then has two */
+    char type; /* type of the numbers: 'f' floating point, 'i' signed integer, 'u' unsigned integer,
+                  'b' boolean */
+    size_t size;        /* size of a number (bytes) */
+    bool is_big_endian; /* whether the most significant byte of a number comes first */
+    bool is_fortran;    /* whether the first index runs fastest in the file (Fortran order) */
+    int dimensions; /* number of dimensions in the file, 1 or 2; `shape` always has two entries */
     size_t shape[2];
 } npy_header;
 
@@ -28,7 +29,10 @@ static int fault(char *error, const char *message)
 
 /* ---- header ----------------------------------------------------------- */
 
-/* Text after a key of the header's dictionary and its colon, or NULL. */
+/*
+ * Return the text behind a key of the header's dictionary and its colon, or NULL if there is no
+ * such key.
+ */
 static const char *value_of(const char *header, const char *key)
 {
     const char *at = strstr(header, key);
@@ -41,7 +45,7 @@ static const char *value_of(const char *header, const char *key)
     return at;
 }
 
-/* Type of the numbers, as '<f8'. */
+/* Read the type of the numbers from a text such as '<f8'. Returns 0, or -1 with error filled. */
 static int read_type(npy_header *header, const char *text, char *error)
 {
     static const char known[][3] = {"f4", "f8", "i1", "i2", "i4", "i8",
@@ -61,7 +65,10 @@ static int read_type(npy_header *header, const char *text, char *error)
     return -1;
 }
 
-/* Shape of the array, as (121, 25) or (121,). */
+/*
+ * Read the shape of the array from a text such as (121, 25) or (121,). Returns 0, or -1 with error
+ * filled.
+ */
 static int read_shape(npy_header *header, const char *text, char *error)
 {
     header->shape[0] = header->shape[1] = 1;
@@ -100,7 +107,10 @@ static int read_header(npy_header *header, const char *text, char *error)
 
 /* ---- numbers ---------------------------------------------------------- */
 
-/* Bits of a number of `size` bytes, in the byte order of this computer's arithmetic. */
+/*
+ * Return the bits of a number as an integer, assembled from its bytes in the byte order of the
+ * file.
+ */
 static uint64_t bits_of(const unsigned char *bytes, const npy_header *header)
 {
     uint64_t bits = 0;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Grey values of a picture in the PGM format, text (P2) or binary (P5), as a table. */
+/*
+ * Reading of the grey values of a picture in the PGM format, text (P2) or binary (P5), as a table
+ * (number_table.h).
+ */
 #include "number_table.h"
 #include <stdbool.h>
 #include <stdio.h>
@@ -7,7 +10,7 @@
 
 typedef struct pgm_reader {
     const unsigned char *at, *end;
-    char *error; /* [NUMBER_ERROR] */
+    char *error; /* [NUMBER_ERROR] memory of the error message */
 } pgm_reader;
 
 static int fault(const pgm_reader *reader, const char *message)
@@ -16,7 +19,7 @@ static int fault(const pgm_reader *reader, const char *message)
     return -1;
 }
 
-/* Go to the next number: blanks and comments from # to the end of a line are left out. */
+/* Move to the next number, past blanks and past comments from # to the end of a line. */
 static void skip_blanks(pgm_reader *reader)
 {
     bool is_comment = false;
@@ -31,7 +34,7 @@ static void skip_blanks(pgm_reader *reader)
     }
 }
 
-/* Read a whole number of at most 9 digits. Returns -1 where there is none. */
+/* Return the integer of at most 9 digits at the reading position, or -1 if there is none. */
 static long read_whole(pgm_reader *reader)
 {
     long value = 0;
@@ -43,7 +46,9 @@ static long read_whole(pgm_reader *reader)
     return digits > 0 ? value : -1;
 }
 
-/* Read one grey value. Returns -1 where the file ends or the value is no number up to `white`. */
+/*
+ * Return the next grey value, or -1 if the file ends or the value is no integer from 0 to `white`.
+ */
 static long read_grey(pgm_reader *reader, bool is_text, long white)
 {
     const long bytes = white > 255 ? 2 : 1;
@@ -71,7 +76,7 @@ int table_pgm_read(number_table *table, const char *bytes, size_t count, char *e
     if (rows > NUMBER_VALUES / columns)
         return fault(&reader, "too many pixels; a picture of at most 8 million is read");
     if (!is_text)
-        reader.at++; /* one blank stands between the header and the pixels */
+        reader.at++; /* exactly one blank separates the header from the pixels */
     table->rows = (size_t)rows;
     table->columns = (size_t)columns;
     table->value = calloc(table->rows * table->columns, sizeof *table->value);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Tables of numbers as text (number_table.h). */
+/* Reading of tables of numbers in text form (number_table.h). */
 #include <ctype.h>
 #include <math.h>
 #include <stdbool.h>
@@ -8,7 +8,7 @@
 #include <string.h>
 #include "number_table.h"
 
-/* A cell of a line, without blanks and quotes around it. */
+/* Cell of a line, without the blanks and quotes around it. */
 typedef struct cell {
     const char *text;
     size_t length;
@@ -16,11 +16,12 @@ typedef struct cell {
 
 typedef struct text_reader {
     number_table *table;
-    const char *at, *end; /* next byte, and the end of the file */
-    char delimiter;       /* ',', ';', tab, or ' ' for any number of blanks */
-    cell comment;         /* text of the last line that begins with #, without the # */
-    unsigned long line;   /* number of the line of `cell`, from 1 */
-    cell *cell;           /* [cells] cells of this line */
+    const char *at, *end; /* next byte to be read, and the end of the file */
+    char delimiter; /* delimiter between cells: ',', ';' or a tab, or ' ' for any number of blanks
+                     */
+    cell comment;   /* text of the last line that begins with #, without the # */
+    unsigned long line; /* number of the line whose cells are in `cell`, counted from 1 */
+    cell *cell;         /* [cells] cells of the present line */
     size_t cells, room_cells, room_rows;
     char *error;
 } text_reader;
@@ -65,7 +66,7 @@ static int add_cell(text_reader *reader, const char *from, const char *to)
     return 0;
 }
 
-/* Split the text of a line into cells. */
+/* Split the text of a line into cells. Returns 0, or -1 with error filled. */
 static int split(text_reader *reader, const char *from, const char *to)
 {
     reader->cells = 0;
@@ -80,12 +81,15 @@ static int split(text_reader *reader, const char *from, const char *to)
         while (reader->delimiter == ' ' && from < to && is_blank(*from))
             from++;
         if (from == to && stop < to && reader->delimiter != ' ')
-            return add_cell(reader, to, to); /* an empty cell after the last delimiter */
+            return add_cell(reader, to, to); /* there is an empty cell behind the last delimiter */
     }
     return 0;
 }
 
-/* Delimiter of a line: the first of semicolon, comma and tab that it holds, else blanks. */
+/*
+ * Return the delimiter of a line: the first of semicolon, comma and tab that occurs in it, or else
+ * a blank.
+ */
 static char delimiter_of(const char *from, const char *to)
 {
     static const char known[] = ";,\t";
@@ -97,7 +101,7 @@ static char delimiter_of(const char *from, const char *to)
 
 /* ---- lines ------------------------------------------------------------ */
 
-/* Whether the text of a line holds a byte that no text has. */
+/* Return whether a line contains a byte that does not occur in text. */
 static bool is_binary(const char *from, const char *to)
 {
     for (; from < to; from++)
@@ -107,8 +111,8 @@ static bool is_binary(const char *from, const char *to)
 }
 
 /*
- * Find the next line with cells. Returns 1 with the cells filled, 0 at the end of the file, or -1
- * with error filled.
+ * Find the next line that has cells. Returns 1 with the cells filled, 0 at the end of the file, or
+ * -1 with error filled.
  */
 static int next_line(text_reader *reader)
 {
@@ -136,7 +140,7 @@ static int next_line(text_reader *reader)
 
 /* ---- numbers ---------------------------------------------------------- */
 
-/* Whether a cell is a number, which is stored in *value; nan and inf are numbers. */
+/* Return whether a cell is a number, and store the number in *value; nan and inf are numbers. */
 static bool is_number(const cell *cell, double *value)
 {
     char text[64], *end;
@@ -151,8 +155,8 @@ static bool is_number(const cell *cell, double *value)
 }
 
 /*
- * Whether a line holds names: none of its cells is a number or empty, except that the first cell
- * may be the empty place above the names of the rows.
+ * Return whether a line contains names: none of its cells is a number or empty, except the first
+ * cell if it is the empty corner above the names of the rows.
  */
 static bool holds_names(const text_reader *reader)
 {
@@ -170,7 +174,10 @@ static void keep_name(const cell *cell, char *name)
     name[length] = '\0';
 }
 
-/* Keep the names of the columns: the cells of the first line. */
+/*
+ * Take the cells of the present line as the names of the columns. Returns 0, or -1 with error
+ * filled.
+ */
 static int keep_column_names(text_reader *reader)
 {
     number_table *table = reader->table;
@@ -184,7 +191,7 @@ static int keep_column_names(text_reader *reader)
 
 /* ---- rows ------------------------------------------------------------- */
 
-/* Make room for one more row of the table. */
+/* Make room for one more row of the table. Returns 0, or -1 with error filled. */
 static int grow(text_reader *reader, bool has_row_names)
 {
     number_table *table = reader->table;
@@ -203,7 +210,10 @@ static int grow(text_reader *reader, bool has_row_names)
     return 0;
 }
 
-/* Refuse a line with another number of cells than the first one. */
+/*
+ * Check that the present line has as many cells as the first line. Returns 0, or -1 with error
+ * filled.
+ */
 static int check_length(const text_reader *reader, size_t cells)
 {
     char message[NUMBER_ERROR];
@@ -237,7 +247,10 @@ static int check_cell(const text_reader *reader, size_t k)
     return fault(reader, message);
 }
 
-/* Append the cells of a line as a row; the first cell is its name where rows have names. */
+/*
+ * Append the cells of the present line as a row of the table; the first cell is the name of the row
+ * if rows have names. Returns 0, or -1 with error filled.
+ */
 static int add_row(text_reader *reader, bool has_row_names)
 {
     number_table *table = reader->table;
@@ -255,7 +268,10 @@ static int add_row(text_reader *reader, bool has_row_names)
     return 0;
 }
 
-/* Whether all cells of a line are single words: letters, digits, and _ - . between them. */
+/*
+ * Return whether all cells of the present line are single words: letters, digits, and the
+ * characters _ - . between them.
+ */
 static bool holds_words(const text_reader *reader)
 {
     for (size_t k = 0; k < reader->cells; k++)
@@ -268,8 +284,8 @@ static bool holds_words(const text_reader *reader)
 }
 
 /*
- * Take the last comment above the first numbers as names of the columns where it has as many words
- * as the numbers have columns, as numpy.savetxt writes a header.
+ * Take the last comment above the first numbers as the names of the columns if it has one word for
+ * each column, as numpy.savetxt writes a header. Returns 0, or -1 with error filled.
  */
 static int take_comment(text_reader *reader)
 {
@@ -292,7 +308,10 @@ static int take_comment(text_reader *reader)
     return failed;
 }
 
-/* Read all lines: names of the columns where the first line has no numbers, then the rows. */
+/*
+ * Read all lines of the file: names of the columns if the first line has no numbers, then the rows.
+ * Returns 0, or -1 with error filled.
+ */
 static int read_lines(text_reader *reader)
 {
     double value;
@@ -327,7 +346,7 @@ static int read_lines(text_reader *reader)
 
 int table_text_read(number_table *table, const char *bytes, size_t count, char *error)
 {
-    static const char mark[] = "\xef\xbb\xbf"; /* byte order mark of UTF-8 */
+    static const char mark[] = "\xef\xbb\xbf"; /* byte order mark at the start of a file in UTF-8 */
     text_reader reader = {.table = table, .at = bytes, .end = bytes + count, .error = error};
     if (count >= 3 && memcmp(bytes, mark, 3) == 0)
         reader.at += 3;

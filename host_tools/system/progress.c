@@ -13,7 +13,12 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { QUIET_SECONDS = 2, INTERVAL = 500000 /* timer period (us) */, LINE = 160, DIGITS = 20 };
+enum {
+    QUIET_SECONDS = 2,
+    INTERVAL = 500000 /* period of the timer (us) */,
+    LINE = 160,
+    DIGITS = 20
+};
 
 static const char *volatile stage = "";
 static const uint32_t *volatile solves;
@@ -44,7 +49,7 @@ static void put_number(text *line, long value)
     put(line, digits + at);
 }
 
-/* Time since the start, in whole seconds (s). */
+/* Return the time since progress_start (whole seconds). */
 static long seconds(void)
 {
     struct timespec now;

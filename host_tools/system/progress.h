@@ -9,13 +9,13 @@
 
 #include <stdint.h>
 
-/* Start the timer. */
+/* Start the timer of the progress display. */
 void progress_start(void);
 
 /* Set the description of the present stage, a constant string, and reset all counts. */
 void progress_stage(const char *what);
 
-/* Set the number of completed parts of the stage and their total; total 0: unknown. */
+/* Set the number of completed parts of the present stage and their total; total = 0: unknown. */
 void progress_count(int done, int total);
 
 /*
@@ -24,7 +24,7 @@ void progress_count(int done, int total);
  */
 void progress_solves(const uint32_t *counter);
 
-/* Erase the line and end the progress display. */
+/* Erase the displayed line and stop the progress display. */
 void progress_stop(void);
 
 #endif

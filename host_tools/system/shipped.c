@@ -12,8 +12,8 @@
 static const char ending[] = ".yaml";
 
 /*
- * Set path to `inside`, relative to the folder above the folder of this program. Returns whether
- * the path exists.
+ * Find a file or folder whose path is relative to the folder above the folder of this program.
+ * Returns whether it exists.
  */
 static int beside_program(const char *inside, char path[SHIPPED_PATH])
 {

@@ -9,36 +9,37 @@
 enum { SHIPPED_PATH = 4096 };
 
 /*
- * Folder of the shipped scenes, the first one available of:
- *   1. the value of the environment variable PZS_SCENES, without a check
- *   2. share/piezoshape/scenes beside the folder of this program, for an installed program
- *   3. the scenes of the source tree that contains the build folder of this program
- *   4. the scenes of the source tree at the time of the build, without a check
+ * Return the folder of the shipped scenes, the first one available of:
+ *   1. the value of the environment variable PZS_SCENES, without a check;
+ *   2. share/piezoshape/scenes beside the folder of this program, for an installed program;
+ *   3. the scenes of the source tree that contains the build folder of this program;
+ *   4. the scenes of the source tree at the time of the build, without a check.
  * The text is valid until the next call.
  */
 const char *shipped_folder(void);
 
 /*
- * Folder of the sources, which the build of a firmware requires: the environment variable
- * PZS_SOURCES, otherwise found as in shipped_folder. The text is valid until the next call.
+ * Return the folder of the sources, which the build of a firmware requires: the environment
+ * variable PZS_SOURCES, or else a folder that is found as shipped_folder finds the scenes. The text
+ * is valid until the next call.
  */
 const char *shipped_sources(void);
 
 /*
- * Path of a scene file: `name` itself where it is a path or ends with .yaml, otherwise the file of
- * the shipped scene with this name.
+ * Write the path of a scene file: `name` itself if it is a path or ends with .yaml, or else the
+ * file of the shipped scene with this name.
  */
 void shipped_path(const char *name, char path[SHIPPED_PATH]);
 
-/* Whether `name` is the name of a shipped scene and not of a file. */
+/* Return whether `name` is the name of a shipped scene and not of a file. */
 int shipped_is_name(const char *name);
 
 /* Find the shipped scene whose name is most similar to a mistyped name. */
 void shipped_suggest(suggestion *suggestion, const char *name);
 
 /*
- * Function called with the name of each shipped scene, in alphabetical order. shipped_each returns
- * the sum of the results, or -1 where the folder does not exist.
+ * Function that shipped_each calls with the name of each shipped scene, in alphabetical order.
+ * shipped_each returns the sum of the results, or -1 if the folder does not exist.
  */
 typedef int shipped_visit(void *context, const char *name);
 int shipped_each(shipped_visit *visit, void *context);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* JSON output (json.h). */
+/* Output of JSON documents (json.h). */
 #include "json.h"
 #include <math.h>
 #include <stdlib.h>

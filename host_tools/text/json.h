@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Output of JSON: objects, arrays, numbers and strings, with the separating commas. */
+/* Output of JSON documents: objects, arrays, numbers and strings, with the commas between them. */
 #ifndef JSON_H
 #define JSON_H
 
@@ -8,16 +8,18 @@
 typedef struct json {
     FILE *file;
     int depth;
-    int line;       /* depth of the outermost container that is written on one line; 0: none */
+    int line; /* nesting depth of the outermost container that is written on one line; 0: none is */
     int filled[48]; /* whether an element was already written at each nesting depth */
 } json;
 
 /*
- * Write brackets, members and elements. key is the name of a member, NULL inside arrays. A number
- * that is not finite is written as null.
+ * Write the brackets, members and elements of a JSON document. key is the name of a member of an
+ * object, NULL for an element of an array. A number that is not finite is written as null.
  */
 void json_open(json *json, const char *key, char bracket);
-void json_open_line(json *json, const char *key, char bracket); /* all of it on one line */
+void json_open_line(json *json, const char *key, char bracket); /* opens a container that is written
+                                                                   on one line with all its contents
+                                                                 */
 void json_close(json *json, char bracket);
 void json_number(json *json, const char *key, double value);
 void json_bool(json *json, const char *key, int is_true);

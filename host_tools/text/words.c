@@ -6,7 +6,7 @@
 #include <string.h>
 #include "../mesh/mesh.h"
 
-/* Unit of a charge: the unit of force times the unit of length over the unit of voltage. */
+/* Write the unit of an electric charge: unit of force times unit of length over unit of voltage. */
 static void charge_unit(const scene *scene, char text[WORDS_UNIT])
 {
     const bool is_si = strcmp(scene->unit_force, "N") == 0 && strcmp(scene->unit_voltage, "V") == 0;

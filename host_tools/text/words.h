@@ -19,22 +19,30 @@ typedef enum words_quantity {
     QUANTITY_OTHER
 } words_quantity;
 
-/* Size of the text of a unit (characters), with the terminating zero. */
+/* Size of the text of a unit, including its NUL (characters). */
 enum { WORDS_UNIT = 3 * SCENE_NAME };
 
 /*
- * Write the unit of a quantity, composed of the units of the scene; empty where the scene omits one
- * of these units. Returns text.
+ * Write the unit of a quantity, composed of the units of the scene; the text is empty if the scene
+ * does not name one of these units. Returns text.
  */
 const char *words_unit(const scene *scene, words_quantity quantity, char text[WORDS_UNIT]);
 
-/* Whether the scene names no unit at all, so that its numbers are in arbitrary consistent units. */
+/*
+ * Return whether the scene names no units at all, so that its numbers are in arbitrary consistent
+ * units.
+ */
 bool words_unitless(const scene *scene);
 
-/* Quantity of the surface coordinate theta1 (direction 0) or theta2 (direction 1). */
+/*
+ * Return the quantity of the surface coordinate theta1 (direction 0) or theta2 (direction 1): a
+ * length or an angle.
+ */
 words_quantity words_of_theta(const scene *scene, int direction);
 
-/* Quantity of the value of a load, and of the values of an output. */
+/*
+ * Return the quantity of a load's value (words_of_load) or of an output's values (words_of_output).
+ */
 words_quantity words_of_load(const scene_load *load);
 words_quantity words_of_output(const scene_output *output);
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Paragraphs with line breaks (wrap.h). */
+/* Printing of paragraphs with line breaks (wrap.h). */
 #include "wrap.h"
 
 enum { COLUMNS = 100 };
 
 /*
- * Length of the longest beginning of a text that ends with a whole word and has at most `room`
- * characters; contains at least one word.
+ * Return the length of the longest beginning of a text that ends with a whole word and has at most
+ * `room` characters; it contains at least one word.
  */
 static int line_length(const char *text, int room)
 {
