@@ -264,6 +264,16 @@ typedef struct pzs_damper_state {
     uint8_t stage;
 } pzs_damper_state;
 
+typedef struct pzs_compensator_state {
+    const struct pzs_hysteresis *tables;
+    pzs_real *effect; /* [inputs] effects of the voltages of the last tick (V) */
+    pzs_real *lower;  /* [inputs] lowest voltage of the present tick (V) */
+    pzs_real *upper;  /* [inputs] highest voltage of the present tick (V) */
+    pzs_real *play;   /* [inputs][plays] positions of the plays, relative to the middle of the range
+                         (V) */
+    pzs_real *creep;  /* [inputs][creeps] effects of the creep (V) */
+} pzs_compensator_state;
+
 typedef struct pzs_feed_forward_state {
     const struct pzs_known_loads *tables;
     pzs_real *readings; /* [sensors] readings minus the effect of known loads (unit of each sensor)

@@ -73,6 +73,9 @@ typedef struct pzs_loop_signals {
                                    NULL: the list has no fault detector */
     const void *tables;         /* tables of the block that is running, from the list of blocks */
     const pzs_real *given;      /* [inputs] voltages applied since the last tick (V) */
+    struct pzs_compensator *compensator; /* compensation of hysteresis, set by pzs_effect_block for
+                                            pzs_inverse_block; NULL: the list has none */
+    bool has_inverse;   /* during the initialisation: the list has a pzs_inverse_block */
     pzs_real deviation; /* RMS amplitude by which the measured motion deviates from the prediction
                            of the model (m); negative: no block has computed it */
     uint32_t warnings;  /* one bit, 1 << status, for each warning that a block has returned in this
@@ -677,6 +680,81 @@ extern const pzs_block_type pzs_feed_forward_block;
 #define PZS_FEED_FORWARD_BLOCK_BYTES(sensors, outputs)                                             \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_feed_forward_state)) +                                      \
                 ((size_t)(sensors) + (size_t)(outputs)) * sizeof(pzs_real))
+
+/* ---- hysteresis and creep of the actuators (lib/control/hysteresis.c) --- */
+
+/*
+ * Hysteresis and creep of each electrode, identified from a measured sweep (`pzs calibrate
+ * --hysteresis`). The voltage v has the effect u (V): the voltage that an electrode without
+ * hysteresis would need for as large a displacement. With s = v - middle,
+ *
+ *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j.
+ *
+ * m is a line through 0 of four slopes, one for each quarter of the range. Play i follows s with a
+ * slack: P_i stays where it is while |s - P_i| is less than the slack, and is drawn along
+ * otherwise. Its weight a_i is `above` where P_i is positive and `below` where it is negative. The
+ * creep x_j goes the part creep_rate[j] of the way to creep[j] v in each tick. All arrays are
+ * const, in flash.
+ */
+#define PZS_HYSTERESIS_SEGMENTS 4u
+#define PZS_PLAY_LIMIT 32u           /* most plays of an electrode */
+#define PZS_CREEP_LIMIT 8u           /* most creeps of an electrode */
+#define PZS_LEAST_SLOPE PZS_R(0.001) /* smallest slope of m */
+
+typedef struct pzs_hysteresis {
+    uint32_t format, scene; /* format and scene of the problem */
+    uint32_t crc;           /* checksum of everything below; see pzs_hysteresis_seal */
+    uint16_t inputs, plays, creeps;
+    const pzs_real *middle;     /* [inputs] middle of the voltage range (V) */
+    const pzs_real *half_range; /* [inputs] half of the voltage range (V) */
+    const pzs_real *offset;     /* [inputs] effect at the middle of the range, where the plays and
+                                   the creep are 0 (V) */
+    const pzs_real *slope;      /* [inputs][4] slopes of m, from the lowest quarter to the highest,
+                                   at least PZS_LEAST_SLOPE (1) */
+    const pzs_real *slack;      /* [inputs][plays] rising slacks of the plays, above 0 (V) */
+    const pzs_real *above;      /* [inputs][plays] weight of each play above 0, not negative (1) */
+    const pzs_real *below;      /* [inputs][plays] weight of each play below 0, not negative (1) */
+    const pzs_real *creep;      /* [inputs][creeps] final effect of each creep per volt, not
+                                   negative (1) */
+    const pzs_real *creep_rate; /* [creeps] part of the way that each creep goes in a tick, 0 to 1
+                                 */
+} pzs_hysteresis;
+
+/* Set format and checksum of tables that a firmware has built itself. Errors: ARGUMENT. */
+pzs_status pzs_hysteresis_seal(pzs_hysteresis *tables);
+
+/* Results of the compensation that a program may read. */
+typedef struct pzs_compensator_info {
+    const pzs_real *effect; /* [inputs] effects of the voltages of the last tick (V) */
+} pzs_compensator_info;
+
+typedef struct pzs_compensator {
+    pzs_compensator_info info;
+    pzs_compensator_state state;
+} pzs_compensator;
+
+/*
+ * Compensation of hysteresis and creep by two blocks around the control step, with the same tables.
+ * The effect block, of PZS_PHASE_READINGS, puts effects in the place of the voltages: those of the
+ * voltages given last, and as limits the effects at both ends of the range that voltage limits and
+ * step limit leave in this tick. The blocks behind it observe and choose effects. The inverse
+ * block, the first of PZS_PHASE_VOLTAGE, puts back the voltages that have the chosen effects. So
+ * voltages stay inside limits and step limits to the last bit, and the step is optimal for the
+ * stroke that the electrodes have in this tick. While the target or all readings are missing, the
+ * effects are held: the voltages then follow the creep.
+ *
+ * The influence matrix is that of effects. The memory of an electrode cannot be measured; a wrong
+ * one is forgotten with the next large swing. A tick that is not run counts as none.
+ * Put a governor before the effect block. Object of the effect block: pzs_compensator. Its init
+ * returns ARGUMENT (also tables of other counts), FORMAT, CRC, STAGE (no inverse block in the
+ * list), LIMITS (input `where` has an infinite voltage limit, or values that the comments of
+ * pzs_hysteresis exclude).
+ */
+extern const pzs_block_type pzs_effect_block, pzs_inverse_block;
+#define PZS_EFFECT_BLOCK_BYTES(inputs, plays, creeps)                                              \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_compensator)) +                                             \
+                (3u + (size_t)(plays) + (size_t)(creeps)) * (size_t)(inputs) * sizeof(pzs_real))
+#define PZS_INVERSE_BLOCK_BYTES 0u
 
 /* ---- amplifiers with converter steps and a dead band (lib/control/amplifier.c) */
 

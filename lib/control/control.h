@@ -69,6 +69,12 @@ void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *contr
 void pzs_control_set_constants(pzs_control *control);
 
 /*
+ * Set limits in force and step limits to those of the tables, narrowed to the voltage where an
+ * input is held.
+ */
+void pzs_control_restore_limits(pzs_control *control);
+
+/*
  * Derive again, at the start of a tick of a loop, what damaged memory may have changed: pointers
  * and counts, limits in force, step limits, and one row of the Hessian.
  *   influence [outputs][inputs] in  as passed to pzs_control_init

@@ -64,7 +64,7 @@ void pzs_control_set_constants(pzs_control *control)
  * Set voltage limits in force and step limits: those of the tables, or the held voltage of an input
  * that is held.
  */
-static void restore_limits(pzs_control *control)
+void pzs_control_restore_limits(pzs_control *control)
 {
     const pzs_problem *problem = control->state.problem;
     pzs_real *const *held = control->state.held;
@@ -146,6 +146,20 @@ static uint32_t count_active(pzs_optimiser *optimiser)
 }
 
 /*
+ * Set the entries behind the inputs to zero, in all rows of `width` entries at the start of the
+ * workspace: Hessian, tableau and vectors. Sums and largest entries are taken over whole rows.
+ */
+static void clear_padding(pzs_control *control)
+{
+    const pzs_optimiser *optimiser = &control->state.optimiser;
+    const size_t bytes = PZS_CONTROL_BYTES(optimiser->inputs, 0) - optimiser->inputs;
+    const size_t rows = bytes / (optimiser->width * sizeof *optimiser->hessian);
+    for (size_t row = 0; row < rows; row++)
+        for (uint32_t i = optimiser->inputs; i < optimiser->width; i++)
+            optimiser->hessian[row * optimiser->width + i] = 0;
+}
+
+/*
  * Check the next row of the Hessian; after the last row, set the constants that follow from all
  * rows.
  */
@@ -156,6 +170,7 @@ static void scrub_next_row(pzs_control *control, const pzs_real *table)
     const bool is_repaired = scrub_row(control, table, k);
     control->state.scrub_row = (uint16_t)(k + 1u);
     if (k + 1u == optimiser->inputs || is_repaired) {
+        clear_padding(control);
         optimiser->active_count = count_active(optimiser);
         optimiser->inverse_trace = 0;
         pzs_control_set_constants(control);
@@ -188,7 +203,7 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     optimiser->pending_count = 0;
     if (optimiser->checked_next >= optimiser->inputs)
         optimiser->checked_next = 0;
-    restore_limits(control);
+    pzs_control_restore_limits(control);
     pzs_control_find_step_limits(control);
     pzs_control_share_bounds(optimiser, control);
     scrub_next_row(control, hessian_table(problem, influence));
