@@ -13,6 +13,12 @@ static const int corner_xi[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
  */
 static const double slack = 1e-6;
 
+/*
+ * Largest distance outside an element of a general mesh, in natural coordinates, at which a point
+ * is moved to its side: a curved rim bulges between the nodes.
+ */
+static const double rim_slack = 0.25;
+
 mesh_spot mesh_spot_of_node(int node)
 {
     const mesh_spot spot = {1, {node, 0, 0, 0}, {1, 0, 0, 0}};
@@ -131,18 +137,45 @@ static bool is_near(const mesh *mesh, int element, const double point[3])
     return vector_distance(at, x) <= 1.5 * size;
 }
 
+/*
+ * Move natural coordinates that lie outside an element to its nearest side. Returns the largest
+ * change of a coordinate.
+ */
+static double clamp_to_element(double xi[2])
+{
+    double moved = 0;
+    for (int i = 0; i < 2; i++) {
+        const double inside = fmax(-1, fmin(1, xi[i]));
+        moved = fmax(moved, fabs(xi[i] - inside));
+        xi[i] = inside;
+    }
+    return moved;
+}
+
+/* Distance of a point from a spot; the height is not compared where the point has none. */
+static double distance_from(const mesh *mesh, const mesh_spot *spot, const double point[3])
+{
+    double at[3];
+    mesh_spot_place(mesh, spot, at);
+    const double to[3] = {point[0], point[1], isnan(point[2]) ? at[2] : point[2]};
+    return vector_distance(at, to);
+}
+
 static int find_in_quads(const mesh *mesh, const double point[3], mesh_spot *spot)
 {
     double least = HUGE_VAL;
     for (int e = 0; e < mesh->elements; e++) {
         double xi[2];
-        if (!is_near(mesh, e, point))
+        if (!is_near(mesh, e, point) || !isfinite(find_foot(mesh, e, point, xi)))
             continue;
-        const double away = find_foot(mesh, e, point, xi);
-        if (fabs(xi[0]) > 1 + slack || fabs(xi[1]) > 1 + slack || !(away < least))
+        if (!(clamp_to_element(xi) <= rim_slack))
+            continue;
+        const mesh_spot found = spot_in(mesh, e, xi);
+        const double away = distance_from(mesh, &found, point);
+        if (!(away < least))
             continue;
         least = away;
-        *spot = spot_in(mesh, e, xi);
+        *spot = found;
     }
     return least < HUGE_VAL ? 0 : -1;
 }

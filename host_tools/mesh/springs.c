@@ -240,8 +240,8 @@ static int append_points(spring_builder *builder)
         mesh_spot spot;
         if (mesh_spot_find(builder->mesh, item->point[k], &spot) < 0)
             return scene_fault(builder->mesh->scene, item->at, builder->error,
-                               "point %d (%g, %g, %g) is not on the mesh; move it", k + 1,
-                               item->point[k][0], item->point[k][1], item->point[k][2]);
+                               "point %d, [%g, %g], is not on the mesh; move it", k + 1,
+                               item->point[k][0], item->point[k][1]);
         if (append(builder, &spot, item->stiffness) < 0)
             return -1;
     }

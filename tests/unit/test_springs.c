@@ -24,6 +24,14 @@
     "{at: {theta1: 1, theta2: 0}, along: [-1, 1, 0], stiffness: 1e7}, "                            \
     "{at: {theta1: 0, theta2: 1}, along: x, stiffness: 1e7}"
 
+/* The same on a plate of the side 1.4. */
+#define IN_PLANE_WIDE                                                                              \
+    "{at: {theta1: 0, theta2: 0}, along: [1, 1, 0], stiffness: 1e7}, "                             \
+    "{at: {theta1: 1.4, theta2: 0}, along: [-1, 1, 0], stiffness: 1e7}, "                          \
+    "{at: {theta1: 0, theta2: 1.4}, along: x, stiffness: 1e7}"
+
+static const double pi = 3.141592653589793;
+
 /* Force of the first spring of an item. */
 static double force_of(const scene_run *r, int item)
 {
@@ -249,6 +257,67 @@ static void test_reciprocity(void **state)
     }
 }
 
+/*
+ * Kelvin's function kei(x) = Im K0(x (1 + i)/sqrt(2)), by the integral of exp(-x (1 + i)/sqrt(2)
+ * cosh t) over t from 0; the trapezoidal rule converges exponentially.
+ */
+static double kelvin(double x)
+{
+    const double step = 0.01, part = x / sqrt(2);
+    double sum = 0;
+    for (int i = 0; i < 4000; i++) {
+        const double along = part * cosh(i * step);
+        sum -= (i ? 1 : 0.5) * step * exp(-along) * sin(along);
+    }
+    return sum;
+}
+
+/*
+ * Law (Hertz): a plate on many soft stacks, of stiffness k_s at the pitch p, is a plate on a
+ * foundation of k_s/p^2. One stack raises it by a multiple of kei(r/l), with l = (D p^2/k_s)^(1/4).
+ * The influence function of the middle one of 169 stacks has this width, to what a lattice of pitch
+ * l/1.5 with two elements a pitch resolves.
+ */
+static void test_influence_width(void **state)
+{
+    (void)state;
+    const double pitch = 0.1, length = 1.5 * pitch;
+    const double bending = 2.1e11 * pow(0.005, 3) / 12 / (1 - 0.09);
+    const double stiffness = bending * pitch * pitch / pow(length, 4);
+    char *changes = malloc(4096);
+    scene_run r;
+    assert_non_null(changes);
+    int at =
+        snprintf(changes, 4096,
+                 "mesh={theta1: {from: 0, to: 1.4, elements: 28}, theta2: {from: 0, to: 1.4, "
+                 "elements: 28}};layers.0.thickness=0.005;springs=[" IN_PLANE_WIDE "];outputs=["
+                 "{name: a, z: mean, at: {theta1: 0.7, theta2: 0.7}}, {name: b, z: mean, at: "
+                 "{theta1: 0.8, theta2: 0.7}}, {name: c, z: mean, at: {theta1: 0.9, theta2: "
+                 "0.7}}, {name: d, z: mean, at: {theta1: 0.9, theta2: 0.8}}];"
+                 "actuators=[{name: s, stacks: {along: z, stiffness: %.17g, stroke: 1e-6, "
+                 "points: [",
+                 stiffness);
+    for (int k = 0; k < 169; k++)
+        at += snprintf(changes + at, 4096 - (size_t)at, "%s[%g,%g]", k ? "," : "",
+                       pitch * (1 + k / 13), pitch * (1 + k % 13));
+    at += snprintf(changes + at, 4096 - (size_t)at, "]}, applied: [");
+    for (int k = 0; k < 169; k++)
+        at += snprintf(changes + at, 4096 - (size_t)at, "%s%d", k ? "," : "", k == 84);
+    snprintf(changes + at, 4096 - (size_t)at, "]}]");
+    solve_run(&r, FREE_PLATE, changes);
+    const double distance[4] = {0, 1, 2, sqrt(5)};
+    const double top = stiffness * 1e-6 * length * length / bending / (2 * pi);
+    for (int i = 0; i < 4; i++) {
+        const double exact = -top * kelvin(fmax(distance[i] * pitch / length, 1e-9));
+        const double value = scene_run_value(&r, i);
+        print_message("  %.2f pitches from the stack: %.4f of the stroke, foundation %.4f\n",
+                      distance[i], value / 1e-6, exact / 1e-6);
+        assert_true(fabs(value - exact) < 0.02 * top * pi / 4);
+    }
+    free(changes);
+    scene_run_close(&r);
+}
+
 /* Law: the forces of springs and stacks balance the loads, and the voltages alone balance. */
 static void test_balance(void **state)
 {
@@ -341,7 +410,6 @@ static void test_shares(void **state)
 {
     (void)state;
     scene_run r;
-    const double pi = 3.141592653589793;
     open_run(&r, DISC,
              "springs=[{at: nodes, along: z, stiffness: 5, per: area}, {set: rim, along: z, "
              "stiffness: 5, per: length}, {at: nodes, along: x, stiffness: 1}, {at: nodes, along: "
@@ -666,6 +734,7 @@ int main(void)
         cmocka_unit_test(test_series),
         cmocka_unit_test(test_stack_stroke),
         cmocka_unit_test(test_reciprocity),
+        cmocka_unit_test(test_influence_width),
         cmocka_unit_test(test_balance),
         cmocka_unit_test(test_winkler_beam),
         cmocka_unit_test(test_shares),
