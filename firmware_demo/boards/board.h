@@ -1,6 +1,6 @@
 /*
- * What the demonstration asks of a board. One file per board family implements it, and one the
- * host.
+ * Functions of a board that the demonstrations use. One file for each family of boards implements
+ * them, and one for the host.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -14,20 +14,28 @@
 extern "C" {
 #endif
 
-/* Large work arrays: placed by the linker script, not cleared at start-up. */
+/*
+ * Memory section for large work arrays, which the linker script places and start-up does not clear.
+ */
 #define BOARD_LARGE __attribute__((section(".bss.large")))
 
-void board_start(void);          /* serial line and counter on */
-void board_put(char character);  /* one character, waiting until it is taken */
-uint32_t board_count(void);      /* free-running counter; always 0 where there is none */
-uint32_t board_stack_used(void); /* bytes, the deepest so far; 0 on the host */
+void board_start(void);          /* switch on the serial line and the counter */
+void board_put(char character);  /* send one character and wait until it is accepted */
+uint32_t board_count(void);      /* free-running counter; 0 on a board without one */
+uint32_t board_stack_used(void); /* largest stack use so far (bytes); 0 on the host */
 
-/* Instructions executed between two counts. Under QEMU with the -icount setting of firmware.mk
- * this is exact on netduinoplus2 and rounded to one on mps2; it says nothing of cycles. */
+/*
+ * Number of instructions executed between two values of board_count. Under QEMU with the -icount
+ * setting of firmware.mk the number is exact on netduinoplus2 and rounded to one on mps2. It is no
+ * number of clock cycles.
+ */
 uint32_t board_instructions(uint32_t from, uint32_t to);
 
-/* A stream of bytes to the computer this runs under, by semihosting or standard input and output.
- * Return whether all bytes went; 0 at its end. */
+/*
+ * Exchange bytes with the computer that runs or debugs the board, by semihosting or by standard
+ * input and output. Both functions return whether all bytes were transferred; 0 means the end of
+ * the stream.
+ */
 int board_receive(void *to, size_t bytes);
 int board_send(const void *from, size_t bytes);
 

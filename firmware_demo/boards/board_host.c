@@ -1,5 +1,6 @@
 /*
- * The same demonstration as a program of the host, to compare its bits with the target's.
+ * Board functions for the host, so that the bits of the demonstrations there can be compared with
+ * those of a target.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */

@@ -1,5 +1,6 @@
 /*
- * Arm MPS2 with the AN386 (Cortex-M4F) and AN500 (Cortex-M7) images: CMSDK UART 0, FPGAIO counter.
+ * Board functions for the Arm MPS2 with the images AN386 (Cortex-M4F) and AN500 (Cortex-M7): CMSDK
+ * UART 0 and FPGAIO counter.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -16,8 +17,8 @@
 void board_start(void)
 {
     UART_BAUDDIV = 16u;
-    UART_CTRL = 1u;        /* transmit */
-    FPGAIO_PRESCALE = 24u; /* 25 MHz / 25 */
+    UART_CTRL = 1u;        /* enable the transmitter */
+    FPGAIO_PRESCALE = 24u; /* divide 25 MHz by 25 */
 }
 
 void board_put(char character)
@@ -32,7 +33,9 @@ uint32_t board_count(void)
     return FPGAIO_COUNTER;
 }
 
-/* The counter runs at 1 MHz, -icount shift=10 executes an instruction each 1.024 microseconds. */
+/*
+ * The counter runs at 1 MHz, and with -icount shift=10 QEMU executes one instruction in 1.024 us.
+ */
 uint32_t board_instructions(uint32_t from, uint32_t to)
 {
     return (uint32_t)((uint64_t)(to - from) * 125u / 128u);

@@ -1,6 +1,6 @@
 /*
- * Netduino Plus 2 (STM32F405) as QEMU models it: USART1 and TIM2, clocks and
- * pins at reset state. A real part also needs its clock tree and pins set up.
+ * Board functions for the Netduino Plus 2 (STM32F405) as QEMU models it: USART1 and TIM2, with
+ * clocks and pins in reset state. Real hardware also needs its clocks and pins to be configured.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -15,7 +15,7 @@
 
 void board_start(void)
 {
-    USART_CR1 = 1u << 13 | 1u << 3; /* on, transmit */
+    USART_CR1 = 1u << 13 | 1u << 3; /* enable the UART and its transmitter */
     TIM2_CR1 = 1u;
 }
 
@@ -31,7 +31,7 @@ uint32_t board_count(void)
     return TIM2_CNT;
 }
 
-/* TIM2 runs at 1 GHz, -icount shift=0 executes an instruction each nanosecond. */
+/* TIM2 runs at 1 GHz, and with -icount shift=0 QEMU executes one instruction in 1 ns. */
 uint32_t board_instructions(uint32_t from, uint32_t to)
 {
     return to - from;

@@ -1,12 +1,12 @@
 /*
- * Start-up of a Cortex-M with FPU: vectors, memory, stack painting, exit, and a stream to the
- * debugger's host.
+ * Start-up code of a Cortex-M with FPU: vector table, memory, stack measurement, exit, and a stream
+ * of bytes to the debugging host.
  *
- * The stack lies at the lowest RAM address, and below it nothing can be written: not on a part
- * whose bus ends there, and by the MPU on those where other memory lies below. So an overflow
- * faults instead of running into data or code. Exit codes and the stream reach the host by
- * semihosting; on a board without a debugger the breakpoint faults and the fault handler waits for
- * the watchdog.
+ * The stack lies at the lowest RAM addresses, below which nothing can be written: either the bus of
+ * the part ends there, or the memory protection unit (MPU) forbids it. A stack overflow thus causes
+ * a fault instead of overwriting data or code. Exit codes and the stream reach the host by
+ * semihosting. On a board without a debugger the breakpoint causes a fault, and the fault handler
+ * waits for the watchdog.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -14,15 +14,18 @@
 
 int main(void);
 
-/* Laid out by sections.ld. */
+/* The linker script sections.ld defines these addresses. */
 extern uint32_t stack_low[], stack_high[];
 extern uint32_t data_load[], data_start[], data_end[];
 extern uint32_t bss_start[], bss_end[];
 
-#define PAINT                                                                                      \
-    0x57ACCA5Eu /* bytes differ: a memset in its place could not use the stack it paints */
+/*
+ * Word with which unused stack is filled. Its bytes differ, so that the compiler cannot fill by
+ * memset, whose own stack frame would be overwritten.
+ */
+#define PAINT 0x57ACCA5Eu
 #define FAULT_EXIT 70u
-#define BY_ITSELF 0x20026u /* the reason of an exit: the program ended */
+#define BY_ITSELF 0x20026u /* semihosting code of an exit: the program has ended */
 
 enum { SYS_OPEN = 0x01, SYS_WRITE = 0x05, SYS_READ = 0x06, SYS_EXIT_EXTENDED = 0x20 };
 
@@ -34,7 +37,7 @@ static uint32_t semihosting(uint32_t operation, const uint32_t *block)
     return answer;
 }
 
-/* Standard input (mode 0) or output (mode 4) of the host. */
+/* Open standard input (mode 0) or standard output (mode 4) of the host. */
 static uint32_t open_terminal(uint32_t mode)
 {
     static const char name[] = ":tt";
@@ -48,7 +51,7 @@ int board_receive(void *to, size_t bytes)
     uint32_t left = bytes, before = 0;
     if (file == 0)
         file = open_terminal(0);
-    while (left != 0 && left != before) { /* nothing more comes: the end of the stream */
+    while (left != 0 && left != before) { /* no further bytes: the end of the stream */
         const uint32_t block[3] = {file, (uint32_t)(uintptr_t)to + (bytes - left), left};
         before = left;
         left = semihosting(SYS_READ, block);
@@ -65,7 +68,7 @@ int board_send(const void *from, size_t bytes)
     return semihosting(SYS_WRITE, block) == 0;
 }
 
-/* Its block is in flash: the stack may be what is wrong. */
+/* The argument block is in flash, because the stack may be the cause of the fault. */
 static void fault(void)
 {
     static const uint32_t block[2] = {BY_ITSELF, FAULT_EXIT};
@@ -81,16 +84,19 @@ static void enable_fpu(void)
     __asm volatile("dsb\n\tisb" : : : "memory");
 }
 
-/* All below 0x20000000, half a gigabyte, is for reading and running; elsewhere memory is as without
- * an MPU. */
+/*
+ * Make all addresses below 0x20000000 (half a gigabyte) read-only and executable; elsewhere memory
+ * behaves as without an MPU.
+ */
 static void guard_stack(void)
 {
-    volatile uint32_t *mpu = (volatile uint32_t *)0xE000ED94u; /* control, region, its base, its
+    volatile uint32_t *mpu = (volatile uint32_t *)0xE000ED94u; /* registers of the MPU: control,
+                                                                  region number, region base, region
                                                                   attributes */
     mpu[1] = 0;
     mpu[2] = 0;
-    mpu[3] = 6u << 24 | 1u << 17 | 28u << 1 | 1u; /* read only; as flash is cached; 2^29 bytes; on
-                                                   */
+    mpu[3] = 6u << 24 | 1u << 17 | 28u << 1 | 1u; /* read-only, cached like flash, 2^29 bytes,
+                                                     enabled */
     mpu[0] = 1u << 2 | 1u;
     __asm volatile("dsb\n\tisb" : : : "memory");
 }
@@ -129,8 +135,7 @@ static void reset(void)
 
 typedef struct vector_table {
     uint32_t *stack;
-    void (*handler[15])(void); /* reset, NMI, the faults, SVC, debug, PendSV, SysTick; 0: reserved
-                                */
+    void (*handler[15])(void); /* reset, NMI, faults, SVC, debug, PendSV, SysTick; 0: reserved */
 } vector_table;
 
 extern const vector_table vectors;

@@ -1,11 +1,11 @@
 /*
- * The parts of the demonstration.
+ * Interfaces of the demonstration programs:
  *
- *   demo_control.c or demo_linear.c   what an image brings: tables, memory, influence
- *   main.c                            the control loop and its report
- *   demo_loads.c or demo_reshape.c    a nonlinear image: large rotation under loads, or under
- * voltages demo_path.c                       what these two have in common drill.c faults that must
- * end in a status, not in a crash
+ *   demo_control.c or demo_linear.c  tables, memory and influence matrix of an image
+ *   main.c                           control loop and its results
+ *   demo_loads.c or demo_reshape.c   nonlinear image: large rotation under loads, or under voltages
+ *   demo_path.c                      functions that the two nonlinear demonstrations share
+ *   drill.c                          faults that must end in a status, not in a crash
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -16,25 +16,31 @@
 
 typedef struct demo_image {
     const pzs_problem *problem;
-    const pzs_real *target;    /* [outputs] the scene's target (m) */
-    const pzs_real *influence; /* [outputs][inputs] (m/V) */
-    void *work;                /* of the controller */
-    size_t bytes;              /* size of work */
-    pzs_real *wanted;          /* [outputs] room for the target of a tick (m) */
-    pzs_real *measured;        /* [outputs] room for a measured shape (m) */
+    const pzs_real *target;    /* [outputs] target shape of the scene (m) */
+    const pzs_real *influence; /* [outputs][inputs] influence matrix (m/V) */
+    void *work;                /* workspace of the controller */
+    size_t bytes;              /* size of the workspace (bytes) */
+    pzs_real *wanted;          /* [outputs] memory for the target shape of a tick (m) */
+    pzs_real *measured;        /* [outputs] memory for a measured shape (m) */
 } demo_image;
 
-/* Fill in the image; a linear image computes the influence here and prints a line about it. */
+/*
+ * Fill in the image. A linear image computes the influence matrix here and prints one line about
+ * it.
+ */
 pzs_status demo_open(demo_image *image);
 
-/* One line "drill NAME ok" or "drill NAME FAILED: status N". Returns whether all is well. */
+/* Print one line "drill NAME ok" or "drill NAME FAILED: status N". Returns 0 if `ok`, else 1. */
 int drill_line(const char *name, int ok, pzs_status status);
 
-/* Faults of the structure's stages; only in a linear image. Returns the number that failed. */
+/*
+ * Provoke faults in the stages of a model; called in a linear image only. Returns the number of
+ * wrong results.
+ */
 int drill_model(const pzs_structure *structure, void *work, size_t bytes);
 
 #if PZS_NONLINEAR
-/* Tables and memory of a nonlinear image, and the scene's solver settings. */
+/* Tables and memory of a nonlinear image, and the solver settings of its scene. */
 typedef struct demo_nonlinear_image {
     const pzs_structure *structure;
     const pzs_nonlinear *nonlinear;
@@ -45,7 +51,10 @@ typedef struct demo_nonlinear_image {
     uint32_t solve_limit;
 } demo_nonlinear_image;
 
-/* Those of the generated header, with arrays model_work and path_work beside it. */
+/*
+ * Initialiser of a demo_nonlinear_image from the generated header and from arrays model_work and
+ * path_work of the including file.
+ */
 #define DEMO_NONLINEAR_IMAGE                                                                       \
     {                                                                                              \
         &demo_structure, &demo_nonlinear, model_work, path_work, sizeof model_work,                \
@@ -53,17 +62,20 @@ typedef struct demo_nonlinear_image {
             DEMO_SOLVE_LIMIT                                                                       \
     }
 
-/* A model and a path at rest. */
+/* Initialise a model and an equilibrium solver in the undeformed state. */
 pzs_status demo_open_path(pzs_model *model, pzs_solver *solver, const demo_nonlinear_image *image);
 
-/* pzs_equilibrium, with two lines about what was found and what it cost. */
+/* Call pzs_equilibrium and print two lines: one about the result, one about the work. */
 pzs_status demo_equilibrium(const char *name, pzs_solver *solver, const pzs_real *amount);
 
-/* Faults of the path's stages. Returns the number that failed. */
+/* Provoke faults in the stages of an equilibrium solver. Returns the number of wrong results. */
 int drill_path(const demo_nonlinear_image *image);
 #endif
 
-/* Faults of a running loop; leaves the controller usable. Returns the number that failed. */
+/*
+ * Provoke faults in a running control loop, which stays usable. Returns the number of wrong
+ * results.
+ */
 int drill_control(pzs_control *control, const demo_image *image);
 
 #endif

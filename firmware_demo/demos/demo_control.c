@@ -1,5 +1,5 @@
 /*
- * The control image: the influence matrix comes with the tables.
+ * Control image of the demonstration: the influence matrix comes with the tables.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */

@@ -1,6 +1,6 @@
 /*
- * The linear image: the device assembles the structure, factors it and computes the influence
- * itself.
+ * Linear image of the demonstration: the device assembles and factors the stiffness matrix of the
+ * structure and computes the influence matrix itself.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -24,7 +24,7 @@ typedef struct stage_counts {
     uint32_t start, ready, assembled, factored, solved;
 } stage_counts;
 
-/* Structure to influence; counts are taken after each stage. */
+/* Compute the influence matrix of the structure, and take the counter after each stage. */
 static pzs_status compute_influence(pzs_model *model, stage_counts *count)
 {
     pzs_status status;

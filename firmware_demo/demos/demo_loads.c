@@ -1,8 +1,8 @@
 /*
- * A nonlinear image: the scene's loads at large rotation, in as many load steps as the scene says.
- * One line for each output of the scene; the last line tells how far they are from what the host
- * found in double, and must not be further than rounding explains. The exit code is 0 when
- * everything went as it must.
+ * Nonlinear image of the demonstration: the loads of the scene at large rotation, in the load steps
+ * of the scene. It prints one line for each output of the scene, and in the last line how far the
+ * outputs are from those that the host computed in double; the difference must be explained by
+ * rounding. The exit code is 0 if all results are as expected.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -25,7 +25,7 @@ static pzs_real size(pzs_real number)
     return number < 0 ? -number : number;
 }
 
-/* Largest difference from the host's outputs over their largest. */
+/* Largest difference from the outputs of the host, relative to the largest of these outputs. */
 static pzs_real report(void)
 {
     pzs_real most = 0, difference = 0;

@@ -1,17 +1,18 @@
 /*
- * The control image in a loop with a plant at the other end of a stream: an order in, and for a
- * tick its answer out, until the stream ends. The blocks of the loop are those of the tables. All
- * in 32-bit words and reals as the processor holds them.
+ * Control image of the demonstration, in a loop with a simulated structure at the other end of a
+ * byte stream. The program reads one order after the other until the stream ends, and answers each
+ * tick. The blocks of the loop are those of the tables. All numbers are 32-bit words, and reals in
+ * the format of the processor:
  *
- *   out, once            bits of a real, inputs, outputs, readings, status of the start; voltage
- *                        [inputs] (V) unless that is an error
+ *   out, once            bits of a real, inputs, outputs, readings, status of the start; unless
+ *                        that is an error, voltage [inputs] (V)
  *   in   TICK, 0         wanted [outputs] (m), readings [readings]
- *   out                  status, iterations; voltage [inputs] (V); state [inputs] of the
- *                        electrodes, bytes, 0 where no block tells it
+ *   out                  status, iterations; voltage [inputs] (V); state of each electrode
+ *                        [inputs], bytes, 0 where no block reports it
  *   in   HOLD, input     voltage (V)
  *   in   RELEASE, input
- *   in   KNOW, 0         values of the loads at the next readings [loads], values to come [loads]:
- *                        fed forward from now on
+ *   in   KNOW, 0         load values at the time of the next readings [loads], coming load values
+ *        [loads]: fed forward from now on
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -22,14 +23,15 @@
 #define REALS(bytes) (((bytes) + sizeof(pzs_real) - 1u) / sizeof(pzs_real))
 
 #ifndef DEMO_LOADS
-#define DEMO_LOADS 1 /* no load is known, and none is told */
+#define DEMO_LOADS 1 /* size of an array that is not used: the tables know no load */
 #endif
 
 enum { TICK, HOLD, RELEASE, KNOW };
 
 static pzs_real work[REALS(DEMO_LOOP_BYTES)];
 static pzs_real wanted[DEMO_OUTPUTS], readings[DEMO_READINGS];
-static pzs_real known[2][DEMO_LOADS]; /* at the readings, to come */
+static pzs_real known[2][DEMO_LOADS]; /* load values at the time of the readings, and coming load
+                                         values */
 static const uint8_t untold[DEMO_INPUTS];
 static pzs_loop loop;
 

@@ -1,6 +1,6 @@
 /*
- * A path of the demonstration, and two lines about each equilibrium: what was found, and what it
- * cost.
+ * Functions that the nonlinear demonstrations share: initialisation of an equilibrium solver, and
+ * two lines about each equilibrium, one about the result and one about the work.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */

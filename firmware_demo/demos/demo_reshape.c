@@ -1,8 +1,9 @@
 /*
- * A nonlinear image: voltages for a shape at large rotation. The linear optimum misses the target
- * by what rotation does to it; one voltage step with the influence at the shape reached takes most
- * of that back. Two lines for each equilibrium, then the shape errors. The exit code is 0 when
- * everything went as it must.
+ * Nonlinear image of the demonstration: voltages for a target shape at large rotation. The optimum
+ * of the linear model misses the target because of the rotation; one voltage step with the
+ * influence matrix at the deformed shape removes most of this error. The program prints two lines
+ * for each equilibrium and then the errors of the shape. The exit code is 0 if all results are as
+ * expected.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -18,20 +19,23 @@ static pzs_real model_work[REALS(DEMO_MODEL_BYTES)] BOARD_LARGE;
 static pzs_real path_work[REALS(DEMO_SOLVER_BYTES)] BOARD_LARGE;
 static pzs_real control_work[REALS(DEMO_CONTROL_BYTES)] BOARD_LARGE;
 static pzs_real influence[DEMO_ALL_OUTPUTS * DEMO_ALL_INPUTS] BOARD_LARGE;
-static pzs_real amount[DEMO_ALL_INPUTS]; /* voltages, then the scene's loads */
+static pzs_real amount[DEMO_ALL_INPUTS]; /* input values: voltages, then the loads of the scene */
 static pzs_real output[DEMO_ALL_OUTPUTS], error[DEMO_OUTPUTS];
 
 typedef struct reshape_log {
-    pzs_real missed[2];      /* |W (reached - target)| / |W target| under the voltages of either
-                              * influence
-                              */
-    pzs_real optimality;     /* KKT violation of the last step */
-    uint32_t active, passes; /* of the last step */
-    uint32_t outside;        /* voltages outside their limits */
-    uint32_t at_rest, at_shape, step; /* instructions of either influence, of the last step */
+    pzs_real missed[2];  /* relative RMS error of the shape, with the voltages from the influence
+                            matrix of the undeformed and of the deformed shape (1) */
+    pzs_real optimality; /* relative KKT violation of the last voltage step (1) */
+    uint32_t active, passes; /* inputs at a limit and iterations in the last voltage step */
+    uint32_t outside;        /* number of voltages outside their limits */
+    uint32_t at_rest, at_shape, step; /* instructions for the influence matrix of the undeformed
+                                         shape, for that of the deformed shape, and for the last
+                                         voltage step */
 } reshape_log;
 
-/* The amplifiers' columns and the targets' rows of the whole influence, in place. */
+/*
+ * Keep the columns of the amplifiers and the rows of the targets of the influence matrix, in place.
+ */
 static void keep_control_part(void)
 {
     for (int i = 0; i < DEMO_OUTPUTS; i++)
@@ -63,8 +67,10 @@ static pzs_status influence_at_shape(pzs_solver *solver, reshape_log *log)
     return status;
 }
 
-/* Voltages into amount: the optimum for influence and error, by as many steps as the pass budget
- * asks for. */
+/*
+ * Find the optimal voltages for the present influence matrix and error, in as many voltage steps as
+ * the work limit requires.
+ */
 static pzs_status choose_volts(pzs_control *control, reshape_log *log)
 {
     const uint32_t start = board_count();
@@ -101,7 +107,7 @@ static pzs_real shape_error(void)
     return PZS_SQRT(missed / wanted);
 }
 
-/* Equilibrium under amount, into output. */
+/* Compute the equilibrium under the input values, and its outputs. */
 static pzs_status reach(const char *name, pzs_solver *solver, pzs_real *missed)
 {
     const pzs_status status = demo_equilibrium(name, solver, amount);
@@ -110,8 +116,10 @@ static pzs_status reach(const char *name, pzs_solver *solver, pzs_real *missed)
     return status;
 }
 
-/* What the voltages must do beyond the shape reached, as if they began at zero: wanted - reached +
- * B v. */
+/*
+ * Compute the shape that the voltages must make, counted from zero voltage: target minus reached
+ * shape plus the influence matrix times the present voltages.
+ */
 static void error_at_shape(void)
 {
     for (int i = 0; i < DEMO_OUTPUTS; i++) {

@@ -1,5 +1,5 @@
 /*
- * The fault drill: each fault must come back as its status, with the voltages inside their limits.
+ * Fault drill: each provoked fault must end in its status, with all voltages inside their limits.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -66,8 +66,10 @@ int drill_model(const pzs_structure *structure, void *work, size_t bytes)
 }
 
 #if PZS_NONLINEAR
-/* What pzs_solver_init says to tables or memory that are not as they should be; the model is that
- * of the image. */
+/*
+ * Call pzs_solver_init with faulty tables and with too little memory, on the model of the image.
+ * Returns the number of wrong results.
+ */
 static int drill_path_init(const demo_nonlinear_image *image, pzs_model *model)
 {
     pzs_solver solver = {0};
@@ -114,7 +116,10 @@ int drill_path(const demo_nonlinear_image *image)
 }
 #endif
 
-/* Faults before a loop runs, on a controller of its own. */
+/*
+ * Provoke faults of the initialisation, on a separate controller. Returns the number of wrong
+ * results.
+ */
 static int drill_init(const demo_image *image)
 {
     pzs_control control = {0};
@@ -169,7 +174,10 @@ static int drill_target(pzs_control *control, const demo_image *image)
         status == PZS_W_HELD && control->info.voltage[0] == voltage && inside(control), status);
 }
 
-/* All electrodes dead: their voltages stay where they are held, and the loop goes on. */
+/*
+ * Hold all electrodes as dead: their voltages must stay where they are held, and the loop must go
+ * on.
+ */
 static int drill_dead(pzs_control *control, const demo_image *image)
 {
     pzs_status status = PZS_OK;
@@ -206,6 +214,6 @@ int drill_control(pzs_control *control, const demo_image *image)
     failed += drill_target(control, image);
     failed += drill_dead(control, image);
     failed += drill_recovery(control, image);
-    failed += drill_init(image); /* last: it may write into the controller's memory */
+    failed += drill_init(image); /* last, because it may overwrite the memory of the controller */
     return failed;
 }

@@ -1,9 +1,9 @@
 /*
- * Hold a shape for 200 ticks: the target grows and shrinks, the plant is a
- * little weaker than the tables say, and a bump comes and goes. Then one line
- * of results, which must have the same bits on every machine; one line of
- * costs, which are this machine's own; and the fault drill.
- * The exit code is 0 when everything went as it must.
+ * Hold a shape for 200 ticks: the target grows and shrinks, the simulated structure responds a
+ * little less than the tables say, and a disturbance comes and goes. Then the program prints one
+ * line of results, which must have the same bits on every machine, and one line of costs, which
+ * depend on the machine; the fault drill follows. The exit code is 0 if all results are as
+ * expected.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -14,20 +14,25 @@
 
 enum { TICKS = 200, PERIOD = 80, WARM_TICKS = 100 };
 
-#define PLANT_GAIN PZS_R(0.95) /* what the electrodes really do, of what the tables say */
-#define BUMP_SHARE PZS_R(0.1)  /* height of the bump, of the largest target */
+#define PLANT_GAIN                                                                                 \
+    PZS_R(0.95) /* response of the simulated structure, relative to that of the tables */
+#define BUMP_SHARE PZS_R(0.1) /* height of the disturbance, relative to the largest target */
 
 typedef struct loop_log {
-    pzs_status worst;         /* largest status of any tick */
-    uint32_t warnings;        /* ticks that ended with a warning */
-    uint32_t outside;         /* voltages seen outside their limits */
-    uint32_t active;          /* most inputs at a limit at once */
-    uint32_t crc;             /* of the bits of all voltages of all ticks */
-    uint32_t total, most;     /* instructions of all ticks, of the longest */
-    uint32_t warm, warm_most; /* the same of the ticks of a slowly moving target */
+    pzs_status worst;         /* largest status of all ticks */
+    uint32_t warnings;        /* number of ticks that ended with a warning */
+    uint32_t outside;         /* number of voltages found outside their limits */
+    uint32_t active;          /* largest number of inputs at a limit in one tick */
+    uint32_t crc;             /* checksum of the voltages of all ticks */
+    uint32_t total, most;     /* instructions of all ticks, and of the longest tick */
+    uint32_t warm, warm_most; /* instructions of all ticks, and of the longest tick, while the
+                                 target moves slowly */
 } loop_log;
 
-/* 0 to 1 and back over a period, smooth at both ends: a cubic of a triangle, without libm. */
+/*
+ * Periodic function between 0 and 1, smooth at both ends: a cubic polynomial of a triangle wave, so
+ * that no mathematical library is needed.
+ */
 static pzs_real wave(int tick)
 {
     const int phase = tick % PERIOD;
@@ -47,7 +52,10 @@ static pzs_real largest(const pzs_real *vector, int count)
     return most;
 }
 
-/* measured [outputs] out (m): the plant's answer to the voltages, and a bump over the outputs. */
+/*
+ * Simulate the measured shape [outputs] (m): the response of the structure to the voltages, plus a
+ * disturbance.
+ */
 static void measure(const demo_image *image, const pzs_real *voltage, pzs_real bump)
 {
     const int inputs = image->problem->inputs, outputs = image->problem->outputs;
@@ -77,7 +85,7 @@ static uint32_t count_outside(const pzs_problem *problem, const pzs_real *voltag
     return outside;
 }
 
-/* One tick, its voltages checked and logged. Returns the instructions it took. */
+/* Run one tick, check its voltages and record its results. Returns the number of instructions. */
 static uint32_t timed_tick(pzs_control *control, const demo_image *image, loop_log *log)
 {
     const uint32_t start = board_count();
@@ -118,8 +126,10 @@ static loop_log run(pzs_control *control, const demo_image *image)
     return log;
 }
 
-/* A target that moves by a thousandth a tick, as in a loop that holds a shape: the working set
- * stays. */
+/*
+ * Let the target move by a thousandth of itself in each tick, as in a loop that holds a shape: the
+ * active set of the optimiser stays the same.
+ */
 static void run_warm(pzs_control *control, const demo_image *image, loop_log *log)
 {
     for (int tick = -WARM_TICKS; tick < WARM_TICKS; tick++) {
@@ -127,7 +137,7 @@ static void run_warm(pzs_control *control, const demo_image *image, loop_log *lo
         measure(image, control->info.voltage, 0);
         const uint32_t spent = timed_tick(control, image, log);
         if (tick < 0)
-            continue; /* still on its way there */
+            continue; /* the voltages are still on their way to the slowly moving target */
         log->warm += spent;
         if (spent > log->warm_most)
             log->warm_most = spent;
@@ -135,7 +145,7 @@ static void run_warm(pzs_control *control, const demo_image *image, loop_log *lo
     log->crc = ~log->crc;
 }
 
-/* The shape's error after the last tick. */
+/* Relative error of the shape after the last tick. */
 static pzs_real last_error(pzs_control *control, const demo_image *image)
 {
     pzs_report report = {0};

@@ -54,7 +54,9 @@ static void bits(pzs_real value)
         hexadecimal(word[i]);
 }
 
-/* d.ddde-xx by repeated multiplication: rounds in its last digit, good enough to read. */
+/*
+ * Print a number as d.ddde-xx, by repeated multiplication; the last digit may be wrong by rounding.
+ */
 static void scientific(pzs_real value)
 {
     int exponent = 0;

@@ -1,6 +1,6 @@
 /*
- * The tables and the double-precision answer of a scene as plain arrays, so that a test program
- * in either precision can run the library on what the host tools made in double.
+ * Tables and solution of a scene as plain arrays in double, so that a test program of either
+ * precision can run the library on tables that the host tools have made.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -20,47 +20,60 @@ typedef struct bridge_rows {
 
 typedef struct bridge {
     int nodes, elements, kinds, unknowns, dof;
-    int amplifiers, targets; /* the first inputs, the first outputs */
+    int amplifiers, targets; /* number of first inputs that are amplifiers, and of first outputs
+                                that have a target */
     const uint16_t *element, *element_kind, *node_dof, *first;
-    const double *stiffness, *kind; /* kind: the reals of pzs_element_type, one after the other */
-    size_t kind_reals;              /* per kind */
+    const double *stiffness, *kind; /* kind: the reals of each pzs_element_type, one type after the
+                                       other */
+    size_t kind_reals;              /* number of reals of one element type */
     bridge_rows input, output, spring;
-    const double *spring_stiffness; /* [springs] */
-    const double *influence;        /* [outputs][inputs], refined, NULL without a target */
-    const double *target;           /* [targets] */
-    double *u;          /* [dof] displacement under the scene's loads, refined in double */
-    const double *full; /* [inputs] the scene's loads and volts; these seven NULL or 0 where it is
-                           linear */
+    const double *spring_stiffness; /* [springs] spring stiffness (N/m) */
+    const double *influence; /* [outputs][inputs] influence matrix from refined solutions (m/V);
+                                NULL without a target */
+    const double *target;    /* [targets] target shape (m) */
+    double *u; /* [dof] displacement under the loads of the scene, refined in double (m and 1) */
+    const double *full; /* [inputs] loads and voltages of the scene; this member and the following
+                           ones up to given_value are NULL or 0 in a linear scene */
     int given_values;
-    const uint32_t *given_start; /* pzs_prescribed_resultants */
+    const uint32_t *given_start; /* arrays of pzs_prescribed_resultants */
     const uint16_t *given_element, *given_which;
-    const double *given_value; /* [given_values][10] */
-    int electrodes;            /* pzs_electrodes, none where the scene has no sensors */
+    const double *given_value; /* [given_values][10] prescribed resultants (N m) */
+    int electrodes; /* number of electrodes in pzs_electrodes; 0 where the scene has no sensors */
     const uint16_t *electrode_input;
     const uint8_t *pzs_electrode_open;
     bridge_rows direct;
-    const double *amount; /* [inputs] of u, volts of open electrodes as they were found */
-    double change;        /* pzs_solver.change */
-    unsigned systems;     /* of the path that led to u */
+    const double *amount; /* [inputs] input values that belong to the displacement u, with the
+                             voltages of open electrodes */
+    double change;        /* tolerance of the equilibrium solver */
+    unsigned systems;     /* number of linear solves that the equilibrium solver has made */
     double condition, error;
     void *inside;
 } bridge;
 
-/* scene is the name of a shipped scene or a path. Returns 0, or -1 with error [400] filled. */
+/*
+ * Read and solve a scene, given as the name of a shipped scene or as a path. Returns 0, or -1 with
+ * a message in error [400].
+ */
 int bridge_open(bridge *tables, const char *scene, const char *const *set, int sets, char *error);
 void bridge_close(bridge *tables);
 
-/* Modal model of a scene: shapes of the target nodes and static responses, for modes of mass 1. */
+/*
+ * Modal model of a scene, with modes of unit modal mass: shapes at the nodes of the target, and
+ * static responses.
+ */
 typedef struct bridge_modes {
     int modes;
     double *frequency;  /* [modes] angular frequencies (rad/s) */
-    double *shape;      /* [targets][modes] */
-    double *modal;      /* [modes][amplifiers] static coordinate per volt */
-    double *load;       /* [modes] static coordinate by the first load */
-    double *load_shape; /* [targets] static shape by the first load */
+    double *shape;      /* [targets][modes] displacement of each target per modal coordinate */
+    double *modal;      /* [modes][amplifiers] static modal coordinate per volt */
+    double *load;       /* [modes] static modal coordinate under the first load */
+    double *load_shape; /* [targets] static displacement under the first load (m) */
 } bridge_modes;
 
-/* Of an open bridge whose scene has densities. Returns 0, or -1 with error [400] filled. */
+/*
+ * Compute the modal model of a scene with densities. Returns 0, or -1 with a message in error
+ * [400].
+ */
 int bridge_modes_open(bridge_modes *mode_tables, const bridge *tables, int modes, char *error);
 void bridge_modes_close(bridge_modes *modes);
 

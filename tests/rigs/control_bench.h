@@ -1,6 +1,7 @@
 /*
- * A voltage problem with its own arrays and workspace, and a certificate in long double, apart from
- * the library's own arithmetic, of how far its volts are from the optimum. After cmocka.h.
+ * A voltage problem with its own arrays and workspace, and a certificate in long double,
+ * independent of the arithmetic of the library, of how far its voltages are from the optimum.
+ * Include it after cmocka.h.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -15,7 +16,7 @@
 
 #define MOST_INPUTS 64
 #define MOST_OUTPUTS 160
-#define TOLERANCE PZS_BY_BITS(1e-6L, 1e-12L) /* objective over |W e|^2 */
+#define TOLERANCE PZS_BY_BITS(1e-6L, 1e-12L) /* tolerance of the objective, relative to |W e|^2 */
 
 typedef long double wide;
 
@@ -27,8 +28,8 @@ typedef struct bench {
     pzs_control c;
     pzs_real b[MOST_OUTPUTS * MOST_INPUTS], weight[MOST_OUTPUTS], error[MOST_OUTPUTS];
     pzs_real lower[MOST_INPUTS], upper[MOST_INPUTS], slew[MOST_INPUTS], prefer[MOST_INPUTS];
-    pzs_real last[MOST_INPUTS], lo[MOST_INPUTS], hi[MOST_INPUTS]; /* volts before, limits of the
-                                                                     last step */
+    /* voltages before the last step, and limits of the last step (V) */
+    pzs_real last[MOST_INPUTS], lo[MOST_INPUTS], hi[MOST_INPUTS];
     double work[(PZS_CONTROL_BYTES(MOST_INPUTS, MOST_OUTPUTS) + 7) / 8];
 } bench;
 
@@ -68,7 +69,10 @@ static pzs_status start(bench *t)
     return pzs_control_init(&t->c, &t->p, b != NULL ? NULL : t->b, t->work, sizeof t->work);
 }
 
-/* A plain problem: full-rank B, limits +-limit, no slew, no effort. */
+/*
+ * A problem with a full-rank influence matrix and limits +-limit, without step limits and
+ * regularisation.
+ */
 static void plain(bench *t, uint64_t seed, unsigned n, unsigned m, double limit)
 {
     memset(t, 0, sizeof *t);
@@ -97,7 +101,10 @@ static wide energy(const bench *t)
     return sum;
 }
 
-/* |W (B v - e)|^2 + effort |v - prefer|^2, and half its gradient; in long double from B itself. */
+/*
+ * Objective |W (B v - e)|^2 + regularisation |v - reference voltage|^2 and half of its gradient, in
+ * long double, from the influence matrix B itself.
+ */
 static wide objective(const bench *t, const wide *v, wide *gradient)
 {
     const unsigned n = t->p.inputs;
@@ -127,7 +134,7 @@ static wide objective_at(const bench *t, const pzs_real *voltage)
     return objective(t, v, gradient);
 }
 
-/* |W (B v - e)| / |W e|. */
+/* Relative error of the shape, |W (B v - e)| / |W e|. */
 static wide shape_error_of(const bench *t)
 {
     wide v[MOST_INPUTS] = {0}, gradient[MOST_INPUTS], effort = 0;
@@ -141,7 +148,7 @@ static wide shape_error_of(const bench *t)
 
 /* ---- limits -------------------------------------------------------------------- */
 
-/* Limits of the coming step, from the definition. */
+/* Compute the limits of the coming step from their definition. */
 static void note_limits(bench *t)
 {
     for (unsigned i = 0; i < t->p.inputs; i++) {
@@ -162,7 +169,8 @@ static void assert_feasible(const bench *t)
                        change = v < t->last[i] ? t->last[i] - v : v - t->last[i];
         assert_true(v >= t->c.info.lower[i] && v <= t->c.info.upper[i]);
         assert_true(isfinite(v));
-        if (change > t->slew[i]) /* allowed only where slew and limit do not meet */
+        if (change > t->slew[i]) /* allowed only where step limit and voltage limits do not overlap
+                                  */
             assert_true(t->lo[i] >= t->hi[i] && v >= t->lo[i] && v <= t->hi[i]);
     }
 }
@@ -174,8 +182,10 @@ static wide clip(wide x, wide lo, wide hi)
     return x < lo ? lo : x > hi ? hi : x;
 }
 
-/* Convexity: objective - optimum <= 2 max over the box of gradient . (v - x). An endless box is cut
- * at ten times the largest volts. */
+/*
+ * Upper bound of the distance from the optimum, by convexity: objective - optimum <= 2 max over the
+ * box of gradient . (v - x). An unbounded box is cut at ten times the largest voltage.
+ */
 static wide gap_of(const bench *t, const wide *v, const wide *gradient)
 {
     wide gap = 0, most = 1;
@@ -191,8 +201,10 @@ static wide gap_of(const bench *t, const wide *v, const wide *gradient)
     return gap;
 }
 
-/* Newton direction over the inputs marked free, dense L D L^T in long double; dependent inputs
- * stay. */
+/*
+ * Newton direction over the inputs marked free, by a dense L D L^T in long double. Linearly
+ * dependent inputs do not move.
+ */
 static void newton(const bench *t, const unsigned char *free, const wide *gradient, wide *way)
 {
     static wide a[MOST_INPUTS][MOST_INPUTS], rest[MOST_INPUTS];
@@ -227,7 +239,7 @@ static void newton(const bench *t, const unsigned char *free, const wide *gradie
     }
 }
 
-/* How much of a way is free, 0 to 1, and the first input to meet its limit, or n. */
+/* Part (0 to 1) of a way that the limits allow, and the first input to meet its limit, or n. */
 static wide free_part(const bench *t, const wide *v, const wide *way, unsigned *first)
 {
     wide part = 1;
@@ -242,8 +254,10 @@ static wide free_part(const bench *t, const wide *v, const wide *way, unsigned *
     return part;
 }
 
-/* One exact step of the reference: free are the inputs the gradient may move, less those that
- * cannot follow. */
+/*
+ * One exact step of the reference solution: free are the inputs that the gradient may move, except
+ * those that cannot follow.
+ */
 static void polish(const bench *t, wide *v, const wide *gradient)
 {
     unsigned char free[MOST_INPUTS];
@@ -263,8 +277,9 @@ static void polish(const bench *t, wide *v, const wide *gradient)
 }
 
 /*
- * What objectives may differ by: TOLERANCE |W e|^2 (or of the objective, where limits or effort
- * make it larger), and what one rounding of each term of B'W^2 e moves the objective by.
+ * Allowed difference of objectives: TOLERANCE |W e|^2 (or TOLERANCE times the objective, where
+ * limits or regularisation make it larger), plus the effect of one rounding of each term of B'W^2
+ * e.
  */
 static wide allowance(const bench *t)
 {
@@ -280,8 +295,10 @@ static wide allowance(const bench *t)
     return TOLERANCE * scale + rounding;
 }
 
-/* Upper bound of (objective - optimum) over the allowance, from the duality gap at a polished
- * point. */
+/*
+ * Upper bound of (objective - optimum) divided by the allowed difference, from the duality gap at a
+ * refined point.
+ */
 static wide excess(const bench *t)
 {
     wide v[MOST_INPUTS] = {0}, gradient[MOST_INPUTS];

@@ -46,7 +46,7 @@ void structure_close(modal_structure *structure)
     free(structure->goal);
 }
 
-/* influence and load_shape = those of the modes alone. */
+/* Set influence and load_shape to the sums over the modes. */
 static void add_up_modes(modal_structure *structure)
 {
     for (size_t i = 0; i < structure->outputs; i++)
@@ -74,7 +74,7 @@ void structure_scale(modal_structure *structure)
     }
 }
 
-/* A goal within reach: the shape of random voltages of about a third of the limit. */
+/* Set a target that can be reached: the shape of random voltages of about a third of the limit. */
 static void set_goal(modal_structure *structure, unsigned seed)
 {
     for (size_t j = 0; j < structure->inputs; j++) {
@@ -119,7 +119,7 @@ void structure_of_plate(modal_structure *structure, size_t modes)
     bridge_close(&tables);
 }
 
-/* Modes (a, b) of a plate, in the order of their frequencies. */
+/* Half waves (a, b) of a vibration mode of a plate; modes are sorted by frequency. */
 typedef struct plate_mode {
     double square;
     size_t a, b;
@@ -131,7 +131,7 @@ static int compare_modes(const void *left, const void *right)
     return (first->square > second->square) - (first->square < second->square);
 }
 
-/* Integral of sin(a pi x / length) over patch k of n, a little narrower than its cell. */
+/* Integral of sin(a pi x / length) over patch k of n, which is a little narrower than its cell. */
 static double over_patch(size_t half_wave, size_t k, size_t patches, double length)
 {
     const double cell = length / (double)patches, from = cell * ((double)k + 0.04),
@@ -183,7 +183,7 @@ void structure_of_supported_plate(modal_structure *structure, const supported_pl
     double largest = 0;
     for (size_t i = 0; i < structure->outputs * structure->inputs; i++)
         largest = fmax(largest, fabs(structure->influence[i]));
-    const double scale = 1e-5 / largest; /* 10 um a volt at most */
+    const double scale = 1e-5 / largest; /* at most 10 um for each volt */
     for (size_t i = 0; i < structure->outputs * structure->inputs; i++)
         structure->influence[i] *= scale;
     for (size_t i = 0; i < structure->modes * structure->inputs; i++)
@@ -207,7 +207,10 @@ static size_t output_of(const damped_loop *loop, size_t sensor)
     return loop->sensor ? loop->sensor[sensor] : sensor;
 }
 
-/* Modes that turn by at most settings.observed, no more than inputs and fewer than sensors. */
+/*
+ * Number of modes that turn by at most settings.observed in a tick, limited by the number of inputs
+ * and of sensors.
+ */
 static size_t count_modes(const damped_loop *loop)
 {
     const modal_structure *structure = loop->structure;
@@ -253,7 +256,10 @@ static void compute_gains(damped_loop *loop)
     assert_int_equal(damper_compute(&loop->gains, &model, &loop->settings), 0);
 }
 
-/* gain [outputs][sensors] = G Gs' (Gs Gs' + 1e-4 mean diagonal)^-1, Gs the rows of the sensors. */
+/*
+ * gain [outputs][sensors] = G Gs' (Gs Gs' + 1e-4 mean diagonal)^-1, with the influence matrix G and
+ * its rows Gs of the sensors.
+ */
 static void fill_gain(const damped_loop *loop, double *gain)
 {
     const modal_structure *structure = loop->structure;
@@ -274,7 +280,8 @@ static void fill_gain(const damped_loop *loop, double *gain)
             for (size_t j = 0; j < inputs; j++)
                 gain[output * sensors + i] += structure->influence[output * inputs + j] *
                                               structure->influence[output_of(loop, i) * inputs + j];
-    for (size_t row = 0; row < sensors; row++) { /* Gauss-Jordan on the columns of gain */
+    for (size_t row = 0; row < sensors; row++) { /* Gauss-Jordan elimination on the columns of gain
+                                                  */
         const double pivot = matrix[row * sensors + row];
         for (size_t i = 0; i < sensors; i++)
             matrix[i * sensors + row] /= pivot;
@@ -363,7 +370,7 @@ static void fill_vibration(damped_loop *loop, pzs_real **at, int delay)
 
 /* ---- loop ------------------------------------------------------------- */
 
-enum { HISTORY = 16 }; /* ticks of readings kept */
+enum { HISTORY = 16 }; /* number of ticks whose readings are kept */
 
 static void start(damped_loop *loop)
 {
@@ -457,7 +464,7 @@ void damped_loop_reset(damped_loop *loop, plant_error error)
     start(loop);
 }
 
-/* Voltages that act, after play and nonlinear gain. */
+/* Compute the voltages that act on the plant, with play and nonlinear gain. */
 static void act(damped_loop *loop)
 {
     const double limit = loop->structure->limit, half = loop->error.play * limit;
@@ -527,7 +534,7 @@ static void read_plant(damped_loop *loop)
     }
 }
 
-/* The new voltages are inside their limits and step limits. */
+/* Assert that the new voltages are inside their voltage limits and step limits. */
 static void assert_limits(const damped_loop *loop, const pzs_real *last)
 {
     const pzs_control_info *info = &loop->loop.info.control->info;
@@ -560,15 +567,17 @@ pzs_status damped_loop_tick(damped_loop *loop, const double *wanted)
 
 /* ---- judgement -------------------------------------------------------- */
 
-/* Whether v_j stands at a limit that its slope pushes it against. */
+/* Whether a voltage is at a limit towards which its slope drives it. */
 static bool is_active(double voltage, double slope, double limit)
 {
     return (voltage <= -limit && slope > 0) || (voltage >= limit && slope < 0);
 }
 
 /*
- * Solve a x = b for the entries that are free, x 0 elsewhere; a positive definite, by elimination.
- *   matrix [n][n], right_side [n]  in
+ * Solve the linear equations of a positive definite matrix for the entries that are free, by
+ * elimination; the other entries of the solution are 0.
+ *   matrix     [count][count] in  matrix
+ *   right_side [count]        in  right-hand side
  */
 static void solve_free(const double *matrix, const double *right_side, const bool *is_free,
                        size_t count, double *solution)
@@ -595,7 +604,9 @@ static void solve_free(const double *matrix, const double *right_side, const boo
     free(copy);
 }
 
-/* Minimum of v'h v/2 - f'v between the limits by projected Newton steps, halved until they descend.
+/*
+ * Minimum of v'Hv/2 - f'v between the limits, by projected Newton steps that are halved until they
+ * descend. H is the Hessian, f the gradient at zero.
  */
 static void bounded_minimum(const double *hessian, const double *gradient, size_t count,
                             double limit, double *voltage)

@@ -1,5 +1,5 @@
 /*
- * Mesh files of a grid (mesh_writer.h).
+ * Writer of mesh files of a grid, in every format that pzs reads (mesh_writer.h).
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -13,7 +13,7 @@ static unsigned next_random(unsigned *state)
     return *state >> 8;
 }
 
-/* Shuffle labels, which stay unique. */
+/* Permute unique labels at random. */
 static void shuffle(int64_t *label, int count, unsigned *state)
 {
     for (int i = count - 1; i > 0; i--) {
@@ -62,7 +62,7 @@ void grid_flip(grid_mesh *grid, unsigned seed)
 
 /* ---- groups ------------------------------------------------------------ */
 
-/* Physical groups: dimension, number and name. */
+/* Physical groups of a Gmsh file: dimension, number and name. */
 static const struct {
     int dimension, tag;
     const char *name;
@@ -70,7 +70,7 @@ static const struct {
               {1, 4, "high2"},  {2, 1, "all"},  {2, 2, "first"}, {2, 3, "second"}};
 enum { GROUPS = sizeof groups / sizeof *groups };
 
-/* Number of edges on side k (low1, high1, low2, high2), and the two nodes of the i-th. */
+/* Number of edges on side k of the grid (low1, high1, low2, high2), and the two nodes of edge i. */
 static int side_count(const grid_mesh *grid, int k)
 {
     return grid->n[k < 2];
@@ -89,7 +89,7 @@ static int total_cells(const grid_mesh *grid, bool twice)
     return 1 + 2 * (grid->n[0] + grid->n[1]) + (twice ? 2 : 1) * grid->elements;
 }
 
-/* Numbers of line elements and of the point lie above those of the quadrilaterals. */
+/* Labels of line elements and of the point, which lie above those of the quadrilaterals. */
 static int64_t line_label(int k, int i)
 {
     return 1000000 + 10000 * k + i;
@@ -149,7 +149,9 @@ static void put_head(const out *file, const char *version)
 
 /* ---- version 2.2 ------------------------------------------------------- */
 
-/* One element: in text its type stands in its line, in binary in a block of its own. */
+/*
+ * Write one element: a text file has its type in its line, a binary file a block for each element.
+ */
 static void put_cell_2(const out *file, int64_t label, int type, int physical)
 {
     if (file->is_binary) {
@@ -208,7 +210,10 @@ static void write_2(const grid_mesh *grid, const out *file)
 
 /* ---- version 4.1 ------------------------------------------------------- */
 
-/* Entities: a point, four curves, and two surfaces, each in "all" and in one half. */
+/*
+ * Write the entities: a point, four curves, and two surfaces, each in the group "all" and in one
+ * half.
+ */
 static void put_entities(const out *file)
 {
     fputs("$Entities\n", file->file);
@@ -231,7 +236,7 @@ static void put_entities(const out *file)
         put_size(file, k < 4 ? 1 : 2);
         put_int(file, k < 4 ? k + 1 : 1);
         if (k >= 4)
-            put_int(file, -(surface + 2)); /* a reversed group */
+            put_int(file, -(surface + 2)); /* a group of reversed orientation */
         put_size(file, 2);
         put_int(file, 1);
         put_int(file, -2);
@@ -240,7 +245,7 @@ static void put_entities(const out *file)
     fprintf(file->file, "%s$EndEntities\n", file->is_binary ? "\n" : "");
 }
 
-/* Nodes in two blocks, the second with a parameter. */
+/* Write the nodes in two blocks, of which the second has parametric coordinates. */
 static void put_nodes_4(const grid_mesh *grid, const out *file)
 {
     const int first[3] = {0, grid->nodes / 3, grid->nodes};

@@ -34,7 +34,7 @@ typedef struct grid_mesh {
 } grid_mesh;
 
 /*
- * Fill a grid over u, v in [0, 1] with the points of a function.
+ * Fill a grid with the points of a function of two coordinates from 0 to 1.
  *   order  in  0: ascending labels; else the seed of sparse labels in random order
  */
 void grid_fill(grid_mesh *grid, int n1, int n2,

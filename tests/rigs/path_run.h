@@ -1,6 +1,6 @@
 /*
- * What tests of the nonlinear path share: changes of scenes, the path of a run, vectors compared.
- * After cmocka.h.
+ * Helpers of tests of the equilibrium solver: changes of scenes, the equilibrium of a scene,
+ * comparison of vectors. Include it after cmocka.h.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -10,7 +10,7 @@
 #include "pzs.h"
 #include "scene_assert.h"
 
-/* Changes of a scene, each ended. */
+/* Changes of a scene, each ended by a semicolon. */
 #define MESH(n1, n2) "mesh.theta1.elements=" #n1 ";mesh.theta2.elements=" #n2 ";"
 #define HALF_TURN "actuators.v.applied=4*0.05^2*(pi/10)/(3*1e-6);"
 #define BASE_100                                                                                   \
@@ -37,8 +37,10 @@ static inline double largest(const double *x, size_t n)
     return most;
 }
 
-/* Largest difference of two vectors over the largest entry of the second; infinite where one entry
- * of x is. */
+/*
+ * Largest difference of two vectors, relative to the largest entry of the second; infinite if an
+ * entry of the first is.
+ */
 static inline double apart(const double *x, const double *y, size_t n)
 {
     double most = 0;

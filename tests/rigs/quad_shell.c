@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Shells on general meshes (quad_shell.h). */
+/* Shells on general meshes, without scenes (quad_shell.h). */
 #include "quad_shell.h"
 #include <math.h>
 #include <stdlib.h>
@@ -41,7 +41,7 @@ void quad_shell_init(quad_shell *shell, double thickness, double young, double p
 
 /* ---- mesh ---------------------------------------------------------------- */
 
-/* Node at a position, added if there is none. */
+/* Return the node at a position, after adding it if there is none. */
 static uint32_t add_node(quad_mesh *quads, const double position[3], const double director[3])
 {
     for (size_t node = 0; node < quads->nodes; node++) {
@@ -156,8 +156,10 @@ int quad_shell_nearest(const quad_shell *shell, double x, double y, double z)
     return best;
 }
 
-/* Make the axis of a node a unit vector normal to its director; the global axis along which the
- * director is least where none was chosen. */
+/*
+ * Make the axis of a node a unit vector normal to its director. Where no axis was chosen, it
+ * follows the global axis along which the director has its smallest component.
+ */
 static void finish_axis(quad_mesh *quads, size_t node)
 {
     double *axis = quads->axis[node], *director = quads->director[node];
@@ -222,7 +224,7 @@ void quad_shell_couple(quad_shell *shell, int node, const double couple[3])
         shell->force[node][3 + axis] += vector_dot(shell->mesh.point[node].e[axis], turned);
 }
 
-/* Integral of N_r N_s over an element. */
+/* Integral over an element of the product of the shape functions of two corners. */
 static double pair_weight(const laminate_place *place, int corner, int other)
 {
     const double plain[3] = {4 / 36.0, 2 / 36.0, 1 / 36.0};
@@ -230,7 +232,10 @@ static double pair_weight(const laminate_place *place, int corner, int other)
     return place->area * (plain[steps] + corner_pair_excess(place, corner, other));
 }
 
-/* Add the force of a traction given at all nodes. traction [nodes][3] */
+/*
+ * Add the nodal forces of a traction, given at all nodes.
+ *   traction [nodes][3] in  traction (N/m2)
+ */
 static void add_traction(quad_shell *shell, const double (*traction)[3])
 {
     for (int element = 0; element < shell->mesh.elements; element++) {
@@ -267,7 +272,7 @@ void quad_shell_pressure(quad_shell *shell, double (*pressure)(const double posi
 
 /* ---- solution ------------------------------------------------------------ */
 
-/* The shell as a structure with one input, its force, and the memory of its rows. */
+/* The shell as a structure whose one input is the force, and the memory of its sparse rows. */
 typedef struct loaded_shell {
     pzs_structure structure;
     uint32_t start[2], none[1];

@@ -1,17 +1,17 @@
 /*
- * A cylinder between diaphragms in closed form (round_shell.h).
+ * Closed-form deflection of a cylinder between diaphragms (round_shell.h).
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
 #include "round_shell.h"
 #include <math.h>
 
-/* Amplitudes u v w and the changes t1 t2 of the director. */
+/* Amplitudes of the displacements u, v, w and of the rotations t1, t2 of the director. */
 enum { U, V, W, T1, T2, DOF };
 
 static const double nu = 0.3, pi = 3.141592653589793;
 
-/* Plane stress of unit modulus: x' C y of the strains 11 22 12. */
+/* Energy product of two in-plane strains (11, 22, 12) in plane stress, for Young's modulus 1. */
 static double plane_product(const double left[3], const double right[3])
 {
     const double cross = 1 / (1 - nu * nu), gain = 1 / (2 * (1 + nu));
@@ -21,8 +21,8 @@ static double plane_product(const double left[3], const double right[3])
 }
 
 /*
- * Strains e11 e22 g12 g13 g23 at height z of amplitude i; w = cos cos, u = sin cos, v = cos sin
- * along x and theta2.
+ * Strains 11, 22, 12, 13, 23 at a height above the reference surface, for a unit amplitude i; w
+ * varies as cos cos, u as sin cos, v as cos sin along the axis and around the circumference.
  */
 static void cylinder_strain(int i, double wave, double harmonic, double z, double strain[5])
 {
@@ -55,7 +55,8 @@ double round_shell_crest(int harmonic, double length, double thickness)
                                     0.8611363115940526};
     static const double weight[4] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
                                      0.3478548451374538};
-    static const int order[DOF] = {T1, T2, U, V, W}; /* w last: its pivot is the stiffness */
+    static const int order[DOF] = {T1, T2, U, V, W}; /* w comes last, so that its pivot is the
+                                                        stiffness */
     double k[DOF][DOF] = {{0}};
     for (int point = 0; point < 4; point++)
         add_height(k, pi / length, harmonic, thickness / 2 * gauss[point],

@@ -1,5 +1,5 @@
 /*
- * A thin cylinder in closed form, for tests of the element.
+ * Closed-form deflection of a thin cylinder, for tests of the element.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -7,9 +7,10 @@
 #define ROUND_SHELL_H
 
 /*
- * Deflection at the crest of a cylinder, radius 1, Young's modulus 1, Poisson's ratio .3, between
- * diaphragms `length` apart under the pressure cos(pi x/length) cos(n theta2), x from the middle:
- * a straight director and plane stress, exact through the thickness h. n >= 1
+ * Return the deflection at the crest of a cylinder (radius 1, Young's modulus 1, Poisson's ratio
+ * 0.3) between diaphragms `length` apart, under the pressure cos(pi x/length) cos(harmonic theta2),
+ * with x from the middle and harmonic >= 1. The director stays straight and the stress plane; the
+ * integration over the thickness is exact.
  */
 double round_shell_crest(int harmonic, double length, double thickness);
 

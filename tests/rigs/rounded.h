@@ -1,5 +1,5 @@
 /*
- * A bridge's tables rounded to the precision of the test program. After cmocka.h.
+ * Tables of a bridge, rounded to the precision of the test program. Include it after cmocka.h.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -31,7 +31,7 @@ static inline pzs_real *round_rows(const bridge_rows *from, pzs_rows *to)
     return value;
 }
 
-/* Reals of a structure, to be freed. */
+/* Arrays of rounded reals of a structure, which the test has to free. */
 enum {
     ROUNDED_STIFFNESS,
     ROUNDED_KIND,

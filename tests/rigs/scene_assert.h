@@ -1,5 +1,6 @@
 /*
- * What tests of whole scenes share: scenes that must run, numbers that must agree. After cmocka.h.
+ * Assertions for tests of whole scenes: scenes that must run, and numbers that must agree. Include
+ * it after cmocka.h.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -15,7 +16,7 @@
 #define PUBLISHED "element=published;"
 #define IMPROVED "element=improved;"
 #define METRIC_OFF "element={kinematics: cartesian, metric: off};"
-/* The upper layer of PLATE alone, with one electrode. */
+/* Change of the scene PLATE: its upper layer alone, with one electrode. */
 #define ONE_LAYER                                                                                  \
     "layers=[{name: upper, material: ceramic, thickness: 0.5e-3}];patches=[{name: up, layer: "     \
     "upper}];"
@@ -35,7 +36,7 @@ static inline void solve_run(scene_run *r, const char *name, const char *changes
         fail_msg("%s", r->error);
 }
 
-/* A change after others. */
+/* Join two lists of changes of a scene. */
 static inline const char *with(const char *first, const char *second)
 {
     static char text[2048];
@@ -43,7 +44,7 @@ static inline const char *with(const char *first, const char *second)
     return text;
 }
 
-/* A change that a shipped scene refuses, and what its one line says of place or cure. */
+/* A change that makes a shipped scene invalid, and a part of the message that is expected. */
 typedef struct refusal {
     const char *set, *expected;
 } refusal;

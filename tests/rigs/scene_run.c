@@ -1,5 +1,5 @@
 /*
- * A scene run as a user runs it (scene_run.h).
+ * A scene run as a user runs it: read, prepared and solved (scene_run.h).
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */

@@ -1,5 +1,5 @@
 /*
- * A scene run as a user runs it: read with changes, prepared, solved. For test programs.
+ * A scene run as a user runs it: read with changes, prepared and solved. For test programs.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -12,33 +12,35 @@
 typedef struct scene_run {
     scene scene;
     analysis analysis;
-    double *u, *output;      /* displacement and its output rows */
-    char error[SCENE_ERROR]; /* of the last call that failed */
+    double *u, *output; /* [free_dof] displacement, and [outputs] outputs of this displacement */
+    char error[SCENE_ERROR]; /* message of the last call that failed */
 } scene_run;
 
 /*
- * Read and prepare.
- *   name    in  of a shipped scene, or a path with a '/'
- *   changes in  "key=value;key=value", as the command line's --set
- * Returns 0, or -1 with error filled; close it in either case.
+ * Read and prepare a scene.
+ *   name    in  name of a shipped scene, or a path with a '/'
+ *   changes in  "key=value;key=value", as after --set on the command line
+ * Returns 0, or -1 with a message in error. The run must be closed in either case.
  */
 int scene_run_open(scene_run *run, const char *name, const char *changes);
 
-/* Displacement under the scene's loads and volts, from rest; u and output hold what was reached.
- * Returns 0, or -1 with error filled. */
+/*
+ * Compute displacement and outputs under the loads and voltages of the scene, from the undeformed
+ * state. Returns 0, or -1 with a message in error.
+ */
 int scene_run_solve(scene_run *run);
 
-/* Put a displacement's output rows into output. displacement [dof] in */
+/* Compute the outputs of a displacement [free_dof]. */
 void scene_run_observe(scene_run *run, const double *displacement);
 
-/* First value of the scene's k-th output. */
+/* Return the first value of the output with index k in the scene. */
 double scene_run_value(const scene_run *run, int k);
 
 void scene_run_close(scene_run *run);
 
 /*
- * Common voltage limits: none, those of the scene, or from -most to most; an infinite `most` is
- * none.
+ * Common voltage limits: none, those of the scene, or from -most to most; an infinite `most` means
+ * no limits.
  */
 static inline common_limits no_limits(void)
 {

@@ -1,6 +1,6 @@
 /*
- * Small shells in the precision of the test program, with a path on each, made without the host
- * tools. After cmocka.h.
+ * Small shells in the precision of the test program, with an equilibrium solver on each, made
+ * without the host tools. Include it after cmocka.h.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -24,7 +24,7 @@ enum { MOST_NODES = 200 };
 
 static uint32_t seed = 1;
 
-/* Uniform in -1 ... 1. */
+/* Random number, uniform between -1 and 1. */
 static inline double uniform(void)
 {
     seed = seed * 1664525u + 1013904223u;
@@ -33,11 +33,16 @@ static inline double uniform(void)
 
 /* ---- a rig: n1 x n2 equal elements of one kind ------------------------- */
 
-/* Whether unknown k of the node at line i of theta1 and j of theta2 is supported. */
+/*
+ * Function that tells whether degree of freedom k of the node at line i of theta1 and line j of
+ * theta2 is supported.
+ */
 typedef int fixing(int i, int j, int k);
 
-/* A flat plate in x, y with e3 up, or a cylinder of radius R around y, theta1 the angle from below,
- * e3 outwards. */
+/*
+ * A flat plate in the plane x, y with e3 upwards, or a cylinder around y with theta1 the angle from
+ * below and e3 outwards.
+ */
 typedef struct rig {
     int n1, n2, closed, nodes, elements, dof;
     double radius, step[2], h;
@@ -88,7 +93,10 @@ static inline double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Corner tables in Cartesian differences of the first element, like all others. */
+/*
+ * Compute the coupling matrices of the element type in Cartesian coordinates from the first
+ * element; all elements are equal.
+ */
 static inline void make_kind(rig *g)
 {
     static const double sign[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
@@ -109,7 +117,10 @@ static inline void make_kind(rig *g)
         }
 }
 
-/* D of an isotropic material, E = 1, nu = .3: means get h C, differences h/12 C. */
+/*
+ * Compute the stiffness of an isotropic material with Young's modulus 1 and Poisson's ratio 0.3,
+ * for means and differences of the faces.
+ */
 static inline void make_stiffness(rig *g)
 {
     const double shear = 1 / 2.6, lame = 0.3 / (1.3 * 0.4),
@@ -150,8 +161,10 @@ static inline void number(rig *g, fixing *fixed)
     }
 }
 
-/* A dead force of 1 along -e3, shared by the nodes of line `loaded`, is input 0; input 1 has an
- * empty row. */
+/*
+ * Make the structure: input 0 is a force of 1 along -e3, shared by the nodes of line `loaded`;
+ * input 1 has an empty force vector.
+ */
 static inline void make_structure(rig *g, int loaded)
 {
     pzs_structure *structure = &g->structure;
@@ -185,7 +198,11 @@ static inline void make_structure(rig *g, int loaded)
     g->tables.crc = pzs_nonlinear_crc(&g->tables, structure);
 }
 
-/* A shell at rest with a path on it. radius 0: a plate; step: lengths of an element. */
+/*
+ * Make a shell in the undeformed state, with an equilibrium solver.
+ *   radius in  radius of the cylinder; 0: plate
+ *   step   in  side lengths of an element
+ */
 static inline rig *rig_open(int n1, int n2, double radius, double step1, double step2, double h,
                             int closed, fixing *fixed, int loaded)
 {
@@ -231,7 +248,10 @@ static inline void rig_close(rig *g)
     free(g);
 }
 
-/* Every single bit of `bytes` bytes counts: flipped, it keeps tables from being attached. */
+/*
+ * Assert that a single flipped bit, anywhere in `bytes` bytes of tables, keeps the tables from
+ * being attached.
+ */
 typedef pzs_status attaching(rig *g);
 static inline void assert_bits_count(rig *g, void *data, size_t bytes, attaching *attach)
 {
@@ -244,7 +264,10 @@ static inline void assert_bits_count(rig *g, void *data, size_t bytes, attaching
     }
 }
 
-/* A follower of pressure 1 on every node, driven by input 1; shares of the improved element. */
+/*
+ * Make a follower load of pressure 1 at every node, which input 1 scales, with the shares of the
+ * improved element.
+ */
 static inline void make_follower(rig *g, int load_face, int normal_face, int true_area)
 {
     pzs_follower *follower = &g->follower;
@@ -269,8 +292,10 @@ static inline void attach_follower(rig *g, int load_face, int normal_face, int t
     assert_int_equal(pzs_attach_follower(&g->path, &g->follower_load, &g->follower), PZS_OK);
 }
 
-/* Contact of the outer face below (a cylinder) or above (a plate); input 1 moves the body, of
- * which g->body is a copy. */
+/*
+ * Attach a contact of the outer face, which is below a cylinder or above a plate. Input 1 moves the
+ * body, of which g->body is a copy.
+ */
 static inline pzs_status try_contact(rig *g, const pzs_body *body, const double motion[3])
 {
     pzs_contact_face *face = &g->face;
@@ -312,7 +337,7 @@ static inline void set_random(rig *g, double size)
         g->path.state.displacement[i] = (pzs_real)(size * uniform());
 }
 
-/* The supports of a free shell. */
+/* The supports of a free shell: none. */
 static inline int nothing(int i, int j, int k)
 {
     (void)i, (void)j, (void)k;

@@ -9,7 +9,7 @@ static void give_up(const char *what, const char *name)
     abort();
 }
 
-/* Next token that is not in a comment line. */
+/* Read the next word that is not in a comment line. */
 static int token(FILE *file, char text[64])
 {
     while (fscanf(file, "%63s", text) == 1) {

@@ -1,6 +1,6 @@
 /*
- * Reader of the text data in tests/oracle/data: `case NAME`, `word KEY VALUE`, `array KEY ROWS COLS
- * numbers`.
+ * Reader of the text files in tests/oracle/data, with the entries `case NAME`, `word KEY VALUE` and
+ * `array KEY ROWS COLS numbers`.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -22,12 +22,14 @@ typedef struct testdata {
     testdata_array array[32];
 } testdata;
 
-/* Read the next case. Returns 1, or 0 at the end of the file; faults of the format abort the test
- * program. */
+/*
+ * Read the next case. Returns 1, or 0 at the end of the file; a format error aborts the test
+ * program.
+ */
 int testdata_next(FILE *file, testdata *data);
 void testdata_free(testdata *data);
 
-/* Numbers under a key; NULL if the case has none. */
+/* Return the numbers under a key, or NULL if the case has none. */
 const testdata_array *testdata_find(const testdata *data, const char *key);
 const double *testdata_values(const testdata *data, const char *key);
 const char *testdata_word(const testdata *data, const char *key);

@@ -1,6 +1,6 @@
-/* Hold a shape: one call a tick. The three functions in the middle stand for the hardware.
+/* Hold a shape with one call in each tick. The three static functions simulate the hardware.
  * SPDX-License-Identifier: BSD-2-Clause */
-#define PLATE_REAL_BITS 32 /* this program is for float: another library does not compile */
+#define PLATE_REAL_BITS 32 /* this program is for float: it does not compile with double */
 #include "board.h"
 #include "plate.h"
 
@@ -14,7 +14,7 @@ static void read_target(void)
         wanted[i] = plate_target[i] / 2;
 }
 
-/* The plant: the influence matrix of the tables, a tenth weaker. */
+/* Simulate a structure that responds a tenth less than the influence matrix of the tables says. */
 static void read_sensors(void)
 {
     for (int i = 0; i < PLATE_READINGS; i++) {
@@ -25,7 +25,7 @@ static void read_sensors(void)
     }
 }
 
-/* Returns whether all voltages are inside their limits. */
+/* Return whether all voltages are inside their limits. */
 static int write_amplifiers(const pzs_real *voltage)
 {
     int inside = 1;

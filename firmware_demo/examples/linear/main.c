@@ -13,7 +13,7 @@ static pzs_real influence[PLATE_OUTPUTS * PLATE_INPUTS];
 static pzs_model model;
 static pzs_loop loop;
 
-/* Returns the first status that is not OK. */
+/* Compute the influence matrix. Returns the first status that is not PZS_OK. */
 static pzs_status make_influence(void)
 {
     static pzs_real stiffness_factor[sizeof plate_element_types / sizeof *plate_element_types];
@@ -43,12 +43,12 @@ int main(void)
     if (status == PZS_OK)
         status = pzs_loop_init(&loop, plate_blocks, PLATE_BLOCKS, influence, work, sizeof work);
     for (int tick = 0; tick < 50 && !PZS_IS_ERROR(status); tick++)
-        status = pzs_loop_tick(&loop, plate_target, NULL); /* no sensors: by the model */
+        status = pzs_loop_tick(&loop, plate_target, NULL); /* no sensors: the controller relies on
+                                                              the model */
     if (!PZS_IS_ERROR(status))
         status = pzs_assess(loop.info.control, plate_target, &report);
     print(pzs_status_text(status));
     print("\n");
-    /* The voltages are the best that the limits allow: the certificate is of the size of rounding.
-     */
+    /* The voltages are optimal within their limits: the KKT violation is a rounding error. */
     return PZS_IS_ERROR(status) || !(report.kkt_violation < 1000 * PZS_EPSILON);
 }

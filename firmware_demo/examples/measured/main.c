@@ -1,6 +1,6 @@
 /* A mirror without a model: tables from its measured influence matrix (mirror.yaml names the file).
  * SPDX-License-Identifier: BSD-2-Clause */
-#define MIRROR_REAL_BITS 32 /* this program is for float: another library does not compile */
+#define MIRROR_REAL_BITS 32 /* this program is for float: it does not compile with double */
 #include "board.h"
 #include "mirror.h"
 
@@ -9,8 +9,8 @@ static pzs_real readings[MIRROR_READINGS];
 static pzs_loop loop;
 
 /*
- * Stands for the sensors: the mirror is a tenth weaker than the measured matrix. Returns the sum of
- * the squares of target minus reading.
+ * Simulate the sensors of a mirror that responds a tenth less than its measured matrix says.
+ * Returns the sum of the squares of target minus reading.
  */
 static pzs_real read_sensors(void)
 {
@@ -25,7 +25,7 @@ static pzs_real read_sensors(void)
     return misfit;
 }
 
-/* Whether the voltages are inside their limits and no step is larger than the step limit. */
+/* Return whether the voltages are inside their limits and no change exceeds the step limit. */
 static int is_allowed(const pzs_real *before, const pzs_real *voltage)
 {
     int allowed = 1;

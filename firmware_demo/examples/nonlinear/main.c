@@ -1,6 +1,6 @@
 /*
- * A shell at large rotation: the device finds the equilibrium under the loads of the scene, here a
- * hemisphere pulled by four forces. The host found the same outputs in double: dome_reached.
+ * A shell at large rotation: the device computes the equilibrium under the loads of the scene, here
+ * a hemisphere pulled by four forces. The host computed the outputs dome_reached in double.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -22,7 +22,7 @@ static pzs_status open(void)
     return pzs_solver_init(&solver, &model, &dome_nonlinear, solver_work, sizeof solver_work);
 }
 
-/* Largest difference from the host's outputs, over the largest of them. */
+/* Return the largest difference from the outputs of the host, relative to the largest of them. */
 static pzs_real difference(void)
 {
     pzs_real most = 0, largest = 0;
@@ -54,6 +54,6 @@ int main(void)
         pzs_observe(&dome_structure, solver.info.displacement, output);
     print(pzs_status_text(status));
     print("\n");
-    /* Float on a shell of L/h = 250: rounding grows by about that. */
+    /* Rounding errors of float grow on thin shells; here L/h is 250. */
     return PZS_IS_ERROR(status) || !(difference() < 1000 * PZS_EPSILON);
 }
