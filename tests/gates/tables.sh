@@ -127,6 +127,9 @@ same 'springs and stacks' tests/rigs/scenes/spring-plate.yaml --set kinematics=n
     {at: nodes, along: [1, 1, 0], stiffness: 1e6, per: area}, {at: nodes, along: [1, -1, 0], stiffness: 1e6, per: area}]' --set 'actuators=[{name: s,
     stacks: {points: [[0.3, 0.3], [0.8, 0.1]], along: z, stiffness: 1e6, stroke: 1e-6}, applied: 50}]'
 same 'open electrodes' bimorph-sensor --set kinematics=nonlinear
+same 'electrodes of any outline, one of them open' tests/rigs/scenes/outline-plate.yaml --set kinematics=nonlinear --set 'patches=[{name: up,
+    layer: upper, outlines: [{circle: {centre: [0.2, 0.15], radius: 0.1}}, {inside: x - 0.33}]}, {name: low, layer: lower, outlines: [{polygon: [[0.03,
+    0.02], [0.35, 0.11], [0.1, 0.27]]}]}]' --set 'sensors=[{name: s, drives: [{patches: low}]}]' --set 'outputs=[{name: w, u3: middle, at: nodes}]'
 "$PZS" tables annular-plate --image nonlinear --prefix t -o "$scratch/t.h" >"$scratch/told" && ! compile 32 &&
     grep -q 'the equilibrium solver needs double' "$scratch/found"
 tap $? "annular-plate is refused in float: $(tail -n 1 "$scratch/told")"
