@@ -114,10 +114,10 @@ static size_t list_sides(const double (*point)[2], size_t count, side *list)
     return sides;
 }
 
-static double height_at(const side *s, double x)
+static double height_at(const side *line, double x)
 {
-    const double part = (x - s->x[0]) / (s->x[1] - s->x[0]);
-    return s->y[0] + part * (s->y[1] - s->y[0]);
+    const double part = (x - line->x[0]) / (line->x[1] - line->x[0]);
+    return line->y[0] + part * (line->y[1] - line->y[0]);
 }
 
 /* Return the area that lies above the level `base` and below both of two sides. */

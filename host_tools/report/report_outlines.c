@@ -8,7 +8,10 @@
 #include "report_quads.h"
 #include "report_shell.h"
 
-/* Place in the picture of a point of an element in natural coordinates. */
+/*
+ * Compute the place in the picture of a point of an element. natural [2] in: natural coordinates of
+ * the point
+ */
 static void place(const shell *s, int element, const double natural[2], double at[2])
 {
     double theta[2][2], point[2];
@@ -41,8 +44,9 @@ static void draw_pieces(const shell *s, const scene_patches *patches, int electr
                         bool draws_outline)
 {
     shell picture = *s;
-    for (int e = 0; e < s->m->elements; e++)
-        outline_pieces(s->m->scene, patches, electrode, e, draws_outline, draw_piece, &picture);
+    for (int element = 0; element < s->m->elements; element++)
+        outline_pieces(s->m->scene, patches, electrode, element, draws_outline, draw_piece,
+                       &picture);
 }
 
 void outlines_area(const shell *s, const scene_patches *patches, int electrode)
@@ -57,7 +61,9 @@ void outlines_border(const shell *s, const scene_patches *patches, int electrode
 
 /* ---- room for text ---------------------------------------------------- */
 
-/* Area of the pieces in the picture, and the integral of the place over it. */
+/*
+ * Area in the picture of the pieces of an electrode, and the integral of the place over this area.
+ */
 typedef struct piece_sums {
     const shell *s;
     double area, sum[2];
@@ -86,8 +92,8 @@ void outlines_room(const shell *s, const scene_patches *patches, int electrode, 
                    double *size)
 {
     piece_sums sums = {s, 0, {0, 0}};
-    for (int e = 0; e < s->m->elements; e++)
-        outline_pieces(s->m->scene, patches, electrode, e, false, sum_piece, &sums);
+    for (int element = 0; element < s->m->elements; element++)
+        outline_pieces(s->m->scene, patches, electrode, element, false, sum_piece, &sums);
     const double area = fabs(sums.area) > DBL_MIN ? sums.area : DBL_MIN;
     for (int a = 0; a < 2; a++)
         at[a] = sums.sum[a] / area;
@@ -97,12 +103,12 @@ void outlines_room(const shell *s, const scene_patches *patches, int electrode, 
 bool outlines_meet(const scene_patches *one, const scene_patches *other)
 {
     if (one->layer == other->layer)
-        return false; /* electrodes of one layer do not overlap */
+        return false; /* The check of the scene has refused electrodes of one layer that overlap. */
     if (!one->outlines || !other->outlines)
         return true;
-    for (int e = 0; e < one->outlines->elements; e++)
-        if (one->outlines->start[e + 1] > one->outlines->start[e] &&
-            other->outlines->start[e + 1] > other->outlines->start[e])
+    for (int element = 0; element < one->outlines->elements; element++)
+        if (one->outlines->start[element + 1] > one->outlines->start[element] &&
+            other->outlines->start[element + 1] > other->outlines->start[element])
             return true;
     return false;
 }

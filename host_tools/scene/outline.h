@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Electrodes of any outline as data: their areas, and the parts of elements that they cover. */
+/*
+ * Electrodes of any outline as data: the areas that they cover on the surface, and the part of each
+ * element that each electrode covers.
+ */
 #ifndef OUTLINE_H
 #define OUTLINE_H
 
@@ -7,48 +10,57 @@
 #include "expr.h"
 #include "scene_error.h"
 
-/* Plane in which the outlines of electrodes are given. */
+/* Plane in which the corners and lengths of the outlines of electrodes are given. */
 typedef enum outline_plane {
-    OUTLINE_THETA, /* the parameters theta1, theta2 of the surface */
+    OUTLINE_THETA, /* OUTLINE_THETA: the plane of the parameters theta1 and theta2 of the surface */
     OUTLINE_XY,
     OUTLINE_XZ,
-    OUTLINE_YZ /* two of the coordinates in space: the surface is seen along the third */
+    OUTLINE_YZ /* OUTLINE_XY, _XZ, _YZ: the plane of two coordinates in space, on which the surface
+                  is projected along the third coordinate */
 } outline_plane;
 
-struct polygon; /* host_tools/data/polygon.h */
+struct polygon; /* The structure polygon is declared in host_tools/data/polygon.h. */
 
-/* Area that one electrode covers: one or several polygons, or where a formula is positive. */
+/*
+ * Area that one electrode covers: one or several polygons, or all points at which a formula is
+ * positive.
+ */
 typedef struct scene_outline {
     int polygons;
-    struct polygon *polygon; /* [polygons] counterclockwise, without an area in common */
-    expr *inside;            /* function that is positive on the electrode; NULL: polygons */
+    struct polygon *polygon; /* [polygons] counterclockwise polygons, no two of which overlap */
+    expr *inside; /* formula that is positive on the electrode; NULL: the electrode is given by
+                     polygons */
     scene_at at;
 } scene_outline;
 
 /*
  * Electrodes of any outline on one layer, and the part of the area of each element that each of
- * them covers. An element may belong to several electrodes.
+ * them covers. The parts are sorted by elements; an element may belong to several electrodes.
  */
 typedef struct scene_outlines {
     int electrodes;
-    int columns;              /* electrodes along the second index of a grid; 1: a list */
-    scene_outline *electrode; /* [electrodes] in the order of the scene */
+    int columns; /* number of electrodes along the second index of a grid; 1 for electrodes with one
+                    index */
+    scene_outline *electrode; /* [electrodes] outline of each electrode, in the order of the scene
+                               */
     int elements;
-    size_t *start;     /* [elements + 1] first entry of each element */
-    int *electrode_of; /* [start[elements]] electrode of each entry, ascending */
-    double *share;     /* [start[elements]] covered part of the element, above 0 to 1 */
+    size_t *start;     /* [elements + 1] first of the parts that belong to each element */
+    int *electrode_of; /* [start[elements]] electrode to which each part belongs; ascending in each
+                          element */
+    double *share; /* [start[elements]] covered area over the area of the element, above 0 and at
+                      most 1 */
 } scene_outlines;
 
-/* Append an electrode without an area. Returns NULL where memory runs out. */
+/* Append an electrode that covers no area yet. Returns NULL where memory runs out. */
 scene_outline *outline_append(scene_outlines *outlines, scene_at at);
 
 /*
- * Append a polygon of a number of points to an electrode. Returns the points, to be filled, or NULL
- * where memory runs out.
+ * Append a polygon with `count` points to an electrode. Returns the points, which the caller fills
+ * in, or NULL where memory runs out.
  */
 double (*outline_polygon(scene_outline *outline, size_t count))[2];
 
-/* Release all electrodes. */
+/* Release a list of electrodes, which may be NULL. */
 void outlines_free(scene_outlines *outlines);
 
 /*

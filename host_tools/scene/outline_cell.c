@@ -9,7 +9,7 @@
 
 static const double full_turn = 6.283185307179586476925287;
 
-/* Coordinates of a corner that span each plane. */
+/* Indices in outline_cell.at of the two coordinates that span each outline_plane. */
 static const int plane_axes[4][2] = {{3, 4}, {0, 1}, {0, 2}, {1, 2}};
 
 int outline_elements(const scene *scene)
@@ -28,7 +28,9 @@ static void corners_of_quad(const quad_mesh *mesh, int element, double at[4][OUT
     }
 }
 
-/* Elements between mesh lines are numbered with theta2 fastest. */
+/*
+ * Find the corners of an element between mesh lines; the elements are numbered with theta2 fastest.
+ */
 static void corners_on_lines(const scene *scene, int element, double at[4][OUTLINE_AXES])
 {
     const int i = element / scene->line[1].elements, j = element % scene->line[1].elements;
@@ -43,8 +45,8 @@ static void corners_on_lines(const scene *scene, int element, double at[4][OUTLI
 /* ---- area of the surface over that of the plane ----------------------- */
 
 /*
- * Areas of the parallelograms that the two sides at a corner span, in space and in the plane; the
- * latter is negative where the corners run clockwise.
+ * Areas of the parallelogram that the two sides at corner r of a cell span. area [2] out: in space,
+ * and in the plane, negative where the corners run clockwise there
  */
 static void corner_areas(const outline_cell *cell, const int axis[2], int r, double area[2])
 {
@@ -60,7 +62,10 @@ static void corner_areas(const outline_cell *cell, const int axis[2], int r, dou
               (next[axis[1]] - here[axis[1]]) * (last[axis[0]] - here[axis[0]]);
 }
 
-/* Linear function through the ratios at four corners, by least squares. */
+/*
+ * Fit a linear function, by least squares, to the ratios of the area of the surface to that of the
+ * plane at the four corners of a cell.
+ */
 static void fit_ratio(outline_cell *cell, const int axis[2], const double ratio[4])
 {
     double square[3] = {0, 0, 0}, right[2] = {0, 0}, mean = 0;
@@ -81,7 +86,7 @@ static void fit_ratio(outline_cell *cell, const int axis[2], const double ratio[
     cell->ratio[2] = (square[0] * right[1] - square[1] * right[0]) / determinant;
 }
 
-/* Compute everything of a cell that follows from its corners. */
+/* Compute all members of a cell that follow from its corners. */
 static void finish(outline_cell *cell, outline_plane plane)
 {
     const double steepest = 0.1; /* cosine of 84 degrees */
@@ -159,7 +164,7 @@ bool outline_cell_move(const scene *scene, outline_plane plane, int k, double sh
 
 /* ---- points inside ---------------------------------------------------- */
 
-/* Weights of the four corners at a point, and their derivatives along one natural coordinate. */
+/* Bilinear weights of the four corners of a cell at a point in natural coordinates. */
 static void corner_weights(const double natural[2], double weight[4])
 {
     static const double sign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
@@ -189,7 +194,10 @@ expr_point outline_cell_point(const scene *scene, const outline_cell *cell, cons
     return (expr_point){at[0], at[1], at[2], at[3], at[4]};
 }
 
-/* Derivatives of the coordinates along natural coordinate a; they are exact differences. */
+/*
+ * Derivatives of all coordinates along natural coordinate a. They are exact, because the
+ * coordinates are linear along it.
+ */
 static void derivative(const outline_cell *cell, const double natural[2], int a,
                        double slope[OUTLINE_AXES])
 {
@@ -203,7 +211,10 @@ static void derivative(const outline_cell *cell, const double natural[2], int a,
         slope[i] = (to[i] - from[i]) / 2;
 }
 
-/* The map is bilinear: Newton's method from the middle converges on every convex element. */
+/*
+ * The coordinates of the plane are bilinear functions of the natural coordinates, which Newton's
+ * method inverts from the middle of any convex cell.
+ */
 void outline_cell_natural(const outline_cell *cell, outline_plane plane, const double point[2],
                           double natural[2])
 {

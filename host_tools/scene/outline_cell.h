@@ -6,58 +6,71 @@
 #include "../data/polygon.h"
 #include "scene.h"
 
-/* Coordinates of a corner: x, y, z, theta1, theta2; the last two are 0 on a mesh from a file. */
+/*
+ * Number of coordinates of a corner: x, y, z, theta1 and theta2. On a mesh from a file theta1 and
+ * theta2 are 0.
+ */
 enum { OUTLINE_AXES = 5 };
 
 typedef struct outline_cell {
-    double at[4][OUTLINE_AXES]; /* corners (-,-) (+,-) (+,+) (-,+) */
-    double quad[4][2];          /* the same in the plane, counterclockwise */
-    double centre[2];           /* mean of the corners in the plane */
-    double ratio[3];            /* area of the surface over that of the plane at the centre, and its
-                                   derivatives along the two coordinates of the plane */
-    double plane_area;          /* area in the plane */
-    double area;                /* area of the surface by `ratio` */
-    polygon_box box;            /* in the plane */
-    bool is_mirrored;           /* the surface is seen from behind: quad has the reverse order */
-    bool is_steep;              /* the surface stands at more than 84 degrees to the plane */
+    double at[4][OUTLINE_AXES]; /* coordinates of the corners (-,-) (+,-) (+,+) (-,+) */
+    double quad[4][2];          /* corners in the plane of the outlines, counterclockwise */
+    double centre[2];           /* mean of the four corners in the plane of the outlines */
+    double ratio[3];   /* area of the surface over that of the plane at the centre, and its two
+                          derivatives along the coordinates of the plane */
+    double plane_area; /* area of the cell in the plane of the outlines */
+    double area;       /* area of the surface, from plane_area and ratio */
+    polygon_box box;   /* bounding box of quad */
+    bool is_mirrored; /* true where the plane shows the inner face of the surface; quad then has the
+                         reverse order of the corners */
+    bool is_steep;    /* true where the surface stands at more than 84 degrees to the plane */
 } outline_cell;
 
-/* Number of elements of a scene. */
+/* Return the number of elements of a scene, on mesh lines or on a mesh from a file. */
 int outline_elements(const scene *scene);
 
-/* The cell of an element. */
+/* Compute the cell of an element in the plane of the outlines. */
 void outline_cell_of(const scene *scene, outline_plane plane, int element, outline_cell *cell);
 
 /*
- * Part [low, high] x [low, high] of a cell in natural coordinates.
+ * Compute the part of a cell between two values of each natural coordinate.
  *   low, high [2] in  from -1 to 1
  */
 void outline_cell_part(const outline_cell *whole, outline_plane plane, const double low[2],
                        const double high[2], outline_cell *part);
 
 /*
- * Moves of a cell by full turns along closed coordinates, by which an outline beyond the ends of
- * theta1 or theta2 meets it. k: number of the move, from 0 (no move) to OUTLINE_MOVES - 1. Returns
- * whether the scene has this move.
+ * Find move number k of a cell by full turns along closed coordinates. An outline beyond the ends
+ * of theta1 or theta2 meets the cell after one of these moves.
+ *   k          in   from 0 (no move) to OUTLINE_MOVES - 1
+ *   shift [2]  out  displacement in the plane of the outlines
+ * Returns whether the surface of the scene has this move.
  */
 enum { OUTLINE_MOVES = 9 };
 bool outline_cell_move(const scene *scene, outline_plane plane, int k, double shift[2]);
 
-/* Move a cell in the plane. */
+/* Move a cell in the plane of the outlines by shift [2]. */
 void outline_cell_shift(outline_cell *cell, const double shift[2]);
 
-/* Coordinates at a point of a cell. natural [2] in, at [OUTLINE_AXES] out */
+/*
+ * Interpolate the coordinates of the corners of a cell at a point.
+ *   natural [2]        in  natural coordinates of the point
+ *   at [OUTLINE_AXES]  out
+ */
 void outline_cell_at(const outline_cell *cell, const double natural[2], double at[OUTLINE_AXES]);
 
-/* The same as the variables of a formula; where the scene has a surface, the point lies on it. */
+/*
+ * Return the coordinates at a point of a cell as the variables of a formula. natural [2] in. Where
+ * the scene has a surface, the point lies exactly on the surface.
+ */
 expr_point outline_cell_point(const scene *scene, const outline_cell *cell,
                               const double natural[2]);
 
-/* Natural coordinates of a point of the plane inside the cell. */
+/* Find the natural coordinates of a point of the plane that lies in the cell. */
 void outline_cell_natural(const outline_cell *cell, outline_plane plane, const double point[2],
                           double natural[2]);
 
-/* Area of the surface per area of natural coordinates at a point of the cell. */
+/* Return the area of the surface per area of natural coordinates at a point of a cell. */
 double outline_cell_stretch(const outline_cell *cell, const double natural[2]);
 
 #endif

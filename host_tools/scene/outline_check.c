@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The check of all electrodes of any outline of a scene (scene_parts.h). */
+/* Shares and overlaps of all electrodes of any outline of a scene (scene_parts.h). */
 #include "outline_overlap.h"
 #include "outline_shares.h"
 #include "scene_parts.h"

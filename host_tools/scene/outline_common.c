@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Electrodes over each other on two layers (outline_common.h). */
+/* Common areas of electrodes on two layers (outline_common.h). */
 #include "outline_common.h"
 
 #include <math.h>
@@ -7,7 +7,10 @@
 #include "outline_cell.h"
 #include "outline_shares.h"
 
-/* Clip all polygons of an outline to a cell. Returns the pieces, or NULL: out of memory. */
+/*
+ * Clip all polygons of an electrode to a cell. Returns the clipped polygons, or NULL where memory
+ * runs out.
+ */
 static polygon *clip_all(const outline_cell *cell, const scene_outline *outline)
 {
     polygon *piece = calloc((size_t)outline->polygons + 1, sizeof *piece);

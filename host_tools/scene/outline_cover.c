@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Area of a cell that polygons cover (outline_cover.h). */
+/* Area that the polygons of an electrode cover in a cell (outline_cover.h). */
 #include "outline_cover.h"
 
 #include <stdlib.h>

@@ -5,28 +5,34 @@
 
 #include "outline_cell.h"
 
-/* Memory for clipping polygons. */
+/* Memory in which polygon_clip cuts a polygon to a cell. */
 typedef struct clip_room {
     double (*work)[2], (*out)[2];
 } clip_room;
 
-/* Area in the plane of the outlines, and area of the surface. */
+/* Area that an electrode covers, measured in the plane of the outlines and on the surface. */
 typedef struct outline_area {
     double plane_area, area;
 } outline_area;
 
-/* Most points of a polygon of an electrode, at least 4. */
+/* Return the largest number of points of any polygon of an electrode, but at least 4. */
 size_t outline_most_points(const scene_outline *outline);
 
-/* Allocate memory for polygons of a number of points. Returns 0, or -1: close it in either case. */
+/*
+ * Allocate memory for clipping polygons of up to `points` points. Returns 0, or -1 where memory
+ * runs out; call clip_room_close in either case.
+ */
 int clip_room_open(clip_room *room, size_t points);
 void clip_room_close(clip_room *room);
 
-/* Area that the polygons of an electrode cover in a cell. */
+/* Return the area that the polygons of an electrode cover in a cell. */
 outline_area outline_cover(const scene *scene, outline_plane plane, const outline_cell *cell,
                            const scene_outline *outline, clip_room *room);
 
-/* Area of all polygons of an electrode in the plane, on the surface or beside it. */
+/*
+ * Return the area of all polygons of an electrode in the plane of the outlines, whether they lie on
+ * the surface or beside it.
+ */
 double outline_plane_area(const scene_outline *outline);
 
 #endif

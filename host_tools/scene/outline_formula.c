@@ -27,7 +27,10 @@ int formula_sample(const scene *scene, const outline_cell *cell, const scene_out
     return 0;
 }
 
-/* Corners of the grid's triangle number k in square i, j: two triangles make a square. */
+/*
+ * Find the grid points at the corners of triangle k (0 or 1) of the square in column i and row j of
+ * the grid.
+ */
 static void triangle_of(int i, int j, int k, int corner[3][2])
 {
     static const int offset[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
@@ -37,7 +40,10 @@ static void triangle_of(int i, int j, int k, int corner[3][2])
     }
 }
 
-/* Positive part of a triangle on whose corners a linear function has three values. */
+/*
+ * Return the part of the area of a triangle in which a linear function is positive. value [3]: the
+ * function at the corners
+ */
 static double positive_part(const double value[3])
 {
     int positive = 0, lone = 0;
@@ -76,14 +82,20 @@ double formula_share(const outline_cell *cell, formula_grid value)
 
 /* ---- pieces ----------------------------------------------------------- */
 
-/* Point between two corners of a triangle at which a linear function is 0. */
+/*
+ * Find the point on the side from corner a to corner b at which a linear function with the values
+ * of_a and of_b is 0.
+ */
 static void crossing(const double a[2], const double b[2], double of_a, double of_b, double at[2])
 {
     for (int i = 0; i < 2; i++)
         at[i] = a[i] + of_a / (of_a - of_b) * (b[i] - a[i]);
 }
 
-/* Draw the positive part of a triangle, or the line on which the function is 0. */
+/*
+ * Draw the part of a triangle in which a linear function is positive, or the line on which it is 0.
+ * value [3]: the function at the corners
+ */
 static void draw_triangle(const double (*corner)[2], const double value[3], int element,
                           bool draws_outline, outline_draw *draw, void *context)
 {

@@ -5,10 +5,12 @@
 #include <math.h>
 #include "outline_cover.h"
 
-/* Sides of the grid in an element that finds the overlaps of formulas. */
+/*
+ * Number of squares along a side of the grid of an element on which overlaps of formulas are found.
+ */
 enum { OVERLAP_GRID = 8 };
 
-/* Two electrodes of one layer. */
+/* Two electrodes of one layer that are compared. */
 typedef struct electrode_pair {
     const scene *scene;
     const scene_patches *patches[2];
@@ -34,7 +36,10 @@ static polygon_box electrode_box(const scene_outline *outline)
     return box;
 }
 
-/* Area in common of two electrodes of polygons, over that of the smaller one. */
+/*
+ * Return the area that two electrodes of polygons have in common, divided by the area of the
+ * smaller electrode.
+ */
 static double polygon_overlap(const electrode_pair *pair)
 {
     const scene_outline *one = outline_of(pair, 0), *other = outline_of(pair, 1);
@@ -48,7 +53,7 @@ static double polygon_overlap(const electrode_pair *pair)
     return common / fmin(outline_plane_area(one), outline_plane_area(other));
 }
 
-/* Whether an electrode covers all of a cell. */
+/* Return whether an electrode covers all of a cell. */
 static bool fills(const scene *scene, const scene_patches *patches, const scene_outline *outline,
                   const outline_cell *cell, clip_room *room)
 {
@@ -64,7 +69,7 @@ static bool fills(const scene *scene, const scene_patches *patches, const scene_
     return is_inside;
 }
 
-/* Whether both electrodes cover some square of the grid in an element. */
+/* Return whether both electrodes of a pair cover a whole square of the grid in an element. */
 static bool both_fill(const electrode_pair *pair, int element, clip_room *room)
 {
     for (int i = 0; i < OVERLAP_GRID; i++)
@@ -85,14 +90,17 @@ static bool both_fill(const electrode_pair *pair, int element, clip_room *room)
     return false;
 }
 
-/* Whether the parts of two electrodes in one element leave room for each other. */
+/*
+ * Return whether the two electrodes of a pair cover more than a whole element together, or a square
+ * of an element both.
+ */
 static bool do_share_elements(const electrode_pair *pair, clip_room *room)
 {
     const double most = 1 + 1e-3;
-    for (int e = 0; e < pair->patches[0]->outlines->elements; e++) {
-        const double one = outline_share(pair->patches[0]->outlines, pair->electrode[0], e),
-                     other = outline_share(pair->patches[1]->outlines, pair->electrode[1], e);
-        if (one > 0 && other > 0 && (one + other > most || both_fill(pair, e, room)))
+    for (int element = 0; element < pair->patches[0]->outlines->elements; element++) {
+        const double one = outline_share(pair->patches[0]->outlines, pair->electrode[0], element),
+                     other = outline_share(pair->patches[1]->outlines, pair->electrode[1], element);
+        if (one > 0 && other > 0 && (one + other > most || both_fill(pair, element, room)))
             return true;
     }
     return false;
@@ -107,7 +115,10 @@ static int refuse_overlap(const electrode_pair *pair, char *error)
                        pair->patches[1]->name);
 }
 
-/* Refuse two electrodes of one layer that overlap by more than a thousandth of the smaller one. */
+/*
+ * Refuse two electrodes of one layer whose common area is more than a thousandth of the smaller
+ * electrode.
+ */
 static int check_pair(const electrode_pair *pair, char *error)
 {
     const scene_outline *one = outline_of(pair, 0), *other = outline_of(pair, 1);
@@ -123,7 +134,7 @@ static int check_pair(const electrode_pair *pair, char *error)
     return is_bad ? refuse_overlap(pair, error) : 0;
 }
 
-/* Whether patches of whole elements lie in an element. */
+/* Return whether patches of whole elements contain an element. */
 static bool has_patch(const scene *scene, const scene_patches *patches, int element)
 {
     outline_cell cell;
@@ -134,14 +145,14 @@ static bool has_patch(const scene *scene, const scene_patches *patches, int elem
            cell.centre[1] > patches->theta2[0] && cell.centre[1] < patches->theta2[1];
 }
 
-/* Refuse an electrode over patches of whole elements on the same layer. */
+/* Refuse electrodes with outlines that lie on elements of patches on the same layer. */
 static int check_whole(const scene *scene, const scene_patches *outlined,
                        const scene_patches *whole, char *error)
 {
     const scene_outlines *outlines = outlined->outlines;
-    for (int e = 0; e < outlines->elements; e++)
-        for (size_t i = outlines->start[e]; i < outlines->start[e + 1]; i++)
-            if (outlines->share[i] > 1e-3 && has_patch(scene, whole, e))
+    for (int element = 0; element < outlines->elements; element++)
+        for (size_t i = outlines->start[element]; i < outlines->start[element + 1]; i++)
+            if (outlines->share[i] > 1e-3 && has_patch(scene, whole, element))
                 return scene_fault(scene, outlines->electrode[outlines->electrode_of[i]].at, error,
                                    "electrode %d of patches '%s' and patches '%s' overlap on one "
                                    "layer; move one",
@@ -149,7 +160,10 @@ static int check_whole(const scene *scene, const scene_patches *outlined,
     return 0;
 }
 
-/* Check all pairs of electrodes of two items of `patches`, which may be the same item. */
+/*
+ * Compare all pairs of electrodes of two items of the section `patches`, which may be one and the
+ * same item.
+ */
 static int check_items(const scene *scene, const scene_patches *one, const scene_patches *other,
                        char *error)
 {

@@ -21,17 +21,17 @@ static void point_on_circle(const double centre[2], double radius, double angle,
 }
 
 /*
- * Write the corners of an arc from one angle to another (radians, in either direction), both ends
- * included. Returns their number, sides + 1.
+ * Write the corners of an arc around a centre.
+ *   angle [2] in   directions of its first and last corner (radians), in either order
+ *   point     out  [sides + 1]
  */
-static size_t write_arc(const double centre[2], double radius, const double angle[2], size_t sides,
-                        double (*point)[2])
+static void write_arc(const double centre[2], double radius, const double angle[2], size_t sides,
+                      double (*point)[2])
 {
     const double step = (angle[1] - angle[0]) / (double)sides;
     const double corner = radius * sqrt(step / sin(step));
     for (size_t i = 0; i <= sides; i++)
         point_on_circle(centre, corner, angle[0] + step * (double)i, point[i]);
-    return sides + 1;
 }
 
 int outline_circle(scene_outlines *outlines, const double centre[2], double radius, scene_at at)
@@ -52,7 +52,10 @@ double outline_hexagon_size(const hexagon_pattern *pattern)
     return pattern->pitch - pattern->gap;
 }
 
-/* Append a hexagon around a point; its sides face the directions angle + k 60 degrees. */
+/*
+ * Append a hexagon around a point. Its sides face the direction pattern->angle and the directions
+ * at multiples of 60 degrees to it.
+ */
 static int add_hexagon(scene_outlines *outlines, const hexagon_pattern *pattern,
                        const double middle[2], scene_at at)
 {
@@ -87,7 +90,7 @@ double outline_grid_size(const grid_pattern *pattern)
     return fmin(first, second) - pattern->gap;
 }
 
-/* Corner k, counterclockwise, of the electrode in cell i, j of a grid. */
+/* Compute corner k, counted counterclockwise, of the electrode in cell i, j of a grid. */
 static void grid_corner(const grid_pattern *pattern, int i, int j, int k, double point[2])
 {
     const int cell[2] = {i, j}, is_high[2] = {k == 1 || k == 2, k >= 2};
@@ -123,14 +126,18 @@ int outline_grid(scene_outlines *outlines, const grid_pattern *pattern, scene_at
 
 /* ---- rings of keystones ----------------------------------------------- */
 
-/* A sector of a ring with its sides moved inwards: radii, and half the gap beside a radius. */
+/*
+ * A sector of a ring whose sides are moved inwards: inner and outer radius, directions of its two
+ * radii, and distance of its straight sides from these radii.
+ */
 typedef struct keystone {
     double radius[2], angle[2], half_gap;
 } keystone;
 
 /*
- * The keystone of sector k of a ring. Two sides meet at the radius (gap/2)/sin(half the sector's
- * angle), where the electrode begins if that is farther out than its inner arc.
+ * Compute the electrode in sector k of a ring. Its two straight sides meet at the radius
+ * (gap/2)/sin(half the angle of the sector); the electrode begins there where this radius is larger
+ * than that of its inner arc.
  */
 static keystone keystone_of(const ring_pattern *pattern, int ring, int k)
 {
@@ -177,8 +184,9 @@ static int greatest_divisor(int a, int b)
 }
 
 /*
- * Sides of the full circle in a pattern: a common multiple of the sectors of all rings where one
- * below 20000 exists, so that neighbouring rings have the corners of their arcs in common.
+ * Number of sides of a full circle in a pattern of rings. It is a common multiple of the sectors of
+ * all rings where one below 20000 exists, so that the arcs of neighbouring rings have their corners
+ * in common.
  */
 static int pattern_sides(const ring_pattern *pattern)
 {
@@ -191,7 +199,10 @@ static int pattern_sides(const ring_pattern *pattern)
     return sides;
 }
 
-/* A ring of one sector: the outer circle, and back along the inner one through a cut. */
+/*
+ * Append the polygon of a ring of one sector: the outer circle, then the inner circle in the other
+ * direction, joined by a cut.
+ */
 static int add_annulus(scene_outline *outline, const ring_pattern *pattern, const keystone *stone,
                        size_t sides)
 {

@@ -7,19 +7,19 @@
 #include "outline_formula.h"
 #include "outline_shares.h"
 
-/* What is drawn of one polygon in one element. */
+/* The element in which the pieces of an electrode are drawn, and how they are drawn. */
 typedef struct piece_drawing {
     outline_plane plane;
-    outline_cell cell;  /* the element */
-    outline_cell moved; /* the element moved to where the polygon is */
-    double shift[2];    /* of this move */
+    outline_cell cell;  /* cell of the element */
+    outline_cell moved; /* cell of the element after a move by full turns of theta1 or theta2 */
+    double shift[2];    /* displacement of this move in the plane of the outlines */
     int element;
     outline_draw *draw;
     void *context;
     clip_room room;
 } piece_drawing;
 
-/* Natural coordinates of points of the plane, in place. */
+/* Replace points of the plane of the outlines by their natural coordinates in the element. */
 static void to_natural(const piece_drawing *drawing, double (*point)[2], size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -40,7 +40,7 @@ static void draw_area(const piece_drawing *drawing, const polygon *polygon)
 }
 
 /*
- * Cut a line to the part on the left of another one. Returns false where nothing is left.
+ * Cut a line to its part on the left of the line from a to b. Returns false where nothing is left.
  */
 static bool cut_line(const double a[2], const double b[2], double (*line)[2])
 {
@@ -59,7 +59,7 @@ static bool cut_line(const double a[2], const double b[2], double (*line)[2])
     return true;
 }
 
-/* Draw the parts of the sides of a polygon that lie in the element. */
+/* Draw those parts of the sides of a polygon that lie in the element. */
 static void draw_sides(const piece_drawing *drawing, const polygon *polygon)
 {
     for (size_t i = 0; i < polygon->count; i++) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Part of each element that electrodes of any outline cover (outline_shares.h). */
+/* Part of each element that each electrode of any outline covers (outline_shares.h). */
 #include "outline_shares.h"
 
 #include <math.h>
@@ -9,8 +9,8 @@
 #include "outline_formula.h"
 
 /*
- * A part below ROUNDING of an element is nothing, and one that leaves less is the whole element:
- * so an outline along the sides of elements gives exactly 0 and 1.
+ * A covered part of an element below ROUNDING counts as 0, and one above 1 - ROUNDING as 1. An
+ * outline along the sides of elements therefore gives exactly 0 and 1.
  */
 static const double ROUNDING = 1e-12;
 
@@ -24,7 +24,7 @@ typedef struct share_entry {
 typedef struct share_list {
     share_entry *entry;
     size_t count, room;
-    bool is_full; /* memory ran out */
+    bool is_full; /* true after memory ran out */
 } share_list;
 
 static void append(share_list *list, int element, int electrode, double share)
@@ -41,26 +41,27 @@ static void append(share_list *list, int element, int electrode, double share)
     list->entry[list->count++] = (share_entry){element, electrode, share};
 }
 
-/* Everything about the patches whose shares are being computed. */
+/* The item of the section `patches` whose covered parts of elements are being computed. */
 typedef struct outline_work {
     const scene *scene;
     scene_patches *patches;
-    outline_cell *cell; /* [elements] */
+    outline_cell *cell; /* [elements] cell of each element in the plane of the outlines */
     int elements;
     share_list list;
     char *error;
 } outline_work;
 
-/* Whether the layer of the patches exists in an element. */
+/* Return whether the layer of the patches exists in an element. */
 static bool has_layer(const outline_work *work, int element)
 {
     const scene_layer *layer = &work->scene->layer[work->patches->layer];
     return !layer->present || layer->present[element];
 }
 
-/* Sums over all elements that tell where an electrode lies. */
+/* What all elements together tell about the place of an electrode. */
 typedef struct electrode_sums {
-    double plane_area; /* covered in the plane */
+    double plane_area; /* area in the plane of the outlines that the electrode covers on the surface
+                        */
     bool is_mirrored, is_direct;
 } electrode_sums;
 
@@ -74,7 +75,7 @@ static int refuse_steep(const outline_work *work, int electrode, const outline_c
                        cell->at[0][2]);
 }
 
-/* Append the share of one element. Returns 0, or -1 with error filled. */
+/* Append the part of one element that an electrode covers. Returns 0, or -1 with error filled. */
 static int add_share(outline_work *work, int electrode, int element, clip_room *room,
                      electrode_sums *sums)
 {
@@ -102,10 +103,16 @@ static int add_share(outline_work *work, int electrode, int element, clip_room *
     return 0;
 }
 
-/* Refuse an electrode of polygons that lies beside the surface, wholly or in part. */
+/*
+ * Refuse an electrode of polygons that lies beside the surface with a part of its area, or that
+ * meets the surface twice.
+ */
 static int check_place(const outline_work *work, int electrode, const electrode_sums *sums)
 {
-    const double theta_most = 1e-9, space_most = 0.05; /* parts that may lie outside */
+    const double theta_most = 1e-9, space_most = 0.05; /* largest parts of an electrode that may lie
+                                                          outside the surface; the rim of a mesh in
+                                                          space has straight sides where the true
+                                                          rim is curved */
     const scene_outline *outline = &work->patches->outlines->electrode[electrode];
     const double outside = 1 - sums->plane_area / outline_plane_area(outline);
     const bool is_folded = sums->is_mirrored && sums->is_direct;
@@ -123,7 +130,9 @@ static int check_place(const outline_work *work, int electrode, const electrode_
                        100 * outside, electrode + 1, work->patches->name);
 }
 
-/* Append the shares of one electrode. Returns 0, or -1 with error filled. */
+/*
+ * Append the parts of all elements that one electrode covers. Returns 0, or -1 with error filled.
+ */
 static int add_electrode(outline_work *work, int electrode)
 {
     const scene_outline *outline = &work->patches->outlines->electrode[electrode];
@@ -133,9 +142,9 @@ static int add_electrode(outline_work *work, int electrode)
     int status = clip_room_open(&room, outline_most_points(outline));
     if (status < 0)
         scene_fault(work->scene, outline->at, work->error, "the outlines do not fit into memory");
-    for (int e = 0; e < work->elements && status == 0; e++)
-        if (has_layer(work, e))
-            status = add_share(work, electrode, e, &room, &sums);
+    for (int element = 0; element < work->elements && status == 0; element++)
+        if (has_layer(work, element))
+            status = add_share(work, electrode, element, &room, &sums);
     clip_room_close(&room);
     if (status == 0 && work->list.count == before)
         return scene_fault(work->scene, outline->at, work->error,
@@ -147,7 +156,10 @@ static int add_electrode(outline_work *work, int electrode)
     return status;
 }
 
-/* Sort the entries by elements, in each of them by electrodes. Returns 0, or -1: out of memory. */
+/*
+ * Sort the covered parts by elements, and by electrodes in each element. Returns 0, or -1 where
+ * memory runs out.
+ */
 static int sort_entries(const share_list *list, int elements, scene_outlines *outlines)
 {
     outlines->elements = elements;
@@ -158,9 +170,10 @@ static int sort_entries(const share_list *list, int elements, scene_outlines *ou
         return -1;
     for (size_t i = 0; i < list->count; i++)
         outlines->start[list->entry[i].element + 2]++;
-    for (int e = 0; e < elements; e++)
-        outlines->start[e + 2] += outlines->start[e + 1];
-    for (size_t i = 0; i < list->count; i++) { /* entries of an electrode follow each other */
+    for (int element = 0; element < elements; element++)
+        outlines->start[element + 2] += outlines->start[element + 1];
+    for (size_t i = 0; i < list->count; i++) { /* In the list the parts of one electrode follow
+                                                  those of the electrode before it. */
         const size_t to = outlines->start[list->entry[i].element + 1]++;
         outlines->electrode_of[to] = list->entry[i].electrode;
         outlines->share[to] = list->entry[i].share;
@@ -175,8 +188,8 @@ int outline_find_shares(const scene *scene, scene_patches *patches, char *error)
     work.cell = calloc((size_t)work.elements, sizeof *work.cell);
     if (!work.cell)
         return scene_fault(scene, patches->at, error, "the outlines do not fit into memory");
-    for (int e = 0; e < work.elements; e++)
-        outline_cell_of(scene, patches->plane, e, &work.cell[e]);
+    for (int element = 0; element < work.elements; element++)
+        outline_cell_of(scene, patches->plane, element, &work.cell[element]);
     for (int k = 0; k < patches->outlines->electrodes && status == 0; k++)
         status = add_electrode(&work, k);
     if (status == 0 && sort_entries(&work.list, work.elements, patches->outlines) < 0)

@@ -13,12 +13,15 @@
 
 #include "scene.h"
 
-/* Covered part of an element, from 0 to 1; the scene has been checked. */
+/*
+ * Return the part of an element that an electrode covers, from 0 to 1, after the scene has been
+ * checked.
+ */
 double outline_share(const scene_outlines *outlines, int electrode, int element);
 
 /*
- * Find the shares of all elements for one item of `patches`; refuse electrodes that leave the
- * surface or their layer. Returns 0, or -1 with error filled.
+ * Compute the parts of all elements that the electrodes of one item of the section `patches` cover.
+ * Electrodes that leave the surface or their layer are refused. Returns 0, or -1 with error filled.
  */
 int outline_find_shares(const scene *scene, scene_patches *patches, char *error);
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Electrodes of any outline: the keys `plane`, `cut` and `outlines` of patches (scene_parts.h). */
+/*
+ * Readers of the keys `plane` and `outlines` of patches: electrodes of any outline (scene_parts.h).
+ */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -22,7 +24,10 @@ static int out_of_memory(reader *reader, int node)
     return tree_fault(reader->t, node, "the outlines do not fit into memory; use fewer");
 }
 
-/* Refuse a pattern whose gap leaves nothing of an electrode. size: smallest electrode across */
+/*
+ * Refuse a pattern whose gap leaves no electrode. size: smallest width of any electrode of the
+ * pattern
+ */
 static int check_gap(reader *reader, int node, double gap, double size)
 {
     if (size > 0)
@@ -62,7 +67,7 @@ static int check_polygon(reader *reader, int node, const double (*point)[2], siz
     return 0;
 }
 
-/* Turn the points round where they run clockwise. */
+/* Reverse the order of the points of a polygon where they run clockwise. */
 static void run_counterclockwise(double (*point)[2], size_t count)
 {
     if (polygon_sums_of((const double(*)[2])point, count, point[0]).area > 0)
@@ -199,7 +204,7 @@ static int read_outline_grid(reader *reader, int node, void *to, const void *rul
     return outline_grid(to, &pattern, node_at(reader, node)) < 0 ? out_of_memory(reader, node) : 0;
 }
 
-/* Read the radii that bound the rings, ascending; the first may be 0. */
+/* Read the radii that bound the rings of a pattern, ascending; the first may be 0. */
 static int read_ring_radii(reader *reader, int node, void *to, const void *rule)
 {
     ring_pattern *pattern = to;
@@ -222,7 +227,7 @@ static int read_ring_radii(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Read the number of sectors of each ring; the radii have been read before. */
+/* Read the number of sectors of each ring of a pattern, after the radii have been read. */
 static int read_ring_sectors(reader *reader, int node, void *to, const void *rule)
 {
     ring_pattern *pattern = to;
@@ -286,7 +291,7 @@ static int read_inside(reader *reader, int node, void *to, const void *rule)
 
 typedef struct bitmap_text {
     double from[2], to[2], threshold;
-    int file; /* node of the name */
+    int file; /* node of the scene file that names the bitmap */
 } bitmap_text;
 
 static int read_bitmap_file(reader *reader, int node, void *to, const void *rule)
@@ -312,7 +317,10 @@ static const field bitmap_fields[] = {
     {.key = NULL}};
 static const form bitmap_form = {.type = FORM_MAP, .fields = bitmap_fields};
 
-/* Electrode, from 1, to which a pixel belongs; 0: none, -1: the value is no such number. */
+/*
+ * Return the number, from 1, of the electrode to which a pixel of a bitmap belongs; 0: the pixel
+ * belongs to none, -1: the value of the pixel names no electrode.
+ */
 static int label_of(const bitmap_text *text, double value)
 {
     if (!isnan(text->threshold))
@@ -320,7 +328,10 @@ static int label_of(const bitmap_text *text, double value)
     return value >= 0 && value <= OUTLINE_MOST && value == floor(value) ? (int)value : -1;
 }
 
-/* Append the rectangle of the pixels [from, to) of a row to an electrode. */
+/*
+ * Append the rectangle of the pixels from column `from` to column `to` - 1 of a row to an
+ * electrode.
+ */
 static int add_run(const bitmap_text *text, const number_table *table, size_t row, size_t from,
                    size_t to, scene_outline *outline)
 {
@@ -340,7 +351,10 @@ static int add_run(const bitmap_text *text, const number_table *table, size_t ro
     return 0;
 }
 
-/* Append the pixels of one row, those of one value beside each other as one rectangle. */
+/*
+ * Append the pixels of one row of a bitmap to their electrodes; neighbouring pixels of one
+ * electrode become one rectangle.
+ */
 static int add_row(const bitmap_text *text, const number_table *table, size_t row,
                    scene_outline *first)
 {
@@ -356,7 +370,7 @@ static int add_row(const bitmap_text *text, const number_table *table, size_t ro
     return 0;
 }
 
-/* Number of the electrodes of a bitmap. Returns -1 with the error of the tree filled. */
+/* Return the number of electrodes of a bitmap, or -1 with the error of the tree filled. */
 static int count_labels(reader *reader, const bitmap_text *text, const number_table *table)
 {
     int most = 0;
