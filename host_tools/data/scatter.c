@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Moving least squares at scattered points (scatter.h), with the nearest points from a k-d tree. */
+/*
+ * Interpolation by moving least squares at scattered points (scatter.h); a k-d tree finds the
+ * nearest points.
+ */
 #include "scatter.h"
 #include <float.h>
 #include <math.h>

@@ -14,10 +14,11 @@
 #include "mesh.h"
 
 /*
- * Weights of the dof of a node in its rotation about an axis. With D the normal and beta the
- * difference of the displacements of both faces over the thickness, the rotation vector in the
- * surface is D x beta. weight [7] out. Returns 0, or -1 where the axis is normal to the surface,
- * about which a shell has no rotation.
+ * Compute the rotation of a node about an axis as weights of its dof. With D the normal and beta
+ * the difference of the displacements of both faces over the thickness, the rotation vector in the
+ * surface is D x beta.
+ *   weight  [7] out
+ * Returns 0, or -1 if the axis is normal to the surface, about which a shell has no rotation.
  */
 int springs_rotation(const surface_point *point, const scene_direction *axis, double weight[7]);
 

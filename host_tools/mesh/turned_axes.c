@@ -1,24 +1,30 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Supports of a mesh of lines that name a direction turn the triads of their nodes about the normal
- * (mesh_turn_axes of mesh.h).
+ * Supports on a mesh of mesh lines that give a direction: they rotate the triads of their nodes
+ * about the normal (mesh_turn_axes in mesh.h).
  */
 #include <math.h>
 #include <stdlib.h>
 #include "../quads/vector.h"
 #include "mesh.h"
 
-/* Sine of the largest angle between two directions that count as equal. */
+/* Sine of the largest angle at which two directions still count as equal. */
 static const double nearly = 1e-6;
 
-/* Whether a support acts along e1 and e2 in different ways, so that it depends on them. */
+/*
+ * Return whether a support constrains e1 and e2 differently, so that it depends on the directions
+ * of these axes.
+ */
 static bool depends_on_axes(const scene_support *support)
 {
     const unsigned along_1 = 1u << 0 | 1u << 3;
     return ((support->fix ^ support->fix >> 1) & along_1) != 0;
 }
 
-/* Let e1 of a node be the projection of the direction of a support. */
+/*
+ * Rotate the triad of a node so that e1 is the projection of a support's direction. Returns 0, or
+ * -1 with error filled if the direction is normal to the surface.
+ */
 static int turn_node(mesh *mesh, const scene_support *support, int node, char *error)
 {
     surface_point *point = &mesh->point[node];
@@ -37,7 +43,10 @@ static int turn_node(mesh *mesh, const scene_support *support, int node, char *e
     return 0;
 }
 
-/* Refuse a support that depends on the triad of a node which another support has turned. */
+/*
+ * Refuse a support that depends on the triad of a node which another support has rotated to a
+ * different direction. Returns 0, or -1 with error filled.
+ */
 static int check_node(const mesh *mesh, const scene_support *support, int node,
                       const unsigned char *turned, char *error)
 {
@@ -55,7 +64,12 @@ static int check_node(const mesh *mesh, const scene_support *support, int node,
                        mesh_node_text(mesh, node).text);
 }
 
-/* Turn the nodes of all supports with a direction. turned [nodes] out, node [nodes] work */
+/*
+ * Rotate the triads of the nodes of all supports that give a direction.
+ *   turned  [nodes] out   1 for the nodes whose triads were rotated
+ *   node    [nodes] work
+ * Returns 0, or -1 with error filled.
+ */
 static int turn_all(mesh *mesh, unsigned char *turned, int *node, char *error)
 {
     for (int k = 0; k < mesh->scene->supports; k++) {
@@ -84,7 +98,10 @@ static int check_all(const mesh *mesh, const unsigned char *turned, int *node, c
     return 0;
 }
 
-/* Refuse distributed loads along u1 or u2, whose direction would jump at turned nodes. */
+/*
+ * Refuse distributed loads along u1 or u2 on nodes with rotated triads, where the direction of the
+ * load would jump. Returns 0, or -1 with error filled.
+ */
 static int check_loads(const mesh *mesh, const unsigned char *turned, char *error)
 {
     const scene *scene = mesh->scene;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Share of the warp in the membrane shear of an element (warp.h). */
+/* Return the share of the warp in the membrane shear of an element (warp.h), dimensionless. */
 #include "warp.h"
 #include "../quads/vector.h"
 #include <math.h>

@@ -5,15 +5,19 @@
 
 enum { GAUSS_POINTS = 8 };
 
-/* A point of the quadrature: the integral is the sum of weight times the function at `place`. */
+/*
+ * Point of the quadrature rule. The integral of a function is the sum over all points of `weight`
+ * times the function at `place`.
+ */
 typedef struct gauss_point {
-    double place;  /* coordinate, in the unit of the ends of the interval */
-    double weight; /* part of the length of the interval, in the same unit */
+    double place;  /* coordinate of the point, in the unit of the interval */
+    double weight; /* weight of the point, in the unit of the interval; the weights add up to its
+                      length */
 } gauss_point;
 
 /*
- * Point number i of the quadrature from `from` to `to`, for i from 0 to GAUSS_POINTS - 1. The rule
- * is exact for polynomials of degree 15.
+ * Return point number i (0 to GAUSS_POINTS - 1) of the quadrature rule for the interval from `from`
+ * to `to`. The rule is exact for polynomials up to degree 15.
  */
 gauss_point gauss_point_at(int i, double from, double to);
 

@@ -47,7 +47,8 @@ typedef struct scene_surface {
     double tube;          /* minor radius of a torus (scene unit of length) */
     double inner, outer, turns; /* radius of a spiral at angle 0, its radius at its end, and the
                                    number of turns between both */
-    double focal_length;        /* distance of the focus of a paraboloid from its vertex */
+    double focal_length; /* distance of the focus of a paraboloid from its vertex (scene unit of
+                            length) */
     expr *formula[3]; /* formulas of the coordinates x, y and z of a surface in the variables theta1
                          and theta2; a coordinate whose formula is NULL is theta1, theta2 or 0 */
     spline *meridian; /* meridian (r, z) of a surface of revolution over its chord length */
@@ -59,13 +60,14 @@ typedef enum scene_kinematics {
     KINEMATICS_AUTO
 } scene_kinematics;
 
-/* Settings of the solver of the nonlinear equilibrium equations. */
+/* Settings of the solver for the nonlinear equilibrium. */
 typedef struct scene_equilibrium {
     int load_steps;   /* number of load steps of the first attempt */
-    double tolerance; /* convergence tolerance: largest norm of the last increment relative to the
-                      displacement of the load step */
-    int extrapolated_iterations; /* number of iterations of a load step with extrapolated resultants
-                    before the true resultants are used; 0: plain Newton method */
+    double tolerance; /* convergence tolerance of a load step: largest norm of the last increment
+                         relative to the displacement of the step */
+    int extrapolated_iterations; /* number of iterations of a load step with extrapolated
+                                    resultants, before the true resultants are used; 0: Newton's
+                                    method throughout */
     int linear_solves;           /* largest number of linear solves of one nonlinear solution */
     scene_at at;
 } scene_equilibrium;
@@ -122,8 +124,8 @@ typedef struct scene_material {
                                                      moduli e, shear moduli g and Poisson's ratios
                                                      nu of the directions 1, 2 and 3; those of an
                                                      isotropic material follow from E and nu */
-    double d31, d32, d33, d24, d15; /* piezoelectric constants (m/V): strain per electric field
-                                       along the poling */
+    double d31, d32, d33, d24, d15; /* piezoelectric constants (m/V): strain per electric field,
+                                       with the poling along direction 3 */
     double piezo_e[5]; /* piezoelectric constants e31, e32, e33, e24, e15 (C/m2): stress per
                           electric field; valid if has_e is 1 */
     int has_d, has_e;
@@ -141,7 +143,7 @@ typedef struct scene_layer {
     char name[SCENE_NAME];
     int material;
     double thickness, angle;
-    int patched; /* 1: the layer consists of patches with no material between them */
+    int patched; /* 1: the layer consists of patches, and there is no material between them */
     int poling;  /* poling direction of a layer relative to e3 of the surface: +3 or -3, from the
                     layer or else from its material */
     unsigned char *present; /* [elements] 1 in the elements of the layer's element sets, on a mesh
@@ -159,10 +161,11 @@ typedef struct scene_patches { /* Rectangular grid of piezoelectric patches on o
                   */
     int *patch;  /* [elements] number of the patch in each element of a mesh from a file, or -1
                     without a patch; NULL on other meshes */
-    outline_plane plane; /* plane of the outlines */
-    int cut; /* 1: of an outline that reaches beyond the surface, the part on it counts */
-    scene_outlines *outlines; /* electrodes of any outline, which take the place of ranges and sets;
-                                 NULL: patches of whole elements */
+    outline_plane plane; /* plane in whose coordinates the outlines of the electrodes are given */
+    int cut; /* 1: an outline may extend beyond the surface, and its part on the surface counts; 0:
+                such an outline is refused */
+    scene_outlines *outlines; /* electrodes with outlines of any shape, which replace ranges and
+                                 sets; NULL: patches of whole elements */
     scene_at at;
 } scene_patches;
 
@@ -180,8 +183,9 @@ typedef enum scene_edge {
 } scene_edge;
 
 /*
- * Set of nodes: an edge, all nodes, the node at (theta1, theta2), or the nodes of a rectangular
- * region of the mesh; on a mesh from a file a named set, all nodes, or the node nearest to a place.
+ * Type of a set of nodes: an edge, all nodes, the node at (theta1, theta2), or the nodes of a
+ * rectangular region of the mesh; on a mesh from a file also a named set, or the node nearest to a
+ * place.
  */
 typedef enum scene_where_type {
     WHERE_EDGE,
@@ -316,8 +320,9 @@ typedef enum scene_load_type {
     LOAD_MOMENT
 } scene_load_type;
 /*
- * Pressure whose direction follows the deformed shell. FOLLOWER_NORMAL keeps its magnitude per
- * reference area along the unit normal of the outer face; FOLLOWER_PRESSURE acts per deformed area.
+ * Type of a pressure whose direction follows the deformed shell. FOLLOWER_NORMAL acts along the
+ * unit normal of the deformed outer face with its magnitude per reference area; FOLLOWER_PRESSURE
+ * acts per deformed area.
  */
 typedef enum scene_follower { FOLLOWER_NONE, FOLLOWER_NORMAL, FOLLOWER_PRESSURE } scene_follower;
 
@@ -327,9 +332,9 @@ typedef struct scene_load {
                           from a file, the element set that it is limited to (WHERE_SET) */
     scene_face face;
     scene_component component; /* direction of the load; a pressure acts along u3 */
-    double vector[3];          /* unit vector (x, y, z) along which a weight acts; zero: along the
-                                  component */
-    scene_direction about;     /* axis of a moment */
+    double vector[3]; /* unit vector (x, y, z) along which a weight acts; zero vector: the weight
+                         acts along `component` */
+    scene_direction about; /* axis of a point load that is a moment */
     expr *value; /* formula of the load per point, length or area, of the temperature (K), or of the
                     acceleration of gravity for a weight */
     expr *outer; /* formula of the temperature at the outer face (K), where `value` is that at the
@@ -341,14 +346,14 @@ typedef struct scene_load {
     scene_at at;
 } scene_load;
 
-/* Rigid convex obstacle; all vectors have the components (x, y, z). */
+/* Rigid convex body that the shell may touch; all vectors have the components x, y, z. */
 typedef enum scene_body_type { BODY_PLANE, BODY_CYLINDER, BODY_SPHERE, BODY_PSI } scene_body_type;
 typedef struct scene_body {
     scene_body_type type;
     double point[3];  /* coordinates of a point on a plane, of a point on the axis of a cylinder, or
                          of the centre of a sphere */
     double normal[3]; /* unit normal of a plane, pointing out of the rigid body */
-    double axis[3];   /* unit vector along the axis of a cylinder */
+    double axis[3];   /* unit vector along the axis of a rigid cylinder */
     double radius;    /* radius of a rigid cylinder or sphere (scene unit of length) */
     expr *value; /* level-set function psi(x, y, z) of a rigid body, positive outside the body */
 } scene_body;
@@ -363,8 +368,8 @@ typedef struct scene_contact {
 } scene_contact;
 
 /*
- * Output of contact: a component of the resultant force on the shell, the number of nodes in
- * contact, or the contact pressure at a place.
+ * Quantity of contact that is an output: a component of the resultant force on the shell, the
+ * number of nodes in contact, or the contact pressure at a place.
  */
 typedef enum scene_contact_output {
     CONTACT_NONE,
@@ -475,7 +480,7 @@ typedef struct scene_estimate {
     scene_at at;
 } scene_estimate;
 
-/* Change that takes place at a tick of a simulation. */
+/* Type of a change that takes place at one tick of a simulation. */
 typedef enum scene_event_type {
     EVENT_TARGET,
     EVENT_VALUE, /* EVENT_TARGET multiplies the target by a factor; EVENT_VALUE replaces the target
@@ -511,7 +516,7 @@ enum { TOLD_NEVER = -1, TOLD_FOUND = -2 };
 
 typedef struct scene_event {
     scene_event_type type;
-    int tick;      /* tick of the event; the events are in ascending order */
+    int tick; /* number of the tick at which the event takes place; events are in ascending order */
     double amount; /* size of an event: factor of the target or of a load, temperature (K), or
                       probability that a sensor is affected */
     int ticks;     /* duration (ticks) of EVENT_NAN, EVENT_FROZEN, EVENT_LOST and of the event types
@@ -548,7 +553,7 @@ typedef struct scene_imperfections {
     double quantum; /* quantisation step of the sensors' analogue-to-digital converters (unit of the
                        reading) */
     double outlier_chance;    /* probability that a single reading is an outlier */
-    double outlier_size;      /* largest error of an outlier (unit of the reading) */
+    double outlier_size;      /* largest error of an outlier of a sensor (unit of the reading) */
     int reversals, *reversed; /* [reversals] numbers of the amplifiers whose two wires are exchanged
                                */
     int swaps, *swapped; /* [swaps] numbers of the amplifiers whose cables are exchanged in pairs:
@@ -576,11 +581,11 @@ typedef struct scene_simulate {
     scene_sight sight;
     double noise; /* standard deviation of the noise of a measured shape (scene unit of length); the
                      readings of an estimate have their own noise */
-    int delay;    /* delay of the sensors (ticks) */
+    int delay;    /* delay of the sensors' readings (ticks) */
     double step, dead_band; /* quantisation step of the digital-to-analogue converters and dead band
                                of the amplifiers (V) */
-    double fault_chance;    /* probability of a random fault in a tick */
-    int fault_until;        /* tick from which no random faults occur */
+    double fault_chance;    /* probability that a random electrode fault occurs in a tick */
+    int fault_until;        /* number of the tick from which on no random electrode faults occur */
     int inertia_given, inertia; /* inertia_given: 1 if the scene says whether the plant has inertia;
                                    inertia: 1 if the plant has inertia */
     int modes;                  /* largest number of vibration modes of a plant with inertia */
@@ -627,7 +632,7 @@ typedef struct scene_dynamics {
                          */
     int modes; /* number of vibration modes used to assess the stability of the control loop */
     double mass_per_area; /* mass per area that belongs to no layer, located at the middle of the
-                             laminate */
+                             laminate (scene units) */
 } scene_dynamics;
 
 /* Data of the control loop on the device. */
@@ -700,16 +705,19 @@ typedef struct scene {
 
 /*
  * Read and check a scene.
- *   path     in   YAML file
- *   set      in   [sets] changes "a.b.c=value" applied before checking; list items are
- *                selected by their index from 0 or by their name; the value is YAML; the
- *                last key may be a new one
- *   error    out  [SCENE_ERROR] one line "file:line:column: what is wrong and the cure"
+ *   path   in                 YAML file
+ *   set    [sets] in          changes of the form a.b.c=value that are applied before checking; an
+ *                             item of a list is selected by its index from 0 or by its name; the
+ *                             value is YAML; the last key may be a new one
+ *   error  [SCENE_ERROR] out  one line "file:line:column: what is wrong and the cure"
  * Returns 0, or -1 with error filled and *scene empty.
  */
 int scene_read(scene *scene, const char *path, const char *const *set, int sets, char *error);
 
-/* Read a scene from a text instead of the file at the path, which is named in messages only. */
+/*
+ * Read and check a scene from a text in memory; the path of its file is only named in messages.
+ * Returns 0, or -1 with error filled and *scene empty.
+ */
 int scene_read_text(scene *scene, const char *path, const char *text, size_t bytes, char *error);
 void scene_free(scene *scene);
 
@@ -726,14 +734,14 @@ void scene_amplifier_name(const scene *scene, int k, char name[SCENE_LABEL]);
 void scene_sensor_name(const scene *scene, int k, char name[SCENE_LABEL]);
 
 /*
- * Find the amplifiers [*first, *first + *count) that belong to the name of an actuator or of a
- * single amplifier. Returns 1 if there are any, otherwise 0.
+ * Find the amplifiers that belong to the name of an actuator or of a single amplifier: numbers
+ * *first to *first + *count - 1. Returns 1 if there are any, else 0.
  */
 int scene_find_amplifier(const scene *scene, const char *name, int *first, int *count);
 
 /*
- * Find the electrodes [*first, *first + *count) that belong to the name of a sensor or of a single
- * electrode. Returns 1 if there are any, otherwise 0.
+ * Find the electrodes that belong to the name of a sensor or of a single electrode: numbers *first
+ * to *first + *count - 1. Returns 1 if there are any, else 0.
  */
 int scene_find_sensor(const scene *scene, const char *name, int *first, int *count);
 

@@ -287,7 +287,9 @@ static int check_where(const scene *scene, scene_where *where, char *error)
                        scene->line[1].point[where->node[1]]);
 }
 
-/* Check the places of both ends of springs or stacks. */
+/*
+ * Check the places of both ends of springs or stack actuators. Returns 0, or -1 with error filled.
+ */
 static int check_spring(const scene *scene, scene_spring *spring, char *error)
 {
     if (spring->where.at.column && check_where(scene, &spring->where, error) != 0)

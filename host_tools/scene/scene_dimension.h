@@ -44,7 +44,7 @@ typedef enum dimension {
                                    nearest enclosing key */
     OF_POINT, /* dimension of a coordinate of a point, theta1, theta2 or x, y, z, by its position in
                  a list */
-    OF_OUTLINE, /* dimension of a point or length in the plane of the outlines of electrodes */
+    OF_OUTLINE, /* dimension of a coordinate or length in the plane of electrode outlines */
     OF_SPRING,
     OF_SUPPORT,
     OF_LOAD,

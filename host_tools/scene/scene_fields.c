@@ -322,7 +322,7 @@ int read_text(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Return the value of the choice with the given word, or -1. */
+/* Return the value that a word stands for in an array of choices, or -1 if it is not among them. */
 static int find_choice(const choice *choices, const char *text)
 {
     for (; choices->word; choices++)
@@ -400,7 +400,7 @@ const form labels_form = {.type = FORM_LIST, .item = &label_form};
 const form flag_form = {.type = FORM_WORD, .words = flags};
 const form triple_form = {.type = FORM_LIST, .item = &number_form, .least = 3, .most = 3};
 
-/* Form of two numbers in a range. */
+/* Return the form of a list of two numbers within a range. */
 static form pair_form(const range *rule)
 {
     form pair = {.type = FORM_LIST, .item = &number_form, .least = 2, .most = 2};
@@ -456,7 +456,7 @@ int case_next(const char **keys, case_item *item)
     return 1;
 }
 
-/* Return whether a list of words has a word. */
+/* Return whether a list of words, joined by a separator, contains a word. */
 static int has_word(const char *list, size_t length, char separator, const char *word)
 {
     const size_t wanted = strlen(word);
@@ -486,7 +486,10 @@ static int case_has(const form_case *one, const char *key)
     return 0;
 }
 
-/* Return the form_case whose first item is "type=word". */
+/*
+ * Return the form_case whose first key is "type=word" with the given word, or NULL if there is
+ * none.
+ */
 static const form_case *case_of_type(const form_case *cases, const char *word)
 {
     for (; cases->keys; cases++) {

@@ -85,7 +85,10 @@ static int fix_edge(reader *reader, int node, const scene_support *support, int 
     return 0;
 }
 
-/* Whether a word names one displacement, which may have a value. */
+/*
+ * Return whether a word of the scene names a single displacement, which may have a prescribed
+ * value.
+ */
 static bool is_single(int fix)
 {
     const unsigned of[3] = {U1, U2, U3};
@@ -131,8 +134,8 @@ static const form *const fix_forms[] = {&fix_word_form, &fix_words_form, NULL};
 static const form fix_form = {.type = FORM_ANY, .any = fix_forms};
 
 /*
- * Read the direction of e1 at the nodes of a support, which the published element does not know.
- * Returns 0, or -1 after writing the error message of the YAML tree.
+ * Read the direction of axis e1 at the nodes of a support; the published element does not support
+ * it. Returns 0, or -1 after writing the error message of the YAML tree.
  */
 static int read_direction_of(reader *reader, int node, void *to, const void *rule)
 {
@@ -318,7 +321,7 @@ static int read_direction(reader *reader, int node, void *to, const void *rule)
     return read_place_function(reader, node, &text->load->value, NULL);
 }
 
-/* Read the axis of a moment, which makes a point load one. */
+/* Read the axis of a moment; a point load with this key is a moment. */
 static int read_about(reader *reader, int node, void *to, const void *rule)
 {
     load_text *text = to;

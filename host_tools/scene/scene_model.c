@@ -549,8 +549,9 @@ static const form patch_form = {.type = FORM_MAP, .fields = patch_fields};
 const form patches_form = {.type = FORM_LIST, .item = &patch_form, .most = 1000};
 
 /*
- * Read patches whose outlines are given: they lie on a layer that is continuous, and have neither
- * ranges nor sets.
+ * Check and read patches whose electrodes are given by outlines: their layer is continuous, and
+ * they have neither ranges nor sets. Returns 0, or -1 after writing the error message of the YAML
+ * tree.
  */
 static int read_outlined(reader *reader, int node, scene_patches *patches)
 {

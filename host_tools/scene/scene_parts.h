@@ -52,15 +52,15 @@ field_read read_element, read_materials, read_layers, read_reference, read_patch
 field_read read_springs, read_stacks, read_any_direction;
 
 /*
- * Electrodes of any outline (scene_outlines.c): readers of the plane of patches, to =
- * outline_plane, and of their outlines, to = scene_patches.
+ * Readers of the electrodes of patches in scene_outlines.c: the plane of their outlines (argument
+ * `to`: the outline_plane), and the outlines (argument `to`: the scene_patches).
  */
 field_read read_plane, read_outlines;
 extern const form plane_form, outlines_form;
 
 /*
- * Find the part of each element that each electrode of any outline covers; refuse electrodes that
- * leave the surface or overlap (outline_check.c). Returns 0, or -1 with error filled.
+ * Compute the part of each element that each electrode covers, and refuse electrodes that extend
+ * beyond the surface or overlap (outline_check.c). Returns 0, or -1 with error filled.
  */
 int check_outlines(scene *scene, char *error);
 

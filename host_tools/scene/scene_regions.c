@@ -15,7 +15,7 @@ static int check_overlaps(const scene *scene, char *error)
         for (int j = 0; j < i; j++) {
             const scene_patches *own = &scene->patches[i], *other = &scene->patches[j];
             if (!own->patch || !other->patch || own->layer != other->layer)
-                continue; /* outline_overlap.c compares electrodes that are given by outlines */
+                continue; /* electrodes given by outlines are compared in outline_overlap.c */
             for (size_t element = 0; element < scene->quads->mesh.elements; element++)
                 if (own->patch[element] >= 0 && other->patch[element] >= 0)
                     return scene_fault(scene, own->at, error,

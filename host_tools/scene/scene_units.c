@@ -183,7 +183,7 @@ static dimension of_point(const reader *reader, int node)
     return surface_is_angle(&reader->s->surface, direction) ? OF_RADIANS : OF_LENGTH;
 }
 
-/* Return the patches whose outlines contain a node: the mapping with the key `outlines`. */
+/* Return the YAML mapping of the patches whose key `outlines` contains a given node. */
 static int outlines_owner(const tree *tree, int node)
 {
     while (node && !(tree->node[node].key && strcmp(tree->node[node].key, "outlines") == 0))
@@ -192,9 +192,9 @@ static int outlines_owner(const tree *tree, int node)
 }
 
 /*
- * Return the dimension of a number in an outline: a length in a plane of space. In the plane of
- * theta1 and theta2 the two numbers of a point have the dimensions of these, and a radius or gap is
- * a length where both are lengths.
+ * Return the dimension of a number in an outline. In a plane of space it is a length. In the plane
+ * of theta1 and theta2 the two numbers of a point have the dimensions of these coordinates, and a
+ * radius or gap is a length if both coordinates are lengths.
  */
 static dimension of_outline(const reader *reader, int node)
 {

@@ -37,7 +37,10 @@ void suggest_begin(suggestion *suggestion, const char *word)
     suggestion->distance = 0;
 }
 
-/* Keep the nearest name. A name whose distance exceeds a third of the letters is not suggested. */
+/*
+ * A name is suggested only if its edit distance is at most a third of the letters of the mistyped
+ * word.
+ */
 void suggest_consider(suggestion *suggestion, const char *name)
 {
     const size_t length = strlen(suggestion->word);
