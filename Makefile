@@ -165,6 +165,7 @@ $(call for_variants,work,64 32 san64 san32,)
 $(call for_variants,faults,64 32 san64 san32,@tests/rigs/testdata.o)
 $(call for_variants,estimate,64 32 san64 san32,)
 $(call for_variants,loop_blocks,64 32 san64 san32,)
+$(call for_variants,late,64 32 san64 san32,)
 DAMPED := @tests/rigs/damped_loop.o @tests/rigs/testdata.o @host_tools/model/damper_gains.o @host_tools/model/propagator.o @bridge64.o
 $(call for_variants,vibration_block,64 32 san64 san32,$(DAMPED))
 $(foreach t,flips supervisor output_gate hysteresis,$(call for_variants,$(t),64 32 san64 san32,))

@@ -61,6 +61,8 @@ typedef struct pzs_problem {
                                           the solution (V) */
     pzs_real regularisation; /* weight of the squared distance from the reference voltages in the
                                 objective (m2/V2) */
+    uint64_t work_limit;     /* initial value of the work limit in pzs_control_settings
+                                (multiply-adds); 0: PZS_WORK_LIMIT */
 } pzs_problem;
 
 /*
@@ -122,7 +124,7 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 /* Settings of the controller that a program may change after pzs_control_init. */
 typedef struct pzs_control_settings {
     uint64_t work_limit; /* largest number of multiply-adds of the optimiser in one voltage step, at
-                            least PZS_WORK_LEAST; default PZS_WORK_LIMIT */
+                            least PZS_WORK_LEAST; default: that of the problem */
 } pzs_control_settings;
 
 /* Results of the controller that a program may read. */

@@ -152,6 +152,8 @@ typedef struct pzs_control_state {
                            and shown shape; second row: the measurements to expect (m) */
     uint8_t *repeats;   /* [outputs] number of ticks in which a measurement stayed constant although
                            its output should have moved */
+    uint8_t *faulty;    /* [inputs] 1: the fault detector has found the input to be faulty and holds
+                           it;    before it was held, its effect did not follow its voltage */
     const pzs_real *damping; /* [inputs] damping gradient of a damped tick, subtracted from the
                                 gradient of the objective (m2/V); NULL: no damping */
     pzs_real *carry; /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
@@ -274,6 +276,19 @@ typedef struct pzs_compensator_state {
     pzs_real *creep;  /* [inputs][creeps] effects of the creep (V) */
 } pzs_compensator_state;
 
+typedef struct pzs_reading_delay_state {
+    const struct pzs_reading_delay *tables;
+    struct pzs_control *control;
+    pzs_real *voltage;    /* [delay + 1][inputs] voltages of the last ticks (V) */
+    pzs_real *expected;   /* [delay + 1][sensors] readings that these voltages make */
+    pzs_real *sensed;     /* [sensors] last readings */
+    pzs_real *difference; /* [sensors] reading - expected reading of the time of the reading */
+    pzs_real *corrected;  /* [sensors] readings with the change that the model predicts */
+    uint8_t *repeats; /* [sensors] ticks in which a reading repeated although it should have moved
+                       */
+    uint16_t newest;  /* row of `voltage` and `expected` that belongs to the present tick */
+} pzs_reading_delay_state;
+
 typedef struct pzs_feed_forward_state {
     const struct pzs_known_loads *tables;
     pzs_real *readings; /* [sensors] readings minus the effect of known loads (unit of each sensor)
@@ -359,6 +374,7 @@ typedef struct pzs_loop_state {
     pzs_loop_core core[3]; /* three copies of the pointers and sizes, so that two outvote a damaged
                               third */
     pzs_scrub problem_scrub, influence_scrub;
+    uint32_t missed; /* ticks missed since the last tick, by pzs_loop_skip */
 } pzs_loop_state;
 
 #endif

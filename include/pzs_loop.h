@@ -1,9 +1,8 @@
 /*
  * The control loop: a list of blocks around the control step, which one call runs in each tick.
- * Blocks of the library: feed-forward of known loads, shape estimator, vibration damper, governor
- * for moving targets, control step, converter steps of the amplifiers, fault detector for
- * electrodes, supervisor.
- * SPDX-License-Identifier: BSD-2-Clause
+ * Blocks of the library: correction of late readings, feed-forward of known loads, shape estimator,
+ * vibration damper, governor for moving targets, control step, converter steps of the amplifiers,
+ * fault detector for electrodes, supervisor. SPDX-License-Identifier: BSD-2-Clause
  *
  *     static pzs_real work[MIRROR_LOOP_BYTES / sizeof(pzs_real) + 1];
  *     static pzs_loop loop;
@@ -76,6 +75,7 @@ typedef struct pzs_loop_signals {
     struct pzs_compensator *compensator; /* compensation of hysteresis, set by pzs_effect_block for
                                             pzs_inverse_block; NULL: the list has none */
     bool has_inverse;   /* during the initialisation: the list has a pzs_inverse_block */
+    uint32_t missed;    /* number of ticks missed before this one, at most PZS_MISSED_LIMIT */
     pzs_real deviation; /* RMS amplitude by which the measured motion deviates from the prediction
                            of the model (m); negative: no block has computed it */
     uint32_t warnings;  /* one bit, 1 << status, for each warning that a block has returned in this
@@ -115,7 +115,8 @@ typedef struct pzs_block {
     const void *tables; /* tables of the struct type that the block type expects; not NULL */
 } pzs_block;
 
-#define PZS_BLOCK_LIMIT 16 /* largest number of blocks in a list */
+#define PZS_BLOCK_LIMIT 16  /* largest number of blocks in a list */
+#define PZS_MISSED_LIMIT 64 /* largest number of missed ticks over which a tick predicts */
 
 /* Results of the loop that a program may read. */
 typedef struct pzs_loop_info {
@@ -186,6 +187,16 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage);
  * PZS_E_STAGE.
  */
 pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *next);
+
+/*
+ * Inform a loop of missed ticks, during which the amplifiers kept the present voltages. To be
+ * called before the next tick; the blocks then know how old the last readings and voltages are.
+ * Several calls add up, to at most PZS_MISSED_LIMIT ticks, because after so many the phase of a
+ * vibration is unknown. A loop that is not informed stays inside all limits and settles later: `pzs
+ * check` tries its storms with 5 % of the ticks missed in that way. Errors: PZS_E_ARGUMENT,
+ * PZS_E_STAGE.
+ */
+pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
 
 /*
  * Run one tick of a control loop: all blocks in the order of the list, then the last gate.
@@ -305,6 +316,37 @@ extern const pzs_block_type pzs_estimator_block;
 #define PZS_ESTIMATOR_BLOCK_BYTES(sensors, outputs)                                                \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_estimate)) + PZS_ALIGNED(PZS_ESTIMATE_BYTES(sensors)) +     \
                 (size_t)(outputs) * sizeof(pzs_real))
+
+/* ---- late readings of a loop without a damper (lib/control/delay.c) ------ */
+
+/* Tables of the correction of late readings. All arrays are const, in flash. */
+typedef struct pzs_reading_delay {
+    uint32_t format, scene; /* format and scene of the problem */
+    uint32_t crc;           /* checksum of everything below; see pzs_reading_delay_seal */
+    uint16_t inputs, sensors;
+    uint16_t delay;         /* age of the readings (ticks), at most PZS_DELAY_LIMIT */
+    const pzs_real *direct; /* S [sensors][inputs] reading per volt (V/V, C/V, m/V); NULL: the
+                               sensors are the outputs, and S is the influence matrix */
+} pzs_reading_delay;
+
+/* Set format and checksum of tables that a firmware has built itself. Errors: PZS_E_ARGUMENT. */
+pzs_status pzs_reading_delay_seal(pzs_reading_delay *tables);
+
+/*
+ * Correction of late readings as a block of PZS_PHASE_READINGS, the first block of a list: adds to
+ * each reading the change that the model predicts from the voltages given since the reading was
+ * taken. A reading that is missing or stuck is passed on as NaN. A list with a vibration block
+ * needs no correction, because that block takes the delay into account. Tables: pzs_reading_delay.
+ * Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other sizes), PZS_E_FORMAT,
+ * PZS_E_CRC, PZS_E_NONFINITE.
+ */
+extern const pzs_block_type pzs_reading_delay_block;
+#define PZS_READING_DELAY_BLOCK_BYTES(inputs, sensors, delay)                                      \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_reading_delay_state)) +                                     \
+                (((size_t)(delay) + 1u) * ((size_t)(inputs) + (size_t)(sensors)) +                 \
+                 3u * (size_t)(sensors)) *                                                         \
+                    sizeof(pzs_real) +                                                             \
+                (size_t)(sensors))
 
 /* ---- supervisor (lib/control/supervisor.c) -------------------------------- */
 
@@ -566,7 +608,8 @@ pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_rea
 
 /*
  * Predict the vibration modes over missed ticks, during which the amplifiers kept the present
- * voltages. To be called before the next tick. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * voltages. To be called before the next tick; in a loop
+ * pzs_loop_skip does it. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_damper_skip(pzs_damper *damper, uint16_t ticks);
 

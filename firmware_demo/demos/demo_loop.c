@@ -13,6 +13,7 @@
  *   in   RELEASE, input
  *   in   KNOW, 0         load values at the time of the next readings [loads], coming load values
  *        [loads]: fed forward from now on
+ *   in   SKIP, ticks     number of ticks that were missed before the next tick
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -26,7 +27,7 @@
 #define DEMO_LOADS 1 /* size of an array that is not used: the tables know no load */
 #endif
 
-enum { TICK, HOLD, RELEASE, KNOW };
+enum { TICK, HOLD, RELEASE, KNOW, SKIP };
 
 static pzs_real work[REALS(DEMO_LOOP_BYTES)];
 static pzs_real wanted[DEMO_OUTPUTS], readings[DEMO_READINGS];
@@ -70,6 +71,11 @@ static int hold(uint32_t input)
            pzs_hold(loop.info.control, (uint16_t)input, voltage) == PZS_OK;
 }
 
+static int skip(uint32_t ticks)
+{
+    return pzs_loop_skip(&loop, ticks) == PZS_OK;
+}
+
 static int release(uint32_t input)
 {
     return pzs_release(loop.info.control, (uint16_t)input) == PZS_OK;
@@ -86,6 +92,7 @@ int main(void)
         case HOLD: good = hold(order[1]); break;
         case RELEASE: good = release(order[1]); break;
         case KNOW: good = know(); break;
+        case SKIP: good = skip(order[1]); break;
         default: good = 0;
         }
     }

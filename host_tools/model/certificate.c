@@ -170,8 +170,9 @@ static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEX
  */
 static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
-    append(text, "\nStorms (targets jump faster than the voltages can follow, then the last one "
-                 "stands): ");
+    append(text,
+           "\nStorms (targets jump faster than the voltages can follow, then the last one stands; "
+           "in a third of\nthem 5 %% of the ticks are missed): ");
     if (loop->storms == 0) {
         append(text, "none was run.");
         return;

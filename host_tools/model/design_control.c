@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/control/control.h"
+#include "tick_work.h"
 #include "../../lib/core/guard.h"
 
 /*
@@ -229,6 +230,7 @@ int design_control(design *design, const double *influence, char *error)
     problem->upper = design->upper;
     problem->step_limit = design->step_limit;
     problem->reference_voltage = design->reference_voltage;
+    problem->work_limit = tick_work_limit(design);
     problem->crc = pzs_problem_crc(problem);
     return 0;
 }

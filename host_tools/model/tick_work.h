@@ -39,7 +39,8 @@ typedef struct tick_work {
 
 /*
  * Limit of the optimiser's work in one tick (multiply-adds) that clock and tick rate of the scene
- * allow, at least PZS_WORK_LEAST; 0 where the scene does not give both.
+ * allow, at least PZS_WORK_LEAST; 0 where the scene does not give both. With a
+ * governor, which makes a voltage step of its own, each of the two steps may take half of the tick.
  */
 uint64_t tick_work_limit(const design *design);
 

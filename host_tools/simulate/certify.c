@@ -37,6 +37,9 @@ static const double two_pi = 6.283185307179586;
 static const double storm_gain[PLANTS] = {1, 0.8, 0.8, 1.33, 1.33},
                     storm_frequency[PLANTS] = {1, 0.9, 1.1, 0.9, 1.1};
 
+/* Share of the ticks that are missed in the storms with the last sequence of targets. */
+static const double missed_share = 0.05;
+
 /*
  * Gains and frequencies, relative to the model, of the structures for which growth is measured;
  * every pair is used.
@@ -91,7 +94,6 @@ static int retable(trial *trial, const damper_options *options, char *error)
     loop_blocks_fill(&trial->blocks, &trial->analysis->design, &trial->estimator, &trial->damper);
     storm_use(&trial->rig, trial->blocks.block, trial->blocks.count,
               options->delay - options->settings.later);
-    trial->rig.is_corrected = false;
     trial->rig.interval = 1 / options->rate;
     return 0;
 }
@@ -167,15 +169,19 @@ static int measure_growth(const trial *trial, certificate_loop *loop, bool *is_s
 
 /*
  * Structure, step limits and targets of the i-th storm (simulation with fast jumps of the target),
- * with readings that are `older` ticks older than the scene states.
+ * with readings that are `older` ticks older than the scene states. In the last sequence of targets
+ * some ticks are missed, and the loop is not informed of them.
  */
 static storm_plant plant_of(int i, int older)
 {
+    const int sequence = i / PLANTS / 2;
     return (storm_plant){.gain = storm_gain[i % PLANTS],
                          .frequency = storm_frequency[i % PLANTS],
                          .step_limit = i / PLANTS % 2 ? 0.25 : 1,
                          .more_delay = older,
-                         .seed = (uint64_t)(i / PLANTS / 2 + 1)};
+                         .seed = (uint64_t)(sequence + 1),
+                         .missed = sequence == SEEDS - 1 ? missed_share : 0,
+                         .is_untold = true};
 }
 
 /*

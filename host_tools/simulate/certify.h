@@ -6,7 +6,8 @@
  *   growth  growth of small vibrations without limits, which is the spectral radius of the loop,
  *       for gains 0.8, 1 and 1.33 and frequencies 0.9, 1 and 1.1 relative to the model
  *   storms  30 simulations with random jumps of the target (storm.h): the model and four structures
- *       around it, full and quarter step limits, three sequences of targets
+ *       around it, full and quarter step limits, three sequences of targets, of which the last one
+ *       misses 5 % of the ticks without informing the loop
  * Neither is enough alone: a loop whose spectral radius is below 1 may end in a limit cycle, and a
  * storm is too short to show slow growth. The chosen settings of the damped tick are the fastest of
  * a few that pass both, or settings that are at most a quarter slower and also pass with readings

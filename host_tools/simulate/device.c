@@ -18,7 +18,13 @@
 #include "../system/interrupt.h"
 #include "../system/shipped.h"
 
-enum { TICK, HOLD, RELEASE, KNOW }; /* orders to the firmware, sent as the first word of a frame */
+enum {
+    TICK,
+    HOLD,
+    RELEASE,
+    KNOW,
+    SKIP
+}; /* orders to the firmware, sent as the first word of a frame */
 enum {
     PATIENCE = 20000 /* longest time to wait for an answer of the firmware (ms) */,
     MOST_ARGUMENTS = 16
@@ -324,6 +330,12 @@ void device_release(device *device, int input)
 {
     if (device->process > 0)
         (void)send(device, put_order(device, RELEASE, (uint32_t)input));
+}
+
+void device_skip(device *device, int ticks)
+{
+    if (device->process > 0)
+        (void)send(device, put_order(device, SKIP, (uint32_t)ticks));
 }
 
 void device_know(device *device, const double *then, const double *coming, size_t loads)

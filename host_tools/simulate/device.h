@@ -37,7 +37,7 @@ void device_remove(const char *folder);
 
 /*
  * A running firmware. A device whose members are all zero has no firmware; device_hold,
- * device_release and device_know do nothing with it.
+ * device_release, device_skip and device_know do nothing with it.
  */
 typedef struct device {
     const device_board *board;
@@ -62,6 +62,9 @@ void device_stop(device *device);
 /* Call pzs_hold or pzs_release in the firmware. A failure is reported by the next device_tick. */
 void device_hold(device *device, int input, double voltage);
 void device_release(device *device, int input);
+
+/* Call pzs_loop_skip in the firmware: `ticks` were missed before the next one. */
+void device_skip(device *device, int ticks);
 
 /*
  * Pass the factors of the known loads to the firmware.

@@ -36,8 +36,6 @@ typedef struct electrode {
                                       in which the fault ends by itself; -1: never */
     int is_held; /* 1: the controller treats the electrode as held, because the fault was announced
                     or detected */
-    int held_since; /* first tick from which late readings are compared with a prediction in which
-                       this electrode is held */
 } electrode;
 
 /*

@@ -201,7 +201,6 @@ static void run_events(loop *loop, int tick)
         if (electrode->announced_at == tick) {
             hold_electrode(loop, k, electrode->fault_voltage);
             electrode->is_held = 1;
-            electrode->held_since = electrode->failed_at;
         }
     }
     for (int i = 0; i < loop->design->targets; i++)
@@ -401,7 +400,6 @@ static void count_detections(loop *loop, int tick)
         if (loop->state[k] != PZS_ELECTRODE_HELD || electrode->is_held)
             continue;
         electrode->is_held = 1;
-        electrode->held_since = 0;
         loop->detected++;
         if (electrode->fault == ELECTRODE_GOOD)
             loop->falsely_detected++;
@@ -451,18 +449,20 @@ static pzs_status counted_status(const loop *loop, pzs_status status)
     return status == PZS_W_ELECTRODE ? PZS_OK : status;
 }
 
-/* Inform the damper of the number of ticks missed since the last one. */
+/* Inform the controller, and the board with its twin, of the ticks missed since the last one. */
 static void report_missed_ticks(loop *loop)
 {
-    pzs_damper *damper = pzs_loop_find(&loop->controller, &pzs_vibration_block);
-    if (damper && loop->missed_ticks > 0)
-        (void)pzs_damper_skip(damper, (uint16_t)loop->missed_ticks);
+    if (loop->missed_ticks == 0)
+        return;
+    (void)pzs_loop_skip(&loop->controller, (uint32_t)loop->missed_ticks);
+    device_skip(&loop->board, loop->missed_ticks);
+    device_skip(&loop->twin, loop->missed_ticks);
     loop->missed_ticks = 0;
 }
 
 static int run_controller(loop *loop, int tick, char *error)
 {
-    if ((loop->simulation->estimates || loop->is_damped) && loop->board.board)
+    if (loop->board.board)
         copy_board_voltages(loop);
     report_missed_ticks(loop);
     if (loop->simulation->feeds) {
@@ -480,10 +480,6 @@ static int run_controller(loop *loop, int tick, char *error)
     if (!loop->board.board)
         take_command(loop);
     count_detections(loop, tick);
-    for (int k = 0; k < loop->design->amplifiers; k++)
-        if (loop->electrode[k].is_held)
-            sense_hold(loop, k, loop->electrode[k].held_since, tick);
-    sense_predict(loop);
     return 0;
 }
 
@@ -642,7 +638,6 @@ static void reset_loop(loop *loop)
         loop->electrode[k].output = loop->output[k];
     const imperfections wiring = loop_imperfections(loop);
     imperfections_draw(&wiring);
-    sense_predict(loop);
     plant_rest(&loop->simulation->plant);
 }
 
@@ -665,7 +660,6 @@ static int start_board(loop *loop, char *error)
            (size_t)loop->design->amplifiers * sizeof *loop->last_voltage);
     for (int k = 0; k < loop->design->amplifiers; k++)
         loop->electrode[k].output = loop->output[k];
-    sense_predict(loop);
     return 0;
 }
 

@@ -84,21 +84,14 @@ typedef struct loop {
                        section */
     sensor *sensor; /* [sensors] faults and drift of each sensor */
     double *sense_memory; /* one allocation that holds all vectors from `noise` to `next_load` */
-    double *noise;   /* [sensors] standard deviation of the noise, in the unit of the reading */
-    double *reading; /* [sensors] latest readings, with noise and faults */
-    double *sensed;  /* [sensors] readings passed to the controller; late readings are corrected by
-                        the change that the model predicts since the measurement */
-    double *reading_now, *reading_then; /* [sensors] readings that the model predicts, under the
-                                           present command and under the command at the time of the
-                                           late readings */
-    int history_ticks;    /* number of ticks whose readings and commands are stored: the delay, plus
-                             the largest additional delay of an event, plus 1 */
+    double *noise;     /* [sensors] standard deviation of the noise, in the unit of the reading */
+    double *reading;   /* [sensors] latest readings, with noise and faults */
+    double *sensed;    /* [sensors] readings passed to the controller, as late as they are */
+    int history_ticks; /* number of ticks whose readings are stored: the delay, plus
+                          the largest additional delay of an event, plus 1 */
     double *late_reading; /* [history_ticks][sensors] noise-free readings of the last ticks */
-    double *late_command; /* [history_ticks][amplifiers] commanded voltages of the last ticks (V) */
     double *late_load;    /* [history_ticks][loads] load factors known to the controller in the last
                              ticks */
-    double *predicted;    /* [targets] displacements that the model predicts under the commanded
-                             voltages */
     double *known_load, *next_load; /* [loads] load factors known to the controller, of the present
                                        tick and of the next one */
     const double *load_when_read;   /* [loads] load factors known to the controller for the time at
@@ -149,12 +142,6 @@ int sense_open(loop *loop);
 void sense_close(loop *loop);
 
 /*
- * Compute the member `predicted`: the displacements that the influence matrix gives for the
- * commanded voltages.
- */
-void sense_predict(loop *loop);
-
-/*
  * Take the readings of the plant in its present shape, with delay, noise and faults, and store them
  * in the member `sensed`. Returns 0, or -1 with error filled.
  */
@@ -171,13 +158,6 @@ void sense_measurement_error(loop *loop);
  * taken.
  */
 const double *sense_known_loads(const loop *loop, int tick);
-
-/*
- * Record that an electrode has been held since a tick: in the stored commands, the voltage of the
- * electrode from that tick on becomes the voltage at which it is held. Otherwise the correction of
- * late readings would include a change of voltage that never reached the ceramic.
- */
-void sense_hold(loop *loop, int amplifier, int since, int tick);
 
 /*
  * Imperfections at the present time, with references to the electrodes, the sensors and the random

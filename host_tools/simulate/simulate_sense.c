@@ -41,23 +41,18 @@ int sense_open(loop *loop)
     const simulation *simulation = loop->simulation;
     const design *design = loop->design;
     loop->sensors = simulation->estimates ? simulation->estimator.sensors : design->targets;
-    const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets,
-                 loads = (size_t)design->loads, k = (size_t)loop->sensors;
+    const size_t loads = (size_t)design->loads, k = (size_t)loop->sensors;
     loop->history_ticks = kept_ticks(&design->scene->simulate);
     const size_t kept = (size_t)loop->history_ticks;
-    double *at = loop->sense_memory =
-        calloc((5 + kept) * k + kept * (amplifiers + loads) + targets + 2 * loads + 1, sizeof *at);
+    double *at = loop->sense_memory = calloc((3 + kept) * k + (kept + 2) * loads + 1, sizeof *at);
     loop->sensor = calloc(k + 1, sizeof *loop->sensor);
     if (!at || !loop->sensor)
         return 0;
-    double **const of_sensors[] = {&loop->noise, &loop->reading, &loop->sensed, &loop->reading_now,
-                                   &loop->reading_then};
-    for (int i = 0; i < 5; i++, at += k)
+    double **const of_sensors[] = {&loop->noise, &loop->reading, &loop->sensed};
+    for (int i = 0; i < 3; i++, at += k)
         *of_sensors[i] = at;
     loop->late_reading = at, at += kept * k;
-    loop->late_command = at, at += kept * amplifiers;
     loop->late_load = at, at += kept * loads;
-    loop->predicted = at, at += targets;
     loop->known_load = at, at += loads;
     loop->next_load = at;
     take_noise(loop);
@@ -73,42 +68,6 @@ void sense_close(loop *loop)
 /* ---- sensors ---------------------------------------------------------- */
 
 /*
- * Multiply a table with a vector of voltages.
- *   table   [rows][amplifiers] in
- *   voltage [amplifiers]       in   (V)
- *   product [rows]             out
- */
-static void multiply(const loop *loop, double *product, const double *table, int rows,
-                     const double *voltage)
-{
-    const size_t amplifiers = (size_t)loop->design->amplifiers;
-    for (size_t i = 0; i < (size_t)rows; i++) {
-        product[i] = 0;
-        for (size_t k = 0; k < amplifiers; k++)
-            product[i] += table[i * amplifiers + k] * voltage[k];
-    }
-}
-
-/*
- * Compute the readings that the model predicts under given voltages.
- *   voltage [amplifiers] in   (V)
- *   reading [sensors]    out
- */
-static void predict_readings(const loop *loop, double *reading, const double *voltage)
-{
-    const simulation *simulation = loop->simulation;
-    multiply(loop, reading,
-             simulation->estimates ? simulation->estimator.direct : simulation->problem->influence,
-             loop->sensors, voltage);
-}
-
-void sense_predict(loop *loop)
-{
-    multiply(loop, loop->predicted, loop->simulation->problem->influence, loop->design->targets,
-             loop->command);
-}
-
-/*
  * Address of the vector of a tick in a ring buffer that stores one vector for each of the last
  * ticks.
  *   length in  number of entries of a vector
@@ -118,25 +77,14 @@ static double *ring_entry(const loop *loop, double *history, int tick, int lengt
     return history + (size_t)(tick % loop->history_ticks) * (size_t)length;
 }
 
-void sense_hold(loop *loop, int amplifier, int since, int tick)
-{
-    const int delay = loop->design->scene->simulate.delay;
-    for (int then = tick > delay ? tick - delay : 0; then <= tick; then++)
-        if (then >= since)
-            ring_entry(loop, loop->late_command, then, loop->design->amplifiers)[amplifier] =
-                loop->command[amplifier];
-}
-
 /*
- * Store the noise-free readings, the commanded voltages and the known load factors of a tick until
- * the readings arrive at the controller.
+ * Store the noise-free readings and the known load factors of a tick until the readings arrive at
+ * the controller.
  */
 static int store_tick(loop *loop, int tick, char *error)
 {
     const design *design = loop->design;
     double *reading = ring_entry(loop, loop->late_reading, tick, loop->sensors);
-    memcpy(ring_entry(loop, loop->late_command, tick, design->amplifiers), loop->command,
-           (size_t)design->amplifiers * sizeof *loop->command);
     memcpy(ring_entry(loop, loop->late_load, tick, design->loads), loop->known_load,
            (size_t)design->loads * sizeof *loop->known_load);
     if (loop->simulation->estimates)
@@ -146,11 +94,8 @@ static int store_tick(loop *loop, int tick, char *error)
 }
 
 /*
- * Compute the readings passed to the controller. Sensors give the readings of `delay` ticks ago;
- * the change that the model predicts since then is added, so that the controller compares readings
- * and prediction of one tick. For a controller with a vibration block nothing is added, because
- * that block takes the delay into account. A stuck reading, identical to the last bit, is passed on
- * unchanged, so that the controller can detect the stuck sensor.
+ * Compute the readings passed to the controller: those of `delay` ticks ago, with noise and faults.
+ * A stuck sensor repeats its reading to the last bit.
  */
 static void read_sensors(loop *loop, int tick)
 {
@@ -159,22 +104,13 @@ static void read_sensors(loop *loop, int tick)
     const double *delayed =
         ring_entry(loop, loop->late_reading, then > extra ? then - extra : 0, loop->sensors);
     const imperfections wiring = loop_imperfections(loop);
-    predict_readings(loop, loop->reading_now, loop->command);
-    predict_readings(loop, loop->reading_then,
-                     ring_entry(loop, loop->late_command, then, loop->design->amplifiers));
     for (int i = 0; i < loop->sensors; i++) {
         const double noise = loop->noise[i] > 0 ? loop->noise[i] * random_noise(&loop->random) : 0;
-        const double reading = tick < loop->sensor[i].stuck_until
-                                   ? loop->reading[i]
-                                   : imperfections_sense(&wiring, i, delayed[i] + noise);
-        if (delay == 0 || loop->is_damped)
-            loop->sensed[i] = reading;
-        else if (tick == 0 || reading < loop->reading[i] || reading > loop->reading[i] ||
-                 isnan(loop->sensed[i]))
-            loop->sensed[i] = reading + (loop->reading_now[i] - loop->reading_then[i]);
-        loop->reading[i] = reading;
-        if (tick < loop->sensor[i].nan_until)
-            loop->sensed[i] = (double)NAN;
+        const bool is_stuck = tick < loop->sensor[i].stuck_until;
+        const bool is_missing = tick < loop->sensor[i].nan_until;
+        if (!is_stuck)
+            loop->reading[i] = imperfections_sense(&wiring, i, delayed[i] + noise);
+        loop->sensed[i] = is_missing ? (double)NAN : loop->reading[i];
     }
 }
 

@@ -118,7 +118,6 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
     memset(rig, 0, sizeof *rig);
     rig->analysis = analysis;
     rig->estimator = estimator;
-    rig->is_corrected = true;
     rig->interval = 1 / design->scene->control.rate;
     rig->targets = (size_t)design->targets;
     rig->amplifiers = (size_t)design->amplifiers;
@@ -158,6 +157,7 @@ typedef struct storm {
     inertia inertia;
     uint64_t random;
     int tick, kept; /* present tick; number of ticks whose readings are stored */
+    int missed;     /* number of ticks missed since the last one that ran */
     double noise;   /* standard deviation of the noise of a reading */
     double *memory; /* one allocation that holds the arrays from `limits` on */
     double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
@@ -172,7 +172,6 @@ typedef struct storm {
     double *part;    /* [targets] work vector */
     double *sensed;  /* [sensors] readings passed to the loop */
     double *reading; /* [kept][sensors] noise-free readings of the last ticks */
-    double *command; /* [kept][amplifiers] voltages of the last ticks (V) */
 } storm;
 
 static bool take_run_memory(storm *storm)
@@ -180,8 +179,8 @@ static bool take_run_memory(storm *storm)
     const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets,
                  k = storm->rig->sensors;
     const size_t kept = (size_t)storm->kept;
-    double *at = storm->memory = calloc(
-        5 * amplifiers + 5 * targets + k + kept * (k + amplifiers) + 1, sizeof *storm->memory);
+    double *at = storm->memory =
+        calloc(5 * amplifiers + 5 * targets + k + kept * k + 1, sizeof *storm->memory);
     if (!at || !inertia_open(&storm->inertia, &storm->rig->modal))
         return false;
     storm->limits = at, at += 3 * amplifiers;
@@ -193,8 +192,7 @@ static bool take_run_memory(storm *storm)
     storm->shape = at, at += targets;
     storm->part = at, at += targets;
     storm->sensed = at, at += k;
-    storm->reading = at, at += kept * k;
-    storm->command = at;
+    storm->reading = at;
     return true;
 }
 
@@ -372,14 +370,12 @@ static void observe_shape(storm *storm)
         storm->shape[i] += storm->part[i];
 }
 
-/* Compute the present readings and store them with the voltages until they arrive at the loop. */
+/* Compute the present readings and store them until they arrive at the loop. */
 static void observe(storm *storm)
 {
     const storm_rig *rig = storm->rig;
     const size_t amplifiers = rig->amplifiers;
     double *reading = late(storm, storm->reading, storm->tick, rig->sensors);
-    memcpy(late(storm, storm->command, storm->tick, amplifiers), storm->voltage,
-           amplifiers * sizeof *storm->voltage);
     if (!rig->estimator) {
         observe_shape(storm);
         memcpy(reading, storm->shape, rig->sensors * sizeof *reading);
@@ -392,23 +388,30 @@ static void observe(storm *storm)
     }
 }
 
-/*
- * Compute the readings that the loop receives: late, with noise, and corrected for the delay where
- * the caller of the loop has to correct them.
- */
+/* Compute the readings that the loop receives: late, with noise. */
 static void sense(storm *storm)
 {
     const storm_rig *rig = storm->rig;
-    const size_t amplifiers = rig->amplifiers;
     const double *shown = late(storm, storm->reading,
                                storm->tick - rig->delay - storm->plant->more_delay, rig->sensors);
-    const double *then = late(storm, storm->command, storm->tick - rig->delay, amplifiers);
-    for (size_t i = 0; i < rig->sensors; i++) {
+    for (size_t i = 0; i < rig->sensors; i++)
         storm->sensed[i] =
             shown[i] + (storm->noise > 0 ? storm->noise * random_noise(&storm->random) : 0);
-        for (size_t k = 0; k < amplifiers && rig->is_corrected && rig->delay > 0; k++)
-            storm->sensed[i] += rig->direct[i * amplifiers + k] * (storm->voltage[k] - then[k]);
-    }
+}
+
+/* Whether this tick is missed. */
+static bool misses(storm *storm)
+{
+    return storm->plant->missed > 0 && random_uniform(&storm->random) < storm->plant->missed;
+}
+
+/* Let the loop choose voltages, after it has been told of missed ticks. Returns its status. */
+static pzs_status choose_voltages(storm *storm)
+{
+    if (storm->missed > 0 && !storm->plant->is_untold)
+        (void)pzs_loop_skip(&storm->loop, (uint32_t)storm->missed);
+    storm->missed = 0;
+    return pzs_loop_tick(&storm->loop, storm->thrown, storm->sensed);
 }
 
 /*
@@ -417,10 +420,12 @@ static void sense(storm *storm)
 static pzs_status run_tick(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers;
+    const bool is_missed = misses(storm);
     observe(storm);
     sense(storm);
     memcpy(storm->before, storm->voltage, amplifiers * sizeof *storm->voltage);
-    const pzs_status status = pzs_loop_tick(&storm->loop, storm->thrown, storm->sensed);
+    const pzs_status status = is_missed ? PZS_OK : choose_voltages(storm);
+    storm->missed += is_missed;
     memcpy(storm->voltage, storm->loop.info.voltage, amplifiers * sizeof *storm->voltage);
     inertia_jump(&storm->inertia, storm->voltage);
     inertia_advance(&storm->inertia, storm->rig->interval);

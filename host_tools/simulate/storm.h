@@ -29,6 +29,8 @@ typedef struct storm_plant {
     int more_delay; /* number of ticks by which readings are older than the scene states; negative:
                        newer */
     uint64_t seed;  /* seed of the random sequence of targets */
+    double missed;  /* share of the ticks that are missed, 0 to 1 */
+    bool is_untold; /* true: pzs_loop_skip does not inform the loop of missed ticks */
 } storm_plant;
 
 /* Data that all storms (simulations with fast target jumps) of one control loop share. */
@@ -38,10 +40,8 @@ typedef struct storm_rig {
                                  */
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
-    int delay;         /* age of the readings that the scene states (ticks) */
-    bool is_corrected; /* true: late readings are corrected by the change that the model predicts,
-                          as the caller of a loop without a vibration block has to do */
-    double interval;   /* time between ticks (s) */
+    int delay;       /* age of the readings that the scene states (ticks) */
+    double interval; /* time between ticks (s) */
     size_t sensors, targets, amplifiers;
     vibration vibration;
     modal modal;

@@ -62,8 +62,9 @@ static const pzs_real example_reference_voltage[4] = {
     PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(0),
 };
 static const pzs_problem example_problem = {
-    4u, 0xed02dedfu, PZS_BY_BITS(0xcea1d1acu, 0x21e7b8b1u), 4, 9,
+    4u, 0xed02dedfu, PZS_BY_BITS(0x1111b1aau, 0x9b042519u), 4, 9,
     example_influence, example_hessian, example_weight, example_lower, example_upper, example_step_limit, example_reference_voltage, PZS_R(0),
+    0u, /* limit of the optimiser's work in a tick; 0: default */
 };
 
 /* displacement of each target node that the voltages must cause */

@@ -7,7 +7,6 @@
 #include <math.h>
 #include <string.h>
 #include "../../lib/core/guard.h"
-#include "../model/tick_work.h"
 
 /*
  * Fraction of the step limits (largest voltage change in a tick) that the governor of the target
@@ -36,6 +35,11 @@ static bool is_always(const loop_blocks *blocks)
 {
     (void)blocks;
     return true;
+}
+
+static bool has_delay(const loop_blocks *blocks)
+{
+    return blocks->design->scene->simulate.delay > 0 && !blocks->damper->is_used;
 }
 
 static bool has_feed_forward(const loop_blocks *blocks)
@@ -78,6 +82,20 @@ static bool has_supervisor(const loop_blocks *blocks)
 }
 
 /* ---- tables for the host ---------------------------------------------- */
+
+static const void *delay_tables(loop_blocks *blocks)
+{
+    const design *design = blocks->design;
+    const bool is_few = loop_estimates(design->scene);
+    blocks->delay = (pzs_reading_delay){.scene = design->problem.scene,
+                                        .inputs = design->problem.inputs,
+                                        .sensors = is_few ? blocks->estimator->tables.sensors
+                                                          : design->problem.outputs,
+                                        .delay = (uint16_t)design->scene->simulate.delay,
+                                        .direct = is_few ? blocks->estimator->tables.direct : NULL};
+    (void)pzs_reading_delay_seal(&blocks->delay);
+    return &blocks->delay;
+}
 
 static const void *known_tables(loop_blocks *blocks)
 {
@@ -164,6 +182,33 @@ static const void *supervision_tables(loop_blocks *blocks)
 
 /* ---- tables as source ------------------------------------------------- */
 
+/*
+ * Write the name of an array that several blocks share, or NULL where the scene has no estimator.
+ */
+static void write_shared(const emitter *emitter, const void *table, const char *name)
+{
+    if (table)
+        fprintf(emitter->file, "%s_%s, ", emitter->prefix, name);
+    else
+        fputs("NULL, ", emitter->file);
+}
+
+static void write_delay(emitter *emitter, const loop_blocks *blocks)
+{
+    const pzs_reading_delay *tables = &blocks->delay;
+    const uint16_t counts[3] = {tables->inputs, tables->sensors, tables->delay};
+    const size_t entries = tables->direct ? (size_t)tables->sensors * tables->inputs : 0;
+    fputs("/* late readings: amplifiers, readings, age of the readings (ticks), reading per volt "
+          "*/\n",
+          emitter->file);
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    emitter->crc32 = emit_crc_reals(emitter->crc32, tables->direct, entries);
+    emit_begin(emitter, "reading_delay", "reading_delay", tables->scene, tables->crc);
+    fprintf(emitter->file, " %u, %u, %u, ", counts[0], counts[1], counts[2]);
+    write_shared(emitter, tables->direct, "direct");
+    fputs("\n};\n", emitter->file);
+}
+
 static void write_known(emitter *emitter, const loop_blocks *blocks)
 {
     fprintf(emitter->file,
@@ -246,17 +291,6 @@ static void write_damper_arrays(emitter *emitter, const pzs_vibration *tables)
                "inverse angle that each mode turns in a tick (1/rad)");
 }
 
-/*
- * Write the name of an array that several blocks share, or NULL where the scene has no estimator.
- */
-static void write_shared(const emitter *emitter, const void *table, const char *name)
-{
-    if (table)
-        fprintf(emitter->file, "%s_%s, ", emitter->prefix, name);
-    else
-        fputs("NULL, ", emitter->file);
-}
-
 static void write_damper(emitter *emitter, const loop_blocks *blocks)
 {
     const pzs_vibration *tables = &blocks->damper->tables;
@@ -306,6 +340,8 @@ static const struct {
                                                         with their arrays */
     const char *type_name, *tables_name, *bytes;
 } block_types[] = {
+    {&pzs_reading_delay_block, has_delay, delay_tables, write_delay, "reading_delay",
+     "reading_delay", "READING_DELAY_BLOCK_BYTES(%_INPUTS, %_READINGS, %_DELAY)"},
     {&pzs_feed_forward_block, has_feed_forward, known_tables, write_known, "feed_forward",
      "known_loads", "FEED_FORWARD_BLOCK_BYTES(%_READINGS, %_OUTPUTS)"},
     {&pzs_governor_block, has_governor, governor_tables, write_governor, "governor", "governor",
@@ -496,11 +532,6 @@ void loop_names_write(emitter *emitter, const analysis *analysis)
         emit_real(emitter->file, design->scene->control.rate);
         fputs(") /* ticks per second */\n", emitter->file);
     }
-    if (tick_work_limit(design) > 0)
-        fprintf(emitter->file,
-                "#define %s_WORK_LIMIT %llu /* settings.work_limit of the controller, for the "
-                "rate at the clock of the scene */\n",
-                emitter->upper, (unsigned long long)tick_work_limit(design));
     write_amplifiers(emitter, design);
     write_sensors(emitter, analysis);
     (design->scene->influence.given ? write_rows : write_nodes)(emitter, design);

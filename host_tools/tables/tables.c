@@ -270,15 +270,18 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
     emit_reals(emitter, "reference_voltage", design->reference_voltage, amplifiers,
                "voltage to which the regularisation draws each amplifier (V)");
     emitter->crc32 = emit_crc_reals(emitter->crc32, &problem.regularisation, 1);
+    emitter->crc32 = pzs_guard_crc(emitter->crc32, &problem.work_limit, sizeof problem.work_limit);
     char influence_name[128], hessian_name[128];
     name_or_null(emitter, influence, "influence", influence_name);
     name_or_null(emitter, problem.hessian != NULL, "hessian", hessian_name);
     emit_begin(emitter, "problem", "problem", problem.scene, pzs_problem_crc(&problem));
     fprintf(emitter->file,
             " %zu, %zu,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, "
-            "%s_reference_voltage, PZS_R(%.17g),\n};\n\n",
+            "%s_reference_voltage, PZS_R(%.17g),\n"
+            "    %lluu, /* limit of the optimiser's work in a tick; 0: default */\n};\n\n",
             amplifiers, targets, influence_name, hessian_name, emitter->prefix, emitter->prefix,
-            emitter->prefix, emitter->prefix, emitter->prefix, problem.regularisation);
+            emitter->prefix, emitter->prefix, emitter->prefix, problem.regularisation,
+            (unsigned long long)problem.work_limit);
     if (image == TABLES_NONLINEAR)
         emit_reals(emitter, "target", design->target, targets,
                    "target displacement of each target node, the effect of the loads included");

@@ -450,6 +450,7 @@ void pzs_control_place(pzs_control *control, void *work)
     control->state.measured = at, at += outputs;
     control->state.weighted = at, at += 2u * outputs;
     control->state.repeats = (uint8_t *)at;
+    control->state.faulty = control->state.repeats + outputs;
     control->info.voltage = control->state.voltage;
     control->info.predicted = control->state.predicted;
     control->info.disturbance = control->state.disturbance;
@@ -528,7 +529,9 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
     *control = (pzs_control){.state.problem = problem,
                              .state.influence = use,
                              .info.where = -1,
-                             .settings.work_limit = PZS_WORK_LIMIT(problem->inputs)};
+                             .settings.work_limit = problem->work_limit > 0
+                                                        ? problem->work_limit
+                                                        : PZS_WORK_LIMIT(problem->inputs)};
     const pzs_status status = check(problem, use, &control->info.where);
     if (status != PZS_OK)
         return status;
@@ -578,6 +581,7 @@ pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real voltage)
     control->state.lower[input] = control->state.upper[input] =
         number_clamp(voltage, problem->lower[input], problem->upper[input]);
     pzs_control_set_held(control, input, control->state.lower[input]);
+    control->state.faulty[input] = 0;
     return finish(control, PZS_OK, -1);
 }
 
@@ -591,6 +595,7 @@ pzs_status pzs_release(pzs_control *control, uint16_t input)
     control->state.lower[input] = control->state.problem->lower[input];
     control->state.upper[input] = control->state.problem->upper[input];
     pzs_control_set_held(control, input, (pzs_real)NAN);
+    control->state.faulty[input] = 0;
     return finish(control, PZS_OK, -1);
 }
 

@@ -299,10 +299,10 @@ static pzs_real *oldest_voltages(const pzs_fault_detector *detector)
            (size_t)detector->state.oldest * detector->state.control->state.problem->inputs;
 }
 
-/* Store the voltages of this tick in place of the oldest ones. */
-static void store_voltages(pzs_fault_detector *detector)
+/* Store the voltages of one tick in place of the oldest ones. voltage [inputs] in (V) */
+static void store_voltages(pzs_fault_detector *detector, const pzs_real *voltage)
 {
-    memcpy(oldest_voltages(detector), detector->state.control->state.voltage,
+    memcpy(oldest_voltages(detector), voltage,
            detector->state.control->state.problem->inputs * sizeof(pzs_real));
     detector->state.oldest =
         (uint16_t)(detector->state.oldest < detector->state.delay ? detector->state.oldest + 1u
@@ -476,6 +476,7 @@ static void hold_electrode(pzs_fault_detector *detector, pzs_test_signal *test)
     control->state.lower[j] = control->state.voltage[j];
     control->state.upper[j] = control->state.voltage[j];
     pzs_control_set_held(control, j, control->state.voltage[j]);
+    control->state.faulty[j] = 1;
     pzs_control_moved(control);
     detector->state.electrode[j] = PZS_ELECTRODE_HELD;
     detector->info.found++;
@@ -590,7 +591,7 @@ pzs_status pzs_fault_detector_tick(pzs_fault_detector *detector, const pzs_real 
         memcpy(detector->state.voltage_before, voltage,
                detector->state.columns.n * sizeof(pzs_real));
     }
-    store_voltages(detector);
+    store_voltages(detector, detector->state.control->state.voltage);
     return first >= 0 ? finish(detector, PZS_W_ELECTRODE, first) : finish(detector, PZS_OK, -1);
 }
 
@@ -643,6 +644,8 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     const pzs_fault_detection *detection = signals->tables;
     place(detector, signals->control, detection->delay, work_of(detector));
     detector->state.stage = READY;
+    for (uint32_t i = 0; i < signals->missed && i < detection->delay; i++)
+        store_voltages(detector, signals->given);
     const pzs_status status = pzs_fault_detector_tick(detector, signals->measured);
     signals->electrode = detector->info.electrode;
     signals->where = detector->info.where;

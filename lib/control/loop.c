@@ -269,6 +269,7 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage)
     for (uint16_t j = 0; j < inputs; j++) /* releases also electrodes that a test signal holds */
         (void)pzs_release(core->control, j);
     (void)pzs_control_start(core->control, voltage);
+    loop->state.missed = 0;
     return init_others(loop);
 }
 
@@ -282,6 +283,17 @@ pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *ne
     core->known_now = now;
     core->known_next = next;
     copy_core(loop);
+    return PZS_OK;
+}
+
+pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks)
+{
+    if (loop == NULL)
+        return PZS_E_ARGUMENT;
+    if (trusted(loop)->stage != READY)
+        return PZS_E_STAGE;
+    const uint32_t room = PZS_MISSED_LIMIT - loop->state.missed % (PZS_MISSED_LIMIT + 1u);
+    loop->state.missed = ticks < room ? PZS_MISSED_LIMIT - room + ticks : PZS_MISSED_LIMIT;
     return PZS_OK;
 }
 
@@ -395,6 +407,8 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
     const pzs_problem *problem = problem_of(core);
     loop->info.control = core->control;
     pzs_control_restore(core->control, problem, core->influence, core->control_work);
+    const uint32_t missed = loop->state.missed;
+    loop->state.missed = 0;
     const pzs_status intact = scrub_tables(loop, core, problem) ? PZS_OK : PZS_E_CRC;
     pzs_loop_signals signals = {.control = core->control,
                                 .wanted = wanted,
@@ -404,6 +418,7 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
                                 .known_next = core->known_next,
                                 .given = voted_voltages(loop, core),
                                 .deviation = -1,
+                                .missed = missed < PZS_MISSED_LIMIT ? missed : PZS_MISSED_LIMIT,
                                 .sensors = core->sensors};
     const pzs_status status = run(loop, core, &signals, intact);
     loop->info.measured = signals.measured;

@@ -24,6 +24,7 @@ void pzs_problem_parts(const pzs_problem *problem, scrub_part part[PROBLEM_PARTS
     part[7] = reals(problem->step_limit, inputs);
     part[8] = reals(problem->reference_voltage, inputs);
     part[9] = reals(&problem->regularisation, 1);
+    part[10] = (scrub_part){&problem->work_limit, sizeof problem->work_limit};
 }
 
 uint32_t pzs_problem_crc(const pzs_problem *problem)

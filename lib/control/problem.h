@@ -6,7 +6,7 @@
 #include "pzs_control.h"
 #include "scrub.h"
 
-#define PROBLEM_PARTS 10u
+#define PROBLEM_PARTS 11u
 
 void pzs_problem_parts(const pzs_problem *problem, scrub_part part[PROBLEM_PARTS]);
 

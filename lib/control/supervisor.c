@@ -248,7 +248,7 @@ static void judge_frame(pzs_supervisor *supervisor, const pzs_loop_signals *sign
     const bool is_usable =
         signals->readings != NULL && !WARNED(signals, PZS_W_HELD) && !PZS_IS_ERROR(signals->status);
     const bool is_whole = is_usable && !WARNED(signals, PZS_W_SENSOR) && core->remaining == 0;
-    core->silent = is_usable ? 0 : core->silent + 1u;
+    core->silent = is_usable ? 0 : core->silent + 1u + signals->missed;
     if (!is_usable)
         happen(supervisor, PZS_EVENT_NO_FRAME, signals);
     else if (is_whole || core->mode != PZS_MODE_ARMED)

@@ -197,12 +197,31 @@ static void predict(const pzs_damper *damper, pzs_real *state, const pzs_real *e
     }
 }
 
-/* Advance by one tick: the present voltages take the newest row of the ring buffer. */
-static void advance(pzs_damper *damper)
+/*
+ * Copy the static coordinates and readings of the previous tick into the newest row of the ring
+ * buffer.
+ */
+static void repeat_voltages(pzs_damper *damper)
+{
+    const pzs_vibration *tables = damper->state.tables;
+    if (tables->delay == 0)
+        return; /* the ring buffer has one row */
+    memcpy(equilibrium_of(damper, 0), equilibrium_of(damper, 1), tables->modes * sizeof(pzs_real));
+    memcpy(expected_of(damper, 0), expected_of(damper, 1), tables->sensors * sizeof(pzs_real));
+}
+
+/*
+ * Advance by one tick: the present voltages take the newest row of the ring buffer.
+ *   is_same  in  true: the voltages are those of the previous tick
+ */
+static void advance(pzs_damper *damper, bool is_same)
 {
     damper->state.newest =
         (uint16_t)((damper->state.newest + 1u) % (damper->state.tables->delay + 1u));
-    record_voltages(damper);
+    if (is_same)
+        repeat_voltages(damper);
+    else
+        record_voltages(damper);
     predict(damper, damper->state.late, equilibrium_of(damper, damper->state.tables->delay));
 }
 
@@ -484,7 +503,7 @@ pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_rea
     const pzs_vibration *tables = damper->state.tables;
     uint32_t unusable = tables->sensors;
     int32_t where = -1;
-    advance(damper);
+    advance(damper, false);
     if (readings != NULL)
         unusable = compare(damper, readings, &where);
     if (unusable < tables->sensors)
@@ -507,7 +526,7 @@ pzs_status pzs_damper_skip(pzs_damper *damper, uint16_t ticks)
     if (damper->state.stage != READY)
         return PZS_E_STAGE;
     for (uint16_t i = 0; i < ticks; i++) {
-        advance(damper);
+        advance(damper, i > 0);
         catch_up(damper);
     }
     return finish(damper, PZS_OK, -1);
@@ -551,6 +570,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     const pzs_vibration *tables = signals->tables;
     pzs_real *shape = (void *)((uint8_t *)work_of(damper) + workspace_of(tables));
     place(damper, signals->control, tables, work_of(damper));
+    (void)pzs_damper_skip(damper, (uint16_t)signals->missed);
     const pzs_status status = pzs_damper_tick(damper, signals->readings, shape);
     if (!number_is_finite(damper->info.deviation)) { /* working memory was damaged: start again in
                                                         static equilibrium */

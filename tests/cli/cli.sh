@@ -529,7 +529,7 @@ int main(void)
     return W_INPUT_v_5_5 != W_INPUTS - 1 || W_TICK_RATE < 1000 || W_BLOCKS != BLOCKS || loop.info.control == NULL;
 }
 EOT
-for case in plate-few-sensors:4:--quasi-static plate-closed-loop:4:--quasi-static plate-few-sensors:4: plate-closed-loop:5:; do
+for case in plate-few-sensors:5:--quasi-static plate-closed-loop:4:--quasi-static plate-few-sensors:4: plate-closed-loop:5:; do
     scene=${case%%:*} blocks=${case#*:} option=${case##*:}
     blocks=${blocks%:*}
     set -- --set simulate.amplifiers.step=0.1 --set 'simulate.events=[{at: 3, load: 0, factor: 1, feed_forward: true}, {at: 9, dead: [v_1_1], announced: detected}]'

@@ -71,7 +71,10 @@ static int ten_storms(const storm_rig *rig, tally *t, const char *name)
 {
     char error[SCENE_ERROR];
     for (int i = 0; i < 10; i++) {
-        const storm_plant plant = {gain[i % 5], frequency[i % 5], i < 5 ? 1 : 0.25, 0, 3};
+        const storm_plant plant = {.gain = gain[i % 5],
+                                   .frequency = frequency[i % 5],
+                                   .step_limit = i < 5 ? 1 : 0.25,
+                                   .seed = 3};
         storm_result result;
         if (storm_run(rig, &plant, &result, error) < 0)
             return complain(name, error);
@@ -100,10 +103,11 @@ static int try_law(storm_rig *rig, law_kind kind, int delay, tally *t, const cha
         return complain(name, "out of memory");
     law.gain = 0.3;
     law.leak = 0.01;
-    if (kind == LEAKY || kind == CLIPPED)
-        blocks.block[0] = (pzs_block){kind == LEAKY ? &law_leaky_block : &law_clipped_block, &law};
+    const pzs_block other = {kind == LEAKY ? &law_leaky_block : &law_clipped_block, &law};
+    for (int k = 0; k < blocks.count && (kind == LEAKY || kind == CLIPPED); k++)
+        if (blocks.block[k].type == &pzs_step_block)
+            blocks.block[k] = other;
     storm_use(rig, blocks.block, blocks.count, delay);
-    rig->is_corrected = kind != DAMPED;
     const int failed = ten_storms(rig, t, name);
     law_close(&law);
     damper_close(&damper);
@@ -123,8 +127,10 @@ static int try_structure(const struct structure *s, int count, law_kind from, ta
     if (storm_open(&rig, &run.analysis, NULL, run.error) < 0)
         return complain(s->name, run.error);
     for (int kind = (int)from; kind < LAWS_TRIED; kind++)
-        for (int d = 0; d < count; d++)
+        for (int d = 0; d < count; d++) {
+            run.scene.simulate.delay = delays[d];
             failed |= try_law(&rig, (law_kind)kind, delays[d], &t[kind], s->name) < 0;
+        }
     storm_close(&rig);
     scene_run_close(&run);
     return failed ? -1 : 0;

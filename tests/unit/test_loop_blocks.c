@@ -76,6 +76,7 @@ static void make_tables(rig *r)
                                r->upper,
                                r->step_limit,
                                r->reference,
+                               0,
                                0};
     r->estimator = (pzs_estimator){0, SCENE, 0, N, M, K, r->direct, r->gain};
     r->on_shape = (pzs_feed_forward_table){0, SCENE, 0, LOADS, M, r->by_load};

@@ -650,7 +650,7 @@ static double growth_over_radius(const char *changes)
     storm_result result;
     const estimator none = {0};
     const damper unused = {0};
-    const storm_plant model = {1, 1, HUGE_VAL, 0, 5};
+    const storm_plant model = {.gain = 1, .frequency = 1, .step_limit = HUGE_VAL, .seed = 5};
     loop_blocks blocks;
     open_run(&run, "plate-closed-loop", changes);
     assert_int_equal(analysis_influence(&run.analysis, run.error), 0);

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Late readings for a loop without a damper: to readings that are `delay` ticks old, the block adds
+ * the change that the model predicts from the voltages given since then, s + S (v_now - v_then).
+ * Without it the control step would compensate the same deviation in several ticks, and the loop
+ * would swing without end.
+ *
+ * An electrode that the fault detector has found to be faulty counts as having stood still.
+ *
+ * Work of a tick: sensors * inputs multiply-adds, and `delay` times as many after missed ticks.
+ */
+#include <string.h>
+#include "control.h"
+#include "estimate.h"
+#include "../core/guard.h"
+#include "../core/numbers.h"
+#include "../core/product.h"
+#include "sensor_check.h"
+
+uint32_t pzs_reading_delay_crc(const pzs_reading_delay *tables)
+{
+    const uint16_t counts[3] = {tables->inputs, tables->sensors, tables->delay};
+    const uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    return ~pzs_guard_array_crc(crc, tables->direct, (size_t)tables->sensors * tables->inputs,
+                                sizeof(pzs_real));
+}
+
+pzs_status pzs_reading_delay_seal(pzs_reading_delay *tables)
+{
+    if (tables == NULL || tables->inputs == 0 || tables->sensors == 0)
+        return PZS_E_ARGUMENT;
+    tables->format = PZS_TABLE_FORMAT;
+    tables->crc = pzs_reading_delay_crc(tables);
+    return PZS_OK;
+}
+
+static pzs_status check(const pzs_reading_delay *tables, const pzs_problem *problem,
+                        uint16_t sensors)
+{
+    if (tables->format != PZS_TABLE_FORMAT || tables->scene != problem->scene)
+        return PZS_E_FORMAT;
+    const bool fits = tables->inputs == problem->inputs && tables->sensors == sensors &&
+                      tables->delay <= PZS_DELAY_LIMIT;
+    if (!fits || (tables->direct == NULL && sensors != problem->outputs))
+        return PZS_E_ARGUMENT;
+    if (pzs_reading_delay_crc(tables) != tables->crc)
+        return PZS_E_CRC;
+    const uint32_t count = (uint32_t)tables->sensors * tables->inputs;
+    const bool is_finite = tables->direct == NULL || pzs_guard_nonfinite(tables->direct, count) < 0;
+    return is_finite ? PZS_OK : PZS_E_NONFINITE;
+}
+
+/* ---- voltages of the last ticks ---------------------------------------- */
+
+/* Let the block point to its tables and its arrays. */
+static void place(pzs_reading_delay_state *state, const pzs_reading_delay *tables,
+                  pzs_control *control)
+{
+    const size_t rows = tables->delay + 1u, sensors = tables->sensors;
+    state->tables = tables;
+    state->control = control;
+    state->voltage = (void *)((uint8_t *)state + PZS_ALIGNED(sizeof *state));
+    state->expected = state->voltage + rows * tables->inputs;
+    state->sensed = state->expected + rows * sensors;
+    state->difference = state->sensed + sensors;
+    state->corrected = state->difference + sensors;
+    state->repeats = (uint8_t *)(state->corrected + sensors);
+    state->newest = (uint16_t)(state->newest % rows);
+}
+
+/* [sensors][inputs] reading per volt. */
+static const pzs_real *direct_of(const pzs_reading_delay_state *state)
+{
+    return state->tables->direct != NULL ? state->tables->direct : state->control->state.influence;
+}
+
+/* The present voltages, and the readings that they make, become the newest of the ring. */
+static void push_voltages(pzs_reading_delay_state *state)
+{
+    const size_t inputs = state->tables->inputs, sensors = state->tables->sensors;
+    state->newest = (uint16_t)((state->newest + 1u) % (state->tables->delay + 1u));
+    memcpy(state->voltage + state->newest * inputs, state->control->state.voltage,
+           inputs * sizeof *state->voltage);
+    pzs_product_matrix(state->expected + state->newest * sensors, direct_of(state),
+                       state->control->state.voltage, sensors, inputs);
+}
+
+/* Row of the ring that belongs to the time of the readings. */
+static size_t oldest_row(const pzs_reading_delay_state *state)
+{
+    return (state->newest + 1u) % (state->tables->delay + 1u);
+}
+
+/* ---- correction ---------------------------------------------------------- */
+
+/* Whether the fault detector holds an input because it has found the input to be faulty. */
+static bool is_faulty(const pzs_control *control, size_t input)
+{
+    return control->state.faulty[input] != 0 && number_is_finite(control->state.held[0][input]);
+}
+
+/* Take the voltage changes of faulty electrodes out of the corrected readings. */
+static void undo_faulty(pzs_reading_delay_state *state)
+{
+    const size_t inputs = state->tables->inputs;
+    const pzs_real *direct = direct_of(state);
+    const pzs_real *now = state->control->state.voltage;
+    const pzs_real *then = state->voltage + oldest_row(state) * inputs;
+    for (size_t j = 0; j < inputs; j++)
+        for (size_t i = 0; i < state->tables->sensors && is_faulty(state->control, j); i++)
+            state->corrected[i] -= direct[i * inputs + j] * (now[j] - then[j]);
+}
+
+/*
+ * Correct all readings. They are checked against the readings expected at their own time; a missing
+ * or stuck one becomes NaN.
+ */
+static void correct(pzs_reading_delay_state *state, const pzs_real *readings)
+{
+    const size_t sensors = state->tables->sensors;
+    const pzs_real *now = state->expected + state->newest * sensors;
+    const pzs_real *then = state->expected + oldest_row(state) * sensors;
+    const sensor_check all = {(uint32_t)sensors, then, state->sensed, state->difference,
+                              state->repeats};
+    int32_t where;
+    (void)pzs_sensor_check(&all, readings, &where);
+    for (size_t i = 0; i < sensors; i++)
+        state->corrected[i] = sensor_is_unusable(&state->repeats[i], readings[i])
+                                  ? (pzs_real)NAN
+                                  : readings[i] + (now[i] - then[i]);
+    undo_faulty(state);
+}
+
+/* ---- block --------------------------------------------------------------- */
+
+static size_t block_bytes(const void *tables, const pzs_problem *problem)
+{
+    const pzs_reading_delay *delay = tables;
+    return PZS_READING_DELAY_BLOCK_BYTES(problem->inputs, delay->sensors, delay->delay);
+}
+
+static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    const pzs_reading_delay *delay = tables;
+    const pzs_problem *problem = signals->control->state.problem;
+    pzs_reading_delay_state *state = self;
+    const pzs_status status = check(delay, problem, signals->sensors);
+    if (status != PZS_OK)
+        return status;
+    memset(state, 0, block_bytes(tables, problem));
+    place(state, delay, signals->control);
+    for (uint32_t i = 0; i <= delay->delay; i++)
+        push_voltages(state);
+    return PZS_OK;
+}
+
+static pzs_status block_tick(void *self, pzs_loop_signals *signals)
+{
+    pzs_reading_delay_state *state = self;
+    const pzs_reading_delay *tables = signals->tables;
+    place(state, tables, signals->control);
+    const uint32_t missed = signals->missed < tables->delay ? signals->missed : tables->delay;
+    for (uint32_t i = 0; i <= missed; i++)
+        push_voltages(state);
+    if (signals->readings == NULL)
+        return PZS_OK;
+    correct(state, signals->readings);
+    signals->readings = signals->measured = state->corrected;
+    return PZS_OK;
+}
+
+const pzs_block_type pzs_reading_delay_block = {"reading_delay", PZS_PHASE_READINGS, block_bytes,
+                                                block_init, block_tick};
