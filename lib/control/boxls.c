@@ -53,15 +53,22 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-#define ROUNDS 8u   /* largest number of rounds of iterations in one call */
-#define WORN 2u     /* exchanges for each input after which a failed check leads to a new tableau */
-#define TOGETHER 8u /* largest number of iterations in one round that release several inputs */
-#define LEAST_TOGETHER 3u /* smallest number of inputs that one iteration releases together */
-/* KKT violations below this multiple of their rounding-error bound count as zero. */
+#define ROUNDS 8u /* largest number of rounds of iterations in one call of the optimiser */
+#define WORN                                                                                       \
+    2u /* number of exchanges for each input after which a failed check of the tableau leads to    \
+          its recomputation */
+#define TOGETHER                                                                                   \
+    8u /* largest number of iterations in one round in which several inputs leave the active set   \
+          together */
+#define LEAST_TOGETHER 3u /* smallest number of inputs that may leave the active set together */
+/*
+ * A violation of the optimality (KKT) conditions below this multiple of its rounding-error bound
+ * counts as zero.
+ */
 #define ROUNDING_FACTOR 4
 /*
- * Factor by which a gradient in the free set may exceed its rounding-error bound, provided that it
- * hardly raises the objective.
+ * Factor by which the gradient of a free input may exceed its rounding-error bound, provided that
+ * this hardly raises the objective.
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
@@ -72,7 +79,8 @@
 /* A decrease of the objective counts only if it exceeds this multiple of its rounding error. */
 #define SIGNIFICANT 16
 /*
- * The tableau is recomputed after a round that reduces the KKT violation by less than this factor.
+ * The tableau is recomputed after a round of iterations that reduces the KKT violation by less than
+ * this factor.
  */
 #define LEAST_PROGRESS 16
 
@@ -101,7 +109,7 @@ void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work)
 
 /* ---- gradients ------------------------------------------------------ */
 
-/* Multiply a symmetric matrix [inputs][width] by a vector [width], and count the work. */
+/* Multiply a symmetric matrix [inputs][width] by a vector [width], and count the multiply-adds. */
 static void symmetric(pzs_optimiser *optimiser, pzs_real *restrict product,
                       const pzs_real *restrict matrix, const pzs_real *restrict vector)
 {
@@ -111,8 +119,8 @@ static void symmetric(pzs_optimiser *optimiser, pzs_real *restrict product,
 }
 
 /*
- * Set gradient = model gradient - target gradient, and next = this gradient in the free set and 0
- * in the active set.
+ * Compute gradient = model gradient - target gradient for all inputs; next receives the gradient of
+ * the free inputs, and 0 for the active inputs.
  */
 static void combine(pzs_real *restrict gradient, pzs_real *restrict next,
                     const pzs_real *restrict model_gradient,
@@ -145,7 +153,9 @@ static void add(pzs_real *restrict sum, const pzs_real *restrict vector, size_t 
         sum[i] += vector[i];
 }
 
-/* Return the rounding-error bound of the product of the Hessian with `offset` (m2/V). */
+/*
+ * Return the rounding-error bound of the product of the Hessian with a vector of voltages (m2/V).
+ */
 static pzs_real rounding_of_product(const pzs_optimiser *optimiser, const pzs_real *offset)
 {
     return PZS_EPSILON * pzs_product_dot_size(optimiser->diagonal, offset, optimiser->width);
@@ -247,9 +257,9 @@ bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser)
 }
 
 /*
- * Set out = KKT violation of each active input, 0 for free inputs. Where the gradient is at most
- * `turn` in absolute value and the bounds differ, it is `turn` instead, because the sign of the
- * gradient is uncertain.
+ * Compute the KKT violation of each active input, and 0 for free inputs. An active input whose
+ * gradient is at most `turn` in absolute value, and whose bounds differ, gets `turn`, because the
+ * sign of its gradient is uncertain.
  */
 static void active_violations(pzs_real *restrict out, const pzs_real *restrict voltage,
                               const pzs_real *restrict lower, const pzs_real *restrict upper,
@@ -306,7 +316,10 @@ static inline pzs_real room_towards(pzs_real way, pzs_real voltage, pzs_real low
     return way < 0 ? voltage - lower : upper - voltage;
 }
 
-/* Find the first bound that a free input meets on the way by `part` times sense * move. */
+/*
+ * Find the first bound that a free input meets when the free inputs move by `part` of the vector
+ * sense * move.
+ */
 static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                                pzs_real part)
 {
@@ -328,8 +341,8 @@ static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *m
 }
 
 /*
- * Move the free inputs by first.part times sense * move, clamped to their bounds. An input that
- * meets its bound is set exactly to the bound.
+ * Move the free inputs by the part first.part of the vector sense * move, clamped to their bounds.
+ * An input that meets its bound is set exactly to the bound.
  */
 static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                        blocking first)
@@ -360,8 +373,9 @@ static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
 }
 
 /*
- * Update the directions of the free inputs and the gradients of the active inputs after an input
- * has left the free set while `remaining` of its direction was still to go (V).
+ * Update the search direction of the free inputs and the gradient of the active inputs after an
+ * input has met a bound and left the free set. `remaining` is the part of its way that it could not
+ * go (V).
  *   row [width] in  row of this input in the tableau
  */
 static void redirect(pzs_real *restrict direction, const pzs_real *restrict row,
@@ -371,7 +385,10 @@ static void redirect(pzs_real *restrict direction, const pzs_real *restrict row,
         direction[i] += (free_set[i] > 0 ? remaining : -remaining) * row[i];
 }
 
-/* Make one descent iteration. Returns whether a bound stopped it. */
+/*
+ * Make one descent iteration: move along the search direction to its end or to the first bound.
+ * Returns whether a bound stopped the move.
+ */
 static bool descend(pzs_optimiser *optimiser)
 {
     pzs_real *direction = optimiser->direction;
@@ -420,8 +437,8 @@ static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real roundi
 }
 
 /*
- * Return the length of the ray of input k (V): the distance to the minimum along the ray, or to the
- * bound of the input if it is nearer.
+ * Return how far active input k can move when it leaves the active set (V): to the minimum along
+ * its ray, on which the free inputs keep zero gradient, or to its bound if that is nearer.
  */
 static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real pivot,
                            bool *to_limit)
@@ -437,8 +454,8 @@ static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real 
 }
 
 /*
- * Move active input k along its ray, with the free inputs moving by their part of the tableau row,
- * and update the gradients of the active inputs. Returns what stopped the move.
+ * Move active input k along its ray, on which the free inputs keep zero gradient, and update the
+ * gradients of the active inputs. Returns the bound that stopped the move.
  */
 static blocking follow_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_real *row,
                            pzs_real length)
@@ -457,7 +474,8 @@ static blocking follow_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_real 
 }
 
 /*
- * Make one release iteration from a minimum over the free set: active input k moves along its ray.
+ * Make one release iteration: active input k, which violates the KKT conditions, moves while the
+ * free inputs keep zero gradient.
  */
 static void release_input(pzs_optimiser *optimiser, uint32_t k)
 {
@@ -472,17 +490,17 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
     } else if (to_limit && number_is_finite(first.part)) {
         optimiser->voltage[k] = down ? optimiser->lower[k] : optimiser->upper[k];
     } else {
-        optimiser->direction[k] = 0; /* the gradient is zero at the minimum of the ray; along a ray
-                                        without bound or curvature a decrease would be a rounding
-                                        error */
+        optimiser->direction[k] = 0; /* at the minimum the gradient is zero; without a bound or a
+                                        curvature a decrease would be a rounding error */
         if (!to_limit && pzs_tableau_independence(optimiser, k) > optimiser->pivot_floor)
             pzs_tableau_exchange(optimiser, k, row);
     }
 }
 
 /*
- * Count one more iteration if its work, and `more`, are allowed. Otherwise note that the work limit
- * stops the step here. Returns whether the iteration may be made.
+ * Count one more iteration if its work, plus `more` multiply-adds, is within the work limit.
+ * Otherwise note that the work limit has stopped the optimiser. Returns whether the iteration may
+ * be made.
  */
 static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
 {
@@ -589,8 +607,8 @@ static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 /* ---- direct iteration ----------------------------------------------- */
 
 /*
- * Compute the model gradient of input k after the step from the Hessian. Returns the error of its
- * predicted gradient.
+ * Compute the model gradient of input k after the step from the Hessian instead of the tableau.
+ * Returns the absolute error of its predicted gradient.
  */
 static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, const pzs_real *offset,
                                  pzs_real *model_gradient)
@@ -614,8 +632,8 @@ static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restri
 }
 
 /*
- * Accept a step: set the voltages after it, and the model gradient that matches the predicted
- * gradient.
+ * Accept a predicted step: set the voltages after the step, and the model gradient that belongs to
+ * the predicted gradient.
  */
 static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict model_gradient,
                               const pzs_real *restrict next, const pzs_real *restrict move,
@@ -667,7 +685,6 @@ static bool take_direct_iteration(pzs_optimiser *optimiser)
 
 /* ---- rounds --------------------------------------------------------- */
 
-/* Set way = voltage - start and slope = gradient + start_gradient. */
 static void difference(pzs_real *restrict way, pzs_real *restrict slope,
                        const pzs_real *restrict voltage, const pzs_real *restrict start,
                        const pzs_real *restrict gradient, const pzs_real *restrict start_gradient,
@@ -698,7 +715,10 @@ static bool has_decreased(const pzs_optimiser *optimiser)
                              (sure > optimiser->target_energy ? sure : optimiser->target_energy);
 }
 
-/* Return to the start of the round. A gradient that was only predicted there is computed. */
+/*
+ * Return to the voltages and gradients at the start of the round of iterations. A gradient that was
+ * only predicted there is computed.
+ */
 static void undo_round(pzs_optimiser *optimiser)
 {
     const size_t bytes = optimiser->width * sizeof(pzs_real);
@@ -711,7 +731,7 @@ static void undo_round(pzs_optimiser *optimiser)
         pzs_boxls_true_gradient(optimiser);
 }
 
-/* Run one round, from the direction to the true gradient at its end. */
+/* Run one round of iterations, from the search direction to the true gradient at its end. */
 static void run_round(pzs_optimiser *optimiser, bool blocked)
 {
     const size_t bytes = optimiser->width * sizeof(pzs_real);
@@ -809,7 +829,9 @@ static bool renew_tableau(pzs_optimiser *optimiser)
     return !optimiser->is_optimal;
 }
 
-/* Whether the last round, which did not end at the optimum, made too little progress. */
+/*
+ * Whether the last round of iterations, which did not end at the optimum, made too little progress.
+ */
 static bool is_stuck(const pzs_optimiser *optimiser, bool moves)
 {
     return !moves ||
@@ -817,7 +839,7 @@ static bool is_stuck(const pzs_optimiser *optimiser, bool moves)
                pzs_boxls_violation(optimiser, optimiser->start_voltage, optimiser->start_gradient);
 }
 
-/* Make one round with a complete tableau. Returns whether another round may help. */
+/* Make one round of iterations with a complete tableau. Returns whether another round may help. */
 static bool make_round(pzs_optimiser *optimiser)
 {
     const bool stationary = is_stationary(optimiser);
@@ -840,7 +862,10 @@ static bool make_round(pzs_optimiser *optimiser)
     return !optimiser->is_optimal && !optimiser->is_cut;
 }
 
-/* Complete the tableau. Returns whether the remaining work allows a round. */
+/*
+ * Complete the recomputation of the tableau. Returns whether the remaining work allows a round of
+ * iterations.
+ */
 static bool may_make_round(pzs_optimiser *optimiser)
 {
     bool complete = true;

@@ -10,7 +10,7 @@
 #include "../core/product.h"
 #include "../core/unrolled.h"
 
-#define BLOCK 4u /* number of rows and of columns of a block of the tableau */
+#define BLOCK 4u /* number of rows and of columns in a block of the tableau */
 #define BLOCK_WIDE                                                                                 \
     PZS_BY_TILE(4u, 16u, 32u) /* number of columns of a wide block of the tableau                  \
                                */
@@ -26,7 +26,6 @@ void pzs_tableau_read_pivots(pzs_optimiser *optimiser)
         optimiser->pivot[i] = optimiser->tableau[(size_t)i * optimiser->width + i];
 }
 
-/* to = factor times from */
 static void multiple(pzs_real *restrict to, const pzs_real *restrict from, pzs_real factor,
                      size_t span)
 {
@@ -34,7 +33,6 @@ static void multiple(pzs_real *restrict to, const pzs_real *restrict from, pzs_r
         to[i] = factor * from[i];
 }
 
-/* Subtract factor times `from` from `to`. */
 static void subtract_multiple(pzs_real *restrict to, const pzs_real *restrict from, pzs_real factor,
                               size_t span)
 {
@@ -231,8 +229,8 @@ void pzs_tableau_reset(pzs_optimiser *optimiser)
 }
 
 /*
- * Return the waiting input that is least dependent on the free set, or the number of inputs if none
- * waits.
+ * Return the input that waits to join the free set and depends least on it, or the number of inputs
+ * if none waits.
  */
 static uint32_t next_pivot(const pzs_optimiser *optimiser)
 {

@@ -266,7 +266,8 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage)
     const int32_t bad = pzs_guard_nonfinite(voltage, inputs);
     if (bad >= 0)
         return finish(loop, PZS_E_NONFINITE, NULL, bad);
-    for (uint16_t j = 0; j < inputs; j++) /* releases also electrodes that a test signal holds */
+    for (uint16_t j = 0; j < inputs; j++) /* release every input that is held, also by a test signal
+                                           */
         (void)pzs_release(core->control, j);
     (void)pzs_control_start(core->control, voltage);
     loop->state.missed = 0;

@@ -27,8 +27,8 @@
 #include "../core/guard.h"
 #include "../core/numbers.h"
 
-#define MARGIN 4       /* factor of the envelope in the threshold of the deviation */
-#define NOISE_MARGIN 6 /* factor of the noise in the threshold of the deviation */
+#define MARGIN 4       /* factor of the explained deviation in the threshold */
+#define NOISE_MARGIN 6 /* factor of the noise of the measured shape in the threshold */
 /* Factor by which the largest deviation of the last ticks decays in each tick. */
 #define PEAK_FADING PZS_R(0.9)
 /* Gain of the low-pass filter of the disturbance, and of the fading sums over the last moves. */
@@ -57,18 +57,18 @@ void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t out
     pzs_monitor_place(monitor, memory, outputs);
 }
 
-/* Mean squares over the outputs in one tick (m2). */
+/* Means over the outputs of squares and products in one tick (m2). */
 typedef struct squares {
-    pzs_real deviation; /* of the disturbance minus its low-passed value */
-    pzs_real target;    /* of the change of the target shape */
-    pzs_real moved;     /* of the predicted change of the shape */
-    pzs_real answered;  /* mean product of predicted and measured change of the shape */
+    pzs_real deviation; /* mean square of the disturbance minus its low-passed value (m2) */
+    pzs_real target;    /* mean square of the change of the target shape (m2) */
+    pzs_real moved;     /* mean square of the predicted change of the shape (m2) */
+    pzs_real answered;  /* mean product of predicted and measured change of the shape (m2) */
 } squares;
 
 /*
- * Return the number of inputs that cannot move, times 2, plus 1 while a test signal is applied.
- * Where this number changes, a voltage has been set to the place at which the electrode already
- * was.
+ * Return the number of inputs that cannot move, times 2, plus 1 while the fault detector applies a
+ * test signal. A change of this number means that an input was fixed at, or released from, the
+ * voltage that its electrode has; the predicted shape then jumps without a move of the structure.
  */
 static uint32_t count_fixed(const pzs_loop_signals *signals)
 {

@@ -310,8 +310,8 @@ static uint32_t compare(pzs_damper *damper, const pzs_real *readings, int32_t *w
 }
 
 /*
- * Compute fit [modes], the transposed table of the readings times the innovations, each weighted by
- * the precision of its sensor.
+ * Project the innovations of the sensors, weighted by their precision, onto the modes, into fit
+ * [modes].
  */
 static void project_innovation(pzs_damper *damper, pzs_real *fit)
 {

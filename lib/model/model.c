@@ -487,7 +487,7 @@ static pzs_status solve_force(pzs_model *model, pzs_real *displacement)
     solve_scaled(model, displacement);
     for (uint32_t i = 0; i < model->state.stiffness.n; i++)
         displacement[i] /= unit;
-    /* The comparison is written so that it fails for NaN. */
+    /* The condition is false if the error estimate is NaN. */
     return model->info.error_estimate < PZS_SQRT(PZS_EPSILON) &&
                    pzs_guard_nonfinite(displacement, model->state.stiffness.n) < 0
                ? PZS_OK

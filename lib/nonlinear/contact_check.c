@@ -10,7 +10,11 @@
 
 /* Number of bisections of a side of an element: positions are found to within 1/512 of a side. */
 enum { SIDE_BISECTIONS = 8 };
-/* Number of bisections of the motion of a point, and number of steps of the body towards a node. */
+/*
+ * MOTION_BISECTIONS: number of bisections that find the smallest gap along the motion of a point.
+ * MOTION_STEPS: largest number of steps that find how far the body can move before it is near a
+ * node.
+ */
 enum { MOTION_BISECTIONS = 24, MOTION_STEPS = 32 };
 /*
  * Largest depth of a flat element in the body that is accepted, relative to the radius of curvature

@@ -58,8 +58,8 @@ static const mode_rows rows_of_mode[4] = {
  * the product of two signs of the mode `mode`: the sign at the node, and that at the node of the
  * column. In each column the sum is stored in the first row if the sign of the column is negative,
  * and else in the second. The first row then serves all nodes of negative sign, and the second all
- * nodes of positive sign. In the columns of the excess q only the first PAIRS_WITH_Q pairs are
- * replaced.
+ * nodes of positive sign. In the columns of the seventh degree of freedom q only the first
+ * PAIRS_WITH_Q pairs are replaced.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
@@ -237,8 +237,8 @@ static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int 
 }
 
 /*
- * Like combine, but for the four columns of the excess q, over the `count` rows to which q
- * contributes.
+ * Like combine, but for the four columns of the seventh degree of freedom q, over the `count` rows
+ * to which q contributes.
  */
 static void combine_q(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                       const pzs_real *const *row, int count)
@@ -289,8 +289,9 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Collect the strains of all modes in one column of the nodal strains, which belongs to `node`.
- * Rows without the excess q are zero in the columns of q.
+ * Collect the strains of all modes that a unit displacement causes: one column of the nodal
+ * strains, which belongs to `node`. Strains to which the seventh degree of freedom q does not
+ * contribute are zero in its columns.
  */
 static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
                           pzs_real strains[4][10])
@@ -431,7 +432,7 @@ static pzs_real *entry(pzs_real *stiffness, unsigned row, unsigned column)
 
 /*
  * Add the geometric stiffness of the transverse stresses at one corner: products of the director
- * and of the excess q with the other derivatives.
+ * and of the seventh degree of freedom q with the other derivatives.
  */
 static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, int corner,
                            const pzs_real stress[10], pzs_real *stiffness)
@@ -485,8 +486,8 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
 }
 
 /*
- * Write the rows of one node, except the row of the excess q, into the packed stiffness.
- *   stress [ROWS + 1] in  stress rows of the node, followed by NULL
+ * Write the rows of one node, except the row of the seventh degree of freedom q, into the packed
+ * stiffness. stress [ROWS + 1] in  stress rows of the node, followed by NULL
  */
 static void write_node(const pzs_element_type *type, unsigned dof_per_node, int node,
                        pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
@@ -503,7 +504,7 @@ static void write_node(const pzs_element_type *type, unsigned dof_per_node, int 
     }
 }
 
-/* Write row and column of the excess q of one node into the packed stiffness. */
+/* Write row and column of the seventh degree of freedom q of one node into the packed stiffness. */
 static void write_q(int node, pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
                     pzs_real *stiffness)
 {
