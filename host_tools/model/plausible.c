@@ -61,6 +61,9 @@ static const struct rule {
      "supports hold their ends, so that they carry nothing; remove one of the two"},
     {"long_spring", SUBJECT_MESH, measure_long_spring, 0, 2, "times the numbers without them",
      "the factor takes more memory and time; join nearer nodes"},
+    {"small_electrode", SUBJECT_SCENE, measure_electrode, 2, HUGE_VAL, "elements",
+     "the electrode is smeared over the elements that it cuts; use smaller elements or a larger "
+     "electrode"},
     {"path", SUBJECT_PATH, measure_path, 0, 0.01, "of the displacement",
      "which equilibrium a structure takes depends on the way of loading; follow it with --path"},
     {"stability", SUBJECT_PATH, measure_stability, 0, 0, "negative pivots",

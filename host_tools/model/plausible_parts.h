@@ -42,7 +42,7 @@ typedef int measure(const subject *of, int k, measured *found);
 
 /* Functions that measure the numbers of a scene for the plausibility rules (plausible_scene.c). */
 measure measure_modulus, measure_density, measure_piezo, measure_thickness;
-measure measure_limit_field, measure_applied_field, measure_resolution;
+measure measure_limit_field, measure_applied_field, measure_resolution, measure_electrode;
 
 /*
  * Functions that measure the numbers of a mesh and its laminate for the plausibility rules

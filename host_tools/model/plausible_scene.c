@@ -199,6 +199,36 @@ int measure_applied_field(const subject *of, int k, measured *found)
     return 1;
 }
 
+/* ---- electrodes ------------------------------------------------------- */
+
+/* Number of elements whose areas make up that of an electrode. */
+static double elements_of(const scene_outlines *outlines, int electrode)
+{
+    double sum = 0;
+    for (size_t i = 0; i < outlines->start[outlines->elements]; i++)
+        sum += outlines->electrode_of[i] == electrode ? outlines->share[i] : 0;
+    return sum;
+}
+
+int measure_electrode(const subject *of, int k, measured *found)
+{
+    int smallest = 0;
+    if (k >= of->scene->patch_grids)
+        return 0;
+    const scene_patches *patches = &of->scene->patches[k];
+    for (int i = 0; patches->outlines && i < patches->outlines->electrodes; i++) {
+        const double elements = elements_of(patches->outlines, i);
+        if (i > 0 && !(elements < found->value))
+            continue;
+        found->value = elements;
+        smallest = i;
+    }
+    found->at = patches->at;
+    snprintf(found->what, WHAT, "size of electrode %d of patches '%s'", smallest + 1,
+             patches->name);
+    return 1;
+}
+
 /* ---- mesh at local loads ---------------------------------------------- */
 
 /* Length of the longer of the two elements next to a mesh line, along one direction. */

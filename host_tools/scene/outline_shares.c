@@ -119,7 +119,8 @@ static int check_place(const outline_work *work, int electrode, const electrode_
     if (is_folded || outside < -0.01)
         return scene_fault(work->scene, outline->at, work->error,
                            "electrode %d of patches '%s' meets the surface twice in the plane of "
-                           "the outlines; choose another 'plane'",
+                           "the outlines; choose another 'plane', or give the layer 'sets' on one "
+                           "side alone",
                            electrode + 1, work->patches->name);
     if (work->patches->cut ||
         outside <= (work->patches->plane == OUTLINE_THETA ? theta_most : space_most))

@@ -312,6 +312,57 @@ static void test_npy_garbage(void **state)
     }
 }
 
+/* ---- .pgm ------------------------------------------------------------- */
+
+/*
+ * Law: a picture is the table of its grey values, rows from top to bottom, whatever the format, the
+ * comments and the depth; a picture that is damaged is refused, and every truncation and every
+ * changed byte is read or refused.
+ */
+static void test_pgm(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *bytes;
+        size_t count;
+    } good[] = {
+        {"P2 3 2 9 1 2 3 4 5 6", 20},
+        {"P2\n# three by two\n3 2\n# depth\n9\n1 2 3\n4 5 6\n", 43},
+        {"P5 3 2 9\n\1\2\3\4\5\6", 15},
+        {"P5\n3 2\n65535\n\0\1\0\2\0\3\0\4\0\5\0\6", 25},
+    };
+    static const char *const bad[] = {
+        "P2 3 2 9 1 2 3 4 5",     "P2 3 2 9 1 2 3 4 5 10", "P2 0 2 9 1",
+        "P2 3 -2 9 1 2 3 4 5 6",  "P2 3 2 0 0 0 0 0 0 0",  "P5 3 2 9 \1\2\3",
+        "P2 9999999 9999999 9 1",
+    };
+    for (size_t k = 0; k < sizeof good / sizeof *good; k++) {
+        number_table table;
+        char error[NUMBER_ERROR] = "", bytes[64];
+        if (read_bytes(&table, good[k].bytes, good[k].count, error) != 0)
+            fail_msg("picture %zu: %s", k, error);
+        assert_true(table.rows == 2 && table.columns == 3);
+        for (int i = 0; i < 6; i++)
+            assert_true(fabs(table.value[i] - (i + 1)) <= 0);
+        number_table_free(&table);
+        memcpy(bytes, good[k].bytes, good[k].count);
+        for (size_t i = 0; i < 2 * good[k].count; i++) {
+            const size_t at = i % good[k].count;
+            bytes[at] ^= (char)(i < good[k].count ? 0 : 0x11);
+            (void)read_bytes(&table, bytes, i < good[k].count ? i : good[k].count, error);
+            number_table_free(&table);
+            bytes[at] ^= (char)(i < good[k].count ? 0 : 0x11);
+        }
+    }
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        number_table table;
+        char error[NUMBER_ERROR] = "";
+        assert_int_equal(read_bytes(&table, bad[k], strlen(bad[k]), error), -1);
+        assert_non_null(strstr(error, "picture"));
+        number_table_free(&table);
+    }
+}
+
 /* ---- .npz ------------------------------------------------------------- */
 
 static uint32_t number_at(const unsigned char *bytes, int count)
@@ -534,14 +585,23 @@ static void test_area_line(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_text_layouts), cmocka_unit_test(test_text_comments),
-        cmocka_unit_test(test_text_faults),  cmocka_unit_test(test_text_garbage),
-        cmocka_unit_test(test_huge),         cmocka_unit_test(test_npy_types),
-        cmocka_unit_test(test_npy_integers), cmocka_unit_test(test_npy_faults),
-        cmocka_unit_test(test_npy_garbage),  cmocka_unit_test(test_npz),
-        cmocka_unit_test(test_csv),          cmocka_unit_test(test_scatter_linear),
-        cmocka_unit_test(test_scatter_line), cmocka_unit_test(test_scatter_order),
-        cmocka_unit_test(test_area_grid),    cmocka_unit_test(test_area_sum),
+        cmocka_unit_test(test_text_layouts),
+        cmocka_unit_test(test_text_comments),
+        cmocka_unit_test(test_text_faults),
+        cmocka_unit_test(test_text_garbage),
+        cmocka_unit_test(test_huge),
+        cmocka_unit_test(test_npy_types),
+        cmocka_unit_test(test_npy_integers),
+        cmocka_unit_test(test_npy_faults),
+        cmocka_unit_test(test_npy_garbage),
+        cmocka_unit_test(test_npz),
+        cmocka_unit_test(test_pgm),
+        cmocka_unit_test(test_csv),
+        cmocka_unit_test(test_scatter_linear),
+        cmocka_unit_test(test_scatter_line),
+        cmocka_unit_test(test_scatter_order),
+        cmocka_unit_test(test_area_grid),
+        cmocka_unit_test(test_area_sum),
         cmocka_unit_test(test_area_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -215,6 +215,7 @@ static void test_areas(void **state)
          1e-12},
         {"rings: {radii: [0.05, 0.12], sectors: [1], centre: [0.2, 0.15]}", 0.0373849525777, 1e-11},
         {"inside: 0.11^2 - (x - 0.21)^2 - (y - 0.14)^2", 0.0380132711084365, 3e-4},
+        {"circle: {centre: [21 cm, 140 mm], radius: 110 mm}", 0.0380132711084365, 1e-12},
         {"inside: x - 0.123", 0.3 * (0.4 - 0.123), 1e-12},
     };
     for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
@@ -295,6 +296,9 @@ static void test_curved_areas(void **state)
     } row[] = {
         {CURVED("cylinder", ", radius: 2, axial: theta1", "1", "5"),
          "polygon: [[0.61, 0.1], [0.9, 0.35], [0.7, 0.9]]", "theta", 2 * 0.10475, 1e-12},
+        {CURVED("cylinder", ", radius: 2, axial: theta1", "1", "5"),
+         "grid: {from: [610 mm, 10 deg], to: [0.9 m, 40 deg], count: [1, 1]}", "theta",
+         0.29 * 2 * 3.14159265358979 / 6, 1e-12},
         {CURVED("polar", "", "2*pi", "24"),
          "grid: {from: [0.6, -0.5], to: [0.9, 0.4], count: [1, "
          "1]}",
@@ -318,6 +322,51 @@ static void test_curved_areas(void **state)
         assert_near(row[k].outline, electrode_area(&r, 0, 0), row[k].area, row[k].tolerance);
         scene_run_close(&r);
     }
+}
+
+/*
+ * Law: a circle around the axis of a cap has the area of the cap inside of it, by second order in
+ * the size of the elements, although the elements are seen in the plane xy.
+ */
+static void test_cap(void **state)
+{
+    (void)state;
+    const double sphere = 50e-3, radius = 14.3e-3;
+    const double exact = 2 * pi * sphere * (sphere - sqrt(sphere * sphere - radius * radius));
+    double error[2];
+    for (int fine = 0; fine < 2; fine++) {
+        scene_run r;
+        char changes[200];
+        snprintf(changes, sizeof changes,
+                 "mesh={disc: {radius: 25 mm, sphere: 50 mm, elements: %d}};outputs=[];" DISC_DRIVE,
+                 8 << fine);
+        open_outlines(&r, DISC, changes,
+                      "[{name: p, layer: piezo, outlines: [{circle: {radius: 14.3 mm}}]}]");
+        error[fine] = electrode_area(&r, 0, 0) / exact - 1;
+        scene_run_close(&r);
+    }
+    print_message("cap: area off by %.2e and %.2e\n", error[0], error[1]);
+    assert_true(fabs(error[0]) < 2e-3 && fabs(error[1]) < fabs(error[0]) / 3);
+}
+
+/*
+ * Law: on a closed box the plane of an outline shows two walls, which is refused with the cure.
+ */
+static void test_box(void **state)
+{
+    (void)state;
+    static const char *const change[4] = {
+        "materials={steel: {E: 200 GPa, nu: 0.3}, piezo: {E: 60e9, nu: 0.3, d31: 1e-10}}",
+        "layers=[{material: steel, thickness: 0.5 mm}, {name: top, material: piezo, thickness: 0.1 "
+        "mm}]",
+        "patches=[{name: p, layer: top, outlines: [{circle: {centre: [0.2, 0.015], radius: "
+        "0.009}}]}]",
+        "outputs=[]"};
+    char error[SCENE_ERROR] = "no fault";
+    scene scene;
+    assert_int_equal(scene_read(&scene, "tests/rigs/scenes/box-beam.yaml", change, 4, error), -1);
+    if (!strstr(error, "meets the surface twice") || !strstr(error, "'sets' on one side alone"))
+        fail_msg("%s", error);
 }
 
 /* ---- shares ----------------------------------------------------------- */
@@ -575,6 +624,7 @@ static void test_refusals(void **state)
         {UP("{polygon: [[0.1, 0.1], [0.2, 0.1], [0.2, 0.1], [0.1, 0.2]]}"),
          "points 2 and 3 of the polygon are equal"},
         {UP("{circle: {radius: 0}}"), "must be above 0"},
+        {UP("{circle: {radius: 3 V}}"), "expected that of a length"},
         {UP("{circle: {radius: -1}}"), "must be above 0"},
         {UP("{circle: {centre: [2, 2], radius: 0.1}}"),
          "electrode 1 of patches 'up' lies outside the surface"},
@@ -631,12 +681,20 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_clip),           cmocka_unit_test(test_common_area),
-        cmocka_unit_test(test_polygon_faults), cmocka_unit_test(test_areas),
-        cmocka_unit_test(test_patterns),       cmocka_unit_test(test_curved_areas),
-        cmocka_unit_test(test_partition),      cmocka_unit_test(test_random_shares),
-        cmocka_unit_test(test_bitmaps),        cmocka_unit_test(test_whole_elements),
-        cmocka_unit_test(test_capacitance),    cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_clip),
+        cmocka_unit_test(test_common_area),
+        cmocka_unit_test(test_polygon_faults),
+        cmocka_unit_test(test_areas),
+        cmocka_unit_test(test_patterns),
+        cmocka_unit_test(test_curved_areas),
+        cmocka_unit_test(test_cap),
+        cmocka_unit_test(test_box),
+        cmocka_unit_test(test_partition),
+        cmocka_unit_test(test_random_shares),
+        cmocka_unit_test(test_bitmaps),
+        cmocka_unit_test(test_whole_elements),
+        cmocka_unit_test(test_capacitance),
+        cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

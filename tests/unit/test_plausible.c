@@ -148,6 +148,30 @@ static void test_unitless(void **state)
         }
 }
 
+/*
+ * Law: an electrode of any outline is reported if its area is below that of two elements. The
+ * elements of the first row are squares of 0.02.
+ */
+static void test_small_electrode(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        char changes[300];
+        plausible warnings;
+        snprintf(changes, sizeof changes,
+                 "sensors=[];outputs=[];patches=[{name: up, layer: upper, outlines: [{grid: {from: "
+                 "[0.01, 0], to: [%g, 0.02], count: [1, 1]}}]}]",
+                 0.01 + 0.04 * (k ? 1.01 : 0.99));
+        warnings_of(PLATE, changes, &warnings);
+        assert_int_equal(warnings.count, 1 - k);
+        if (k == 0) {
+            assert_string_equal(warnings.warning[0].rule, "small_electrode");
+            assert_near("elements", warnings.warning[0].value, 1.98, 1e-12);
+            assert_non_null(strstr(warnings.warning[0].text, "electrode 1 of patches 'up'"));
+        }
+    }
+}
+
 /* A warning names its line; one that comes from a change names the change; more than there is room
  * for are counted. */
 static void test_places(void **state)
@@ -465,6 +489,7 @@ int main(void)
         cmocka_unit_test(test_edges),
         cmocka_unit_test(test_target),
         cmocka_unit_test(test_unitless),
+        cmocka_unit_test(test_small_electrode),
         cmocka_unit_test(test_places),
         cmocka_unit_test(test_point_resolution),
         cmocka_unit_test(test_no_dent),
