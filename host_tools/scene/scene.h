@@ -129,12 +129,14 @@ typedef struct scene_material {
     double piezo_e[5]; /* piezoelectric constants e31, e32, e33, e24, e15 (C/m2): stress per
                           electric field; valid if has_e is 1 */
     int has_d, has_e;
-    double permittivity; /* permittivity at constant strain (F/m); 0 if not given */
-    double pyroelectric; /* pyroelectric constant along the poling direction at constant strain
-                            (C/(m2 K)) */
-    double alpha[3];     /* thermal expansion coefficients in the directions 1, 2 and 3 (1/K) */
-    double density;      /* mass per volume; the weight per volume is density times gravity */
-    double field_limit;  /* depolarisation field (V/m); 0: no limit */
+    double permittivity;   /* permittivity at constant strain (F/m); 0 if not given */
+    double pyroelectric;   /* pyroelectric constant along the poling direction at constant strain
+                              (C/(m2 K)) */
+    double alpha[3];       /* thermal expansion coefficients in the directions 1, 2 and 3 (1/K) */
+    double density;        /* mass per volume; the weight per volume is density times gravity */
+    double field_limit;    /* depolarisation field (V/m); 0: no limit */
+    double film_thickness; /* thickness of a film whose constants come from its data sheet; 0: none
+                            */
     int poling; /* poling direction of a material relative to e3 of the surface: +3 or -3 */
     scene_at at;
 } scene_material;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Sections `element`, `materials`, `layers` and `patches` of a scene. */
+#include "scene_film.h"
 #include "scene_parts.h"
 
 #include <math.h>
@@ -113,6 +114,7 @@ static int read_alpha(reader *reader, int node, void *to, const void *rule)
 typedef struct material_text {
     scene_material m;
     double e, nu, c[9];
+    scene_film film;
 } material_text;
 enum { C11, C22, C33, C12, C13, C23, C44, C55, C66 };
 
@@ -177,8 +179,9 @@ static int is_stable(const scene_material *material)
 static int elastic_orthotropic(reader *reader, int node, material_text *text)
 {
     static const char *const needed[] = {"E1", "E2", "G12", "nu12", NULL};
+    const int from_film = text->film.force > 0;
     scene_material *material = &text->m;
-    if (require(reader, node, needed) != 0)
+    if (require(reader, node, needed + from_film) != 0)
         return -1;
     set_default(&material->e[2], material->e[1]);
     set_default(&material->g13, material->g12);
@@ -266,6 +269,29 @@ static int elastic_stiffness(reader *reader, int node, material_text *text)
     return 0;
 }
 
+/* Constants of a film from its data sheet. */
+static int take_film(reader *reader, int node, material_text *text)
+{
+    scene_material *material = &text->m;
+    const bool has_modulus = tree_find(reader->t, node, "E1") != 0;
+    if (text->film.thickness <= 0)
+        return 0;
+    if (first_given(reader, node, d_keys) || first_given(reader, node, e_keys))
+        return tree_fault(reader->t, node,
+                          "%.60s has a film and piezoelectric constants; give one or the other",
+                          tree_name(reader->t, node));
+    if (has_modulus && text->film.force > 0)
+        return tree_fault(reader->t, node,
+                          "%.60s has 'E1' and the blocking force of a film; give one or the other",
+                          tree_name(reader->t, node));
+    if (text->film.force > 0)
+        material->e[0] = scene_film_modulus(&text->film);
+    material->d31 = scene_film_constant(&text->film, 0);
+    material->d32 = scene_film_constant(&text->film, 1);
+    material->film_thickness = text->film.thickness;
+    return 0;
+}
+
 static int check_material(reader *reader, int node, material_text *text)
 {
     static const char *const stiffness_key[] = {"stiffness", NULL};
@@ -284,7 +310,9 @@ static int check_material(reader *reader, int node, material_text *text)
         return tree_fault(reader->t, node,
                           "%.60s has '%s' and '%s'; give strain constants d or stress constants e",
                           tree_name(reader->t, node), d, piezo_e);
-    text->m.has_d = d != NULL;
+    if (take_film(reader, node, text) != 0)
+        return -1;
+    text->m.has_d = d != NULL || text->film.thickness > 0;
     text->m.has_e = piezo_e != NULL;
     return c    ? elastic_stiffness(reader, node, text)
            : e1 ? elastic_orthotropic(reader, node, text)
@@ -346,6 +374,9 @@ static const field material_fields[] = {
            "Permittivity at constant strain; sensors need it."),
     NUMBER("pyroelectric", m.pyroelectric, NULL, OF_PYROELECTRIC,
            "Pyroelectric constant along the poling, at constant strain."),
+    {"film", read_film, offsetof(material_text, film), .form = &film_form,
+     .help = "Data sheet of a thin actuator, such as a macro fibre composite, instead of the "
+             "piezoelectric constants."},
     {"poling", read_poling, offsetof(material_text, m.poling), .form = &poling_form,
      .help = "Direction of the poling along e3, 3 or -3; default 3."},
     {"alpha", read_alpha, offsetof(material_text, m.alpha), .of = OF_EXPANSION, .form = &alpha_form,
@@ -358,9 +389,10 @@ static const field material_fields[] = {
 #undef NUMBER
 
 static const form_case material_cases[] = {
-    {"E nu", "An isotropic material."},
-    {"E1 E2 G12 nu12 ?E3 ?G13 ?G23 ?nu13 ?nu23", "An orthotropic material, such as a ply."},
-    {"stiffness", "A material by its stiffness."},
+    {"E nu ?film", "An isotropic material."},
+    {"E1 E2 G12 nu12 ?film ?E3 ?G13 ?G23 ?nu13 ?nu23", "An orthotropic material, such as a ply."},
+    {"E2 G12 nu12 film ?E3 ?G13 ?G23 ?nu13 ?nu23", "A film whose blocking force gives E1."},
+    {"stiffness ?film", "A material by its stiffness."},
     {NULL, NULL}};
 static const form material_form = {
     .type = FORM_MAP, .fields = material_fields, .cases = material_cases};
@@ -449,7 +481,13 @@ static int read_layer(reader *reader, int node, scene_layer *layer)
         return -1;
     if (layer->poling == 0)
         layer->poling = reader->s->material[layer->material].poling;
-    return 0;
+    const double film = reader->s->material[layer->material].film_thickness;
+    if (film <= 0 || fabs(film - layer->thickness) <= 1e-9 * film)
+        return 0;
+    return tree_fault(reader->t, node,
+                      "this layer is %g thick, but its material is a film of %g; give both the "
+                      "same thickness",
+                      layer->thickness, film);
 }
 
 int read_layers(reader *reader, int node, void *to, const void *rule)

@@ -38,12 +38,12 @@ BEYOND_SCHEMA = [
     "moves nothing; give", "but the outputs have none",
     # meshes from files
     "\\.msh: ", "the mesh file", "mesh from a file", "belongs to mesh lines", "is no unit of length", "brings its own surface",
-    "of the rim is more than", "no finite position", "the coordinate lines meet", "acts along or across its edge",
+    "of the rim is more than", "lies outside the rim", "list circles from", "needs a target", "needs kinematics", "no finite position", "the coordinate lines meet", "acts along or across its edge",
     # outlines of electrodes
     "belongs to (patches of whole|'outlines')", "outside the surface", "overlap on one layer", "leaves no electrode", "cross or touch",
     "lie on a line", "are equal; leave", "let 'to' be", "the radius .* follows", "numbers of sectors for", "no pixel of the bitmap",
     "meets the surface twice", "stands upright",
-    "published element needs", "needs its stiffness above 0", "needs the scene.s own unit", "the scene has no unit of", "is not above -1",
+    "published element needs", "needs its stiffness above 0", "its material is a film of", "needs the scene.s own unit", "the scene has no unit of", "is not above -1",
 ]
 
 

@@ -656,6 +656,48 @@ static void test_weight(void **state)
     scene_run_close(&r);
 }
 
+/* ---- films --------------------------------------------------------------------------- */
+
+/*
+ * Law: a film has the free strain of its data sheet at the voltage of the data sheet, along and
+ * across its fibres; with its ends on springs of stiffness k it pushes with F k/(k + F/(s L)),
+ * where F is the blocking force, s the free strain and L the length: F itself between rigid walls.
+ */
+static void test_film(void **state)
+{
+    (void)state;
+    static const double stiffness[3] = {1e-3, 2e6, 1e13};
+    const double force = 923, strain = 1.8e-3, own = force / (strain * 0.1);
+    for (int k = 0; k < 3; k++) {
+        scene_run r;
+        char changes[2048];
+        snprintf(
+            changes, sizeof changes,
+            "surface={type: plate};mesh={theta1: {from: 0, to: 0.1, elements: 2}, theta2: "
+            "{from: 0, to: 0.057, elements: 2}};materials={mfc: {E2: 15.9e9, G12: 5.5e9, "
+            "nu12: 0.31, film: {voltage: 2000, strain: [1.8e-3, -0.9e-3], thickness: 0.3e-3, "
+            "blocking_force: 923, width: 57e-3}}};layers=[{name: l, material: mfc, thickness: "
+            "0.3e-3}];patches=[{name: p, layer: l}];actuators=[{name: v, drives: [{patches: "
+            "p}], applied: 2000}];supports=[{edge: theta1-, fix: u1}, {at: nodes, fix: [u3 "
+            "mean, u1 difference, u2 difference]}, {at: {theta1: 0, theta2: 0}, fix: u2 "
+            "mean}];springs=[{edge: theta1+, along: x, stiffness: %.17g, per: length}];outputs=["
+            "{name: u, x: mean, at: {theta1: 0.1, theta2: 0.057}}, {name: v, y: mean, at: "
+            "{theta1: 0.1, theta2: 0.057}}]",
+            stiffness[k] / 0.057);
+        solve_run(&r, FREE_PLATE, changes);
+        double push = 0;
+        for (int row = 0; row < r.analysis.design.mesh.springs.count; row++)
+            push -= spring_force(&r.analysis.design, row, r.u, r.analysis.input_value);
+        assert_near("force", push, force * stiffness[k] / (stiffness[k] + own), 1e-8);
+        const double along = strain - push / force * strain;
+        if (k < 2)
+            assert_near("along", scene_run_value(&r, 0), along * 0.1, 1e-8);
+        if (k == 0)
+            assert_near("across", scene_run_value(&r, 1), -0.9e-3 * 0.057, 1e-8);
+        scene_run_close(&r);
+    }
+}
+
 /* ---- refusals -------------------------------------------------------------------- */
 
 static void test_refusals(void **state)
@@ -706,6 +748,14 @@ static void test_refusals(void **state)
         {"supports=[{at: {theta1: 0, theta2: 0}, fix: vee, direction: [1, 1, 0]}];loads=[{face: "
          "outer, u1: 1}]",
          "along x, y or z"},
+        {"materials.steel.film={voltage: 100, strain: [1e-3, 0], thickness: 0.01}",
+         "its material is a film of 0.01"},
+        {"materials.steel.film={voltage: 0, strain: [1e-3, 0], thickness: 0.02}", "above 0"},
+        {"materials.steel.film={voltage: 1, strain: [1e-3, 0], thickness: 0.02, width: 1}",
+         "belong together"},
+        {"materials.steel.film={voltage: 1, strain: [1e-3, 0], thickness: 0.02};materials.steel."
+         "d31=1e-12",
+         "give one or the other"},
         {"loads=[{point: {theta1: 0, theta2: 0}, about: z, moment: 1}]", "normal to the surface"},
         {"loads=[{point: {theta1: 0, theta2: 0}, about: y}]", "needs a direction"},
         {"loads=[{point: {theta1: 0, theta2: 0}, moment: 1}]", "add about"},
@@ -745,6 +795,7 @@ int main(void)
         cmocka_unit_test(test_determinate),
         cmocka_unit_test(test_moment),
         cmocka_unit_test(test_weight),
+        cmocka_unit_test(test_film),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Thin actuators, such as macro fibre composites, by the numbers of their data sheet: free strains
+ * at a voltage, and the blocking force.
+ */
+#ifndef SCENE_FILM_H
+#define SCENE_FILM_H
+
+#include "scene_fields.h"
+
+/* Data sheet of a film; thickness 0: no film. */
+typedef struct scene_film {
+    double voltage;      /* voltage of the other numbers */
+    double strain[2];    /* free strains along and across the fibres */
+    double thickness;    /* thickness of the film */
+    double force, width; /* blocking force of a film of this width; 0: not given */
+} scene_film;
+
+field_read read_film;
+extern const form film_form;
+
+/*
+ * Piezoelectric constant d31 (direction 0) or d32 (direction 1) of a film poled along +3: a
+ * positive voltage, whose field is -voltage/thickness, causes the strain of the data sheet.
+ */
+double scene_film_constant(const scene_film *film, int direction);
+
+/* Modulus E1 from the blocking force: the force over free strain, width and thickness. */
+double scene_film_modulus(const scene_film *film);
+
+#endif
