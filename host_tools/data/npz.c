@@ -53,7 +53,7 @@ static void put_number(archive *archive, uint32_t number, int bytes)
  */
 static void put_member(archive *archive, const member *member)
 {
-    put_number(archive, 20, 2); /* version of the ZIP format that a reader needs */
+    put_number(archive, 20, 2); /* version of the ZIP format that is needed to read the member */
     put_number(archive, 0, 2);  /* flags of the member */
     put_number(archive, 0, 2);  /* compression method: none */
     put_number(archive, 0, 2);  /* modification time: midnight */

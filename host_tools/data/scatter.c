@@ -169,9 +169,11 @@ static void search(const scatter *scatter, const double place[SCATTER_AXES], nei
 
 /* Weighted means and second moments of the nearest points and their values. */
 typedef struct moments {
-    double centre[SCATTER_AXES], value; /* weighted means of the coordinates and of the values */
+    double centre[SCATTER_AXES], value; /* weighted means of the nearest points' coordinates and
+                                           values */
     double spread[SCATTER_AXES][SCATTER_AXES];
-    double cross[SCATTER_AXES]; /* weighted moments of the coordinates with the values */
+    double cross[SCATTER_AXES]; /* weighted moments of the nearest points' coordinates with their
+                                   values */
 } moments;
 
 static moments moments_of(const scatter *scatter, const neighbours *found)

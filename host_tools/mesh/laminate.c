@@ -16,7 +16,8 @@ static const int is_difference[N] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 0};
 
 /*
  * Compute the stiffness matrix of a ply in its own axes from the engineering constants of its
- * material (Voigt order 11 22 33 23 13 12). Returns 0, or -1 if it is not positive definite.
+ * material (Voigt order 11 22 33 23 13 12). Returns 0, or -1 if the matrix is not positive
+ * definite.
  */
 static int ply_stiffness(const scene_material *material, double stiffness[6][6])
 {
@@ -85,8 +86,9 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
         return -1;
     turn(layer->angle, transform);
     for (int i = 0; i < 6; i++)
-        turn_back(transform, stiffness[i], half[i]); /* stiffness times transform, formed by rows
-                                                        because the stiffness is symmetric */
+        turn_back(transform, stiffness[i], half[i]); /* product of stiffness and transform, computed
+                                                        by rows because the stiffness is symmetric
+                                                      */
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) {
             ply->c[i][j] = 0;
@@ -180,8 +182,8 @@ double laminate_area_ratio(const scene_element *element, const laminate_place *p
 
 /*
  * Compute the stiffness of a ply at height z in the directions of the element (Voigt order 11 22 33
- * 23 13 12). On an element along lines of curvature it is the stiffness of the ply, and the factors
- * of metric_at are applied to it elsewhere.
+ * 23 13 12). For an element along lines of curvature it equals the stiffness of the ply; the caller
+ * then divides by the factors of metric_at.
  */
 static void natural_stiffness(const scene_element *element, const laminate_place *place,
                               const laminate_ply *ply, double z, double stiffness[6][6])
@@ -250,7 +252,7 @@ static void integrate_stiffness(const laminate *laminate, const scene_element *e
 
 /*
  * Compute the transverse shear stiffness of the plies that are present from equilibrium, in
- * material axes (N/m). Returns 0, or -1 if there is none.
+ * material axes (N/m). Returns 0, or -1 if the plies have no shear stiffness.
  */
 static int shear_of_plies(const laminate *laminate, const laminate_place *place, double k[2][2])
 {
@@ -267,7 +269,7 @@ static int shear_of_plies(const laminate *laminate, const laminate_place *place,
 /*
  * Replace the transverse shear stiffness in the stiffness of an element by that from equilibrium
  * (element option shear), turned from material axes to the directions of the element. Returns 0, or
- * -1 if there is none.
+ * -1 if the plies have no shear stiffness.
  */
 static int set_shear(const laminate *laminate, const laminate_place *place, double stiffness[N][N])
 {

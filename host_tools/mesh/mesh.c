@@ -318,7 +318,10 @@ static laminate_place element_place(const mesh *mesh, int element)
     return place;
 }
 
-/* Return the share of the warp in the membrane shear of an element (warp.h), dimensionless. */
+/*
+ * Return the weight of the warping correction in the membrane shear strain of an element (warp.h),
+ * dimensionless.
+ */
 static double warp_share(const mesh *mesh, const laminate_place *place)
 {
     double sum = 0;
@@ -525,7 +528,7 @@ static int apply_supports(mesh *mesh, int *node, double *values, char *error)
     for (int k = 0; k < mesh->scene->supports; k++) {
         const scene_support *support = &mesh->scene->support[k];
         if (mesh->scene->quads && !support->value)
-            continue; /* the mesh from a file has marked its constrained dof before */
+            continue; /* a mesh from a file has marked the constrained dof of its supports before */
         const int count = mesh_select(mesh, &support->where, node);
         for (int member = 0; member < count; member++)
             if (apply_support(mesh, support, node[member], values, error) < 0)

@@ -2,9 +2,9 @@
 /*
  * Mesh of a scene: nodes, elements, element types and the numbers of the free dof.
  *
- * The numbers of nodes on mesh lines increase fastest along theta2. The free dof are numbered for a
- * small envelope of the factor: fastest along the direction that gives the narrower band, and
- * folded along a closed slow direction.
+ * The numbers of nodes on mesh lines increase fastest along theta2. The free dof are numbered so
+ * that the factor of the stiffness matrix has a small envelope: fastest along the direction that
+ * gives the narrower band, and folded along a closed slow direction.
  */
 #ifndef MESH_H
 #define MESH_H
@@ -26,7 +26,8 @@ typedef struct mesh_springs {
     uint16_t *dof;           /* [start[count]] number of the free dof of each entry */
     double *value;           /* [start[count]] elongation per unit of the dof of each entry (1) */
     double *stiffness;       /* [count] stiffness of each spring (N/m) */
-    double envelope_without; /* number of entries that the factor would have without springs */
+    double envelope_without; /* number of entries that the factor of the stiffness matrix would have
+                                without springs */
 } mesh_springs;
 
 typedef struct mesh {
@@ -80,14 +81,15 @@ int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, boo
 void mesh_free(mesh *mesh);
 
 /*
- * Turn the triads of the nodes of supports that name a direction, on a mesh of lines, and refuse
- * supports that need another triad there. Returns 0, or -1 with error filled.
+ * Rotate the triads of the nodes of supports that give a direction, on a mesh of mesh lines, and
+ * refuse supports that need another triad there. Returns 0, or -1 with error filled.
  */
 int mesh_turn_axes(mesh *mesh, char *error);
 
 /*
  * Build the springs of a mesh whose dof are numbered and whose element types are built, and widen
- * the envelope of the factor by them (springs.h). Returns 0, or -1 with error filled.
+ * the envelope of the stiffness matrix's factor by them (springs.h). Returns 0, or -1 with error
+ * filled.
  */
 int mesh_springs_build(mesh *mesh, char *error);
 
@@ -160,14 +162,14 @@ void mesh_area_shares(const mesh *mesh, const scene_where *where, double *share)
 void mesh_cell(const mesh *mesh, int element, double theta1[2], double theta2[2]);
 
 /*
- * Return the half bandwidth of the factor: the largest number of entries left of the diagonal in a
- * row.
+ * Return the half bandwidth of the stiffness matrix's factor: the largest number of entries left of
+ * the diagonal in a row.
  */
 int mesh_half_bandwidth(const mesh *mesh);
 
 /*
- * Return the number of entries of the factor, which are those from the first column of each row to
- * the diagonal.
+ * Return the number of entries of the stiffness matrix's factor, which are those from the first
+ * column of each row to the diagonal.
  */
 double mesh_envelope(const mesh *mesh);
 

@@ -15,7 +15,8 @@ static const double slack = 1e-6;
 
 /*
  * Largest distance outside an element of a general mesh, in natural coordinates, at which a point
- * is moved to its side: a curved rim bulges between the nodes.
+ * is still accepted and moved to the element's side; the sides of elements are straight where the
+ * rim of a structure is curved.
  */
 static const double rim_slack = 0.25;
 
@@ -25,7 +26,7 @@ mesh_spot mesh_spot_of_node(int node)
     return spot;
 }
 
-/* Return the spot at natural coordinates xi [2] of an element. */
+/* Return the mesh point at natural coordinates xi [2] of an element. */
 static mesh_spot spot_in(const mesh *mesh, int element, const double xi[2])
 {
     mesh_spot spot = {.count = 4};
@@ -152,7 +153,10 @@ static double clamp_to_element(double xi[2])
     return moved;
 }
 
-/* Distance of a point from a spot; the height is not compared where the point has none. */
+/*
+ * Return the distance between a given point and a mesh point (m); the coordinate z is not compared
+ * if the given point has none.
+ */
 static double distance_from(const mesh *mesh, const mesh_spot *spot, const double point[3])
 {
     double at[3];

@@ -6,8 +6,8 @@
 #include "mesh.h"
 
 /*
- * Point of a mesh (spot). Its displacement is the weighted sum of the displacements of `count`
- * nodes.
+ * Point of a mesh that need not be a node. Its displacement is the weighted sum of the
+ * displacements of `count` nodes.
  */
 typedef struct mesh_spot {
     int count; /* number of nodes: 1 for a point that is a node, 4 for a point in an element */
@@ -15,16 +15,16 @@ typedef struct mesh_spot {
     double weight[4]; /* weights of the nodes, bilinear in the element, with the sum 1 */
 } mesh_spot;
 
-/* Return the spot that is a single node. */
+/* Return the mesh point that coincides with a node. */
 mesh_spot mesh_spot_of_node(int node);
 
 /*
- * Find the spot at a point: theta1 and theta2, or on a mesh from a file x, y and z, where z = NAN
- * is not compared. Returns 0, or -1 if no element contains the point.
+ * Find the mesh point at given coordinates: theta1 and theta2, or on a mesh from a file x, y and z,
+ * where z = NAN is not compared. Returns 0, or -1 if no element contains the point.
  */
 int mesh_spot_find(const mesh *mesh, const double point[3], mesh_spot *spot);
 
-/* Compute the position of a spot in space (x [3] out). */
+/* Compute the position of a mesh point in space (x [3] out). */
 void mesh_spot_place(const mesh *mesh, const mesh_spot *spot, double x[3]);
 
 #endif

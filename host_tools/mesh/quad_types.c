@@ -129,7 +129,7 @@ static laminate_place quad_place(const quad_geometry *geometry, const quad_regio
     return place;
 }
 
-/* Input and output of the construction of a general quadrilateral mesh's element types. */
+/* Arguments of quad_types_build, which builds the element types of a general quadrilateral mesh. */
 typedef struct quad_build {
     type_list *list;
     const quad_mesh *quads;

@@ -40,7 +40,10 @@ static int fault_of_memory(const spring_builder *builder)
 
 /* ---- one row ------------------------------------------------------------ */
 
-/* Add a value to the entry of one dof of a node; constrained dof have no entry. */
+/*
+ * Add a value to the entry of one dof of a node in the row of a spring; constrained dof have no
+ * entry.
+ */
 static void add_entry(const mesh *mesh, int node, int i, double value, spring_row *row)
 {
     const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + (size_t)i];
@@ -81,7 +84,8 @@ static double face_height(const mesh *mesh, scene_face face)
 }
 
 /*
- * Add the displacement of a node at a face, along a vector in space and times a factor, to a row.
+ * Add the displacement of a node at a face, along a vector in space and times a factor, to the row
+ * of a spring.
  */
 static void add_node(const spring_builder *builder, int node, double factor, const double v[3],
                      spring_row *row)
@@ -109,7 +113,8 @@ int springs_rotation(const surface_point *point, const scene_direction *axis, do
 /* ---- two ends ------------------------------------------------------------ */
 
 /*
- * Compute the vector from the node at the other end of a spring to a spot. Returns its length (m).
+ * Compute the vector from the node at the other end of a spring to the point where the spring is
+ * attached. Returns its length (m).
  */
 static double span(const mesh *mesh, const mesh_spot *spot, int other, double v[3])
 {
@@ -120,9 +125,9 @@ static double span(const mesh *mesh, const mesh_spot *spot, int other, double v[
 }
 
 /*
- * Add the other end of a spring to its row, and find the direction of the spring there: the given
- * direction, or else that of the line between both ends (v [3] out). Returns 0, or -1 with error
- * filled if both ends coincide.
+ * Add the other end of a spring to its row, and find the direction of the spring at the point where
+ * it is attached: the given direction, or else that of the line between both ends (v [3] out).
+ * Returns 0, or -1 with error filled if both ends coincide.
  */
 static int add_other_end(const spring_builder *builder, const mesh_spot *spot, double v[3],
                          spring_row *row)
@@ -151,7 +156,10 @@ static int refuse_axis(const spring_builder *builder, int node)
                        mesh_node_text(builder->mesh, node).text);
 }
 
-/* Compute the row of one spring at a spot. Returns 0, or -1 with error filled. */
+/*
+ * Compute the sparse row of a spring that is attached at a point of the mesh. Returns 0, or -1 with
+ * error filled.
+ */
 static int fill_row(const spring_builder *builder, const mesh_spot *spot, spring_row *row)
 {
     const mesh *mesh = builder->mesh;
@@ -179,7 +187,7 @@ static int fill_row(const spring_builder *builder, const mesh_spot *spot, spring
 
 /* ---- list of rows -------------------------------------------------------- */
 
-/* Make room for one more row. Returns 0, or -1 when memory runs out. */
+/* Make room for the row of one more spring. Returns 0, or -1 when memory runs out. */
 static int grow(spring_builder *builder)
 {
     mesh_springs *springs = builder->springs;
@@ -207,8 +215,8 @@ static int grow(spring_builder *builder)
 }
 
 /*
- * Append the spring at a spot, with its stiffness, to the springs of the mesh. Returns 0, or -1
- * with error filled.
+ * Append a spring that is attached at a point of the mesh, with its stiffness, to the springs of
+ * the mesh. Returns 0, or -1 with error filled.
  */
 static int append(spring_builder *builder, const mesh_spot *spot, double stiffness)
 {
@@ -315,8 +323,8 @@ static int append_all(spring_builder *builder)
 /* ---- envelope -------------------------------------------------------------- */
 
 /*
- * Widen the envelope of the factor so that it contains the products of all pairs of entries of
- * every spring.
+ * Widen the envelope of the stiffness matrix's factor so that it contains the products of all pairs
+ * of entries of every spring.
  */
 static void widen_envelope(mesh *mesh)
 {
@@ -331,7 +339,9 @@ static void widen_envelope(mesh *mesh)
     }
 }
 
-/* Refuse springs between distant nodes if they make the factor too large. */
+/*
+ * Refuse springs between distant nodes if they make the factor of the stiffness matrix too large.
+ */
 static int check_envelope(mesh *mesh, char *error)
 {
     const double largest = 4e8;

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Share of the warp in the membrane shear of an element (pzs_element_type.warp). */
+/* Warping correction of the membrane shear strain of an element (pzs_element_type.warp). */
 #ifndef WARP_H
 #define WARP_H
 
 #include "pzs.h"
 
 /*
- * Compute the warp of an element type, type->warp, from its corner tables and its thickness, which
- * must be filled.
+ * Compute the warping correction of an element type, type->warp, from its corner tables and its
+ * thickness, which must be filled.
  *
- * The warp is the difference of the membrane shear strain 12 between the faces in the constant
- * strain mode 00, less those shares of eight other strains that remove the effect of the directors:
+ * The correction is the difference of the shear strain 12 between the faces in the constant strain
+ * mode 00, less those shares of eight other strains that remove the effect of the directors:
  *   12m^00 += share (12d^00 - sum over k of c_k row_k),
  *   rows 13^01 23^10 13^00 23^00 11d^00 11d^01 22d^00 22d^10,
  * where m is the mean and d the difference of the faces, and the exponent is the strain mode. The
@@ -18,7 +18,7 @@
  * bracket. The membrane strains then contain displacements of the middle surface alone, and a thin
  * shell cannot relax them by rotating its directors, which would cost no energy.
  *   share  in  tau (L1^2 k1 + L2^2 k2)/(12 h), with tau the element option, L the lengths of the
- *              element, k its curvatures and h the thickness; 0: no warp
+ *              element, k its curvatures and h the thickness; 0: no correction
  * Returns 0, or -1 if the eight rows cannot remove the directors, because the element has no
  * extent.
  */

@@ -158,9 +158,10 @@ static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, nod
  */
 enum { COEFFICIENTS = 5, EQUATIONS = 15 };
 typedef struct quadric {
-    double t[2][3], a[EQUATIONS], b[COEFFICIENTS]; /* t: unit vectors along u and v; a: matrix of
-                                                      the normal equations, packed lower triangle;
-                                                      b: right-hand side, then coefficients */
+    double t[2][3], a[EQUATIONS], b[COEFFICIENTS]; /* members of the normal equations: t: unit
+                                                      vectors along u and v; a: packed lower
+                                                      triangle of the matrix; b: right-hand side,
+                                                      then the coefficients */
 } quadric;
 
 static void start_quadric(const double director[3], quadric *sum)
@@ -279,8 +280,8 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
  * exactly on planes, spheres and cylinders.
  */
 typedef struct slopes {
-    double t[2][3], a[3], b[2]; /* t: unit vectors t1 and t2; a: entries 11, 12, 22 of the matrix;
-                                   b: right-hand side */
+    double t[2][3], a[3], b[2]; /* members of the normal equations: t: unit vectors t1 and t2; a:
+                                   entries 11, 12, 22 of the matrix; b: right-hand side */
 } slopes;
 
 static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *sum)

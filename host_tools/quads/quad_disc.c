@@ -23,11 +23,11 @@ static const double middle_of_side = 0.5, corner_of_block = 0.42;
 typedef struct disc_plan {
     const quad_disc *disc;
     int around; /* number of elements along every circle */
-    int bands;  /* number of bands, each inside one circle: disc->rings + 1 */
+    int bands;  /* number of bands of the disc, each inside one circle: disc->rings + 1 */
     double circle[QUAD_RINGS + 1];
-    int across[QUAD_RINGS + 1]; /* number of elements across each band; the first band lies between
-                                   the middle block and the first circle */
-    int layers;                 /* number of elements across all bands together */
+    int across[QUAD_RINGS + 1]; /* number of elements across each band of the disc; the first band
+                                   lies between the middle block and the first circle */
+    int layers;                 /* number of elements across all bands of the disc together */
 } disc_plan;
 
 static disc_plan make_plan(const quad_disc *disc)
@@ -48,7 +48,9 @@ static disc_plan make_plan(const quad_disc *disc)
 
 /* ---- nodes --------------------------------------------------------------- */
 
-/* Compute the point of the middle block at u and v, which run from -1 to 1 across the block. */
+/*
+ * Compute a point of the disc's middle block from u and v, which run from -1 to 1 across the block.
+ */
 static void block_point(double radius, double u, double v, double x[2])
 {
     const double side = middle_of_side * radius, less = (middle_of_side - corner_of_block) * radius;
@@ -57,8 +59,8 @@ static void block_point(double radius, double u, double v, double x[2])
 }
 
 /*
- * Return the node of the middle block at position j along its border, counted counterclockwise from
- * its lower right corner.
+ * Return the number of the node at position j along the border of the disc's middle block, counted
+ * counterclockwise from its lower right corner.
  */
 static uint32_t border_node(int elements, int j)
 {
@@ -68,7 +70,10 @@ static uint32_t border_node(int elements, int j)
     return (uint32_t)(column[side] * (elements + 1) + row[side]);
 }
 
-/* Compute the node at position j along layer i (1 to layers) around the middle block. */
+/*
+ * Compute the position of the node with number j along layer i (1 to layers) around the disc's
+ * middle block.
+ */
 static void ring_point(const disc_plan *plan, const quad_mesh *mesh, int i, int j, double x[2])
 {
     const double angle = -pi / 4 + 2 * pi * j / plan->around;
@@ -87,7 +92,9 @@ static void ring_point(const disc_plan *plan, const quad_mesh *mesh, int i, int 
     }
 }
 
-/* Compute the height and the director of a node whose position in the plane is known. */
+/*
+ * Compute the height and the director of a node of the disc whose position in the plane is known.
+ */
 static void lift_node(const quad_disc *disc, double x[3], double director[3])
 {
     const double sphere = disc->sphere, upward[3] = {0, 0, 1};
@@ -176,8 +183,9 @@ static void add_sector(const disc_plan *plan, int first, int last, int sector, i
 {
     const int elements = plan->disc->elements, each = plan->around / sectors, turn = elements / 2;
     for (int i = first; i < last; i++)
-        for (int j = 0; j < plan->around; j++) /* the x axis lies half a side of the middle block
-                                                  behind its first corner */
+        for (int j = 0; j < plan->around; j++) /* positions along a circle are counted from the
+                                                  diagonal; the x axis lies half a side of the
+                                                  middle block further on */
             if ((j - turn + plan->around) % plan->around / each == sector)
                 set->index[set->count++] = (uint32_t)(elements * elements + i * plan->around + j);
 }

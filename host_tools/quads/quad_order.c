@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Order of the nodes for a small envelope of the factor (quad_steps.h): the reverse Cuthill-McKee
- * algorithm, started from a node or from all nodes on one side of the mesh. Two nodes are
- * neighbours if they belong to one element.
+ * Order of the nodes that gives the factor of the stiffness matrix a small envelope (quad_steps.h):
+ * the reverse Cuthill-McKee algorithm, started from a node or from all nodes on one side of the
+ * mesh. Two nodes are neighbours if they belong to one element.
  */
 #include "quad_steps.h"
 
@@ -162,8 +162,8 @@ static void order_from_side(const quad_mesh *mesh, const star *star, int axis, u
 }
 
 /*
- * Return the size of the envelope for the reverse of an order: the sum, over all nodes, of the
- * distance in the order to their first neighbour.
+ * Return the size of the factor's envelope for the reverse of an order: the sum, over all nodes, of
+ * the distance in the order to their first neighbour.
  */
 static uint64_t profile(const quad_mesh *mesh, const star *star, const uint32_t *order,
                         uint32_t *place)

@@ -58,8 +58,8 @@ int quad_directors(quad_mesh *mesh, const quad_origin *origin, const quad_topolo
 int quad_turn(quad_mesh *mesh);
 
 /*
- * Fill mesh->order with an order of the nodes that makes the envelope of the factor small (reverse
- * Cuthill-McKee algorithm). Returns 0, or -1 when memory runs out.
+ * Fill mesh->order with an order of the nodes that gives the factor of the stiffness matrix a small
+ * envelope (reverse Cuthill-McKee algorithm). Returns 0, or -1 when memory runs out.
  */
 int quad_renumber(quad_mesh *mesh);
 

@@ -34,7 +34,7 @@ typedef struct inp {
     int corners;    /* number of corners of the elements that are being read (mode ELEMENTS) */
     bool generates; /* whether the lines contain first, last and step instead of single numbers
                        (mode SET_MEMBERS) */
-    int set;        /* index of the set that the lines belong to, or -1 */
+    int set;        /* index of the set that the present lines of the file belong to, or -1 */
     bool has_part;  /* whether the keyword *PART was read */
     size_t sets, room;
     listed_set *list;
@@ -429,7 +429,7 @@ static int by_label(const void *left, const void *right)
     return (first->label > second->label) - (first->label < second->label);
 }
 
-/* Return the index of the first entry whose number is at least `label`. */
+/* Return the index of the first entry of a sorted list whose number is at least `label`. */
 static size_t lower_bound(const numbered *entry, size_t count, int64_t label)
 {
     size_t low = 0, high = count;

@@ -15,8 +15,8 @@ typedef enum outline_plane {
     OUTLINE_THETA, /* OUTLINE_THETA: the plane of the parameters theta1 and theta2 of the surface */
     OUTLINE_XY,
     OUTLINE_XZ,
-    OUTLINE_YZ /* OUTLINE_XY, _XZ, _YZ: the plane of two coordinates in space, on which the surface
-                  is projected along the third coordinate */
+    OUTLINE_YZ /* OUTLINE_XY, OUTLINE_XZ and OUTLINE_YZ: a plane of two coordinates in space, on
+                  which the surface is projected along the third coordinate */
 } outline_plane;
 
 struct polygon; /* The structure polygon is declared in host_tools/data/polygon.h. */

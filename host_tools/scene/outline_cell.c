@@ -45,8 +45,9 @@ static void corners_on_lines(const scene *scene, int element, double at[4][OUTLI
 /* ---- area of the surface over that of the plane ----------------------- */
 
 /*
- * Areas of the parallelogram that the two sides at corner r of a cell span. area [2] out: in space,
- * and in the plane, negative where the corners run clockwise there
+ * Compute the areas of the parallelogram that the two sides at corner r of a cell span.
+ *   area  [2] out  in space, and in the plane of the outlines; the latter is negative if the
+ *                  corners run clockwise there
  */
 static void corner_areas(const outline_cell *cell, const int axis[2], int r, double area[2])
 {
@@ -89,7 +90,8 @@ static void fit_ratio(outline_cell *cell, const int axis[2], const double ratio[
 /* Compute all members of a cell that follow from its corners. */
 static void finish(outline_cell *cell, outline_plane plane)
 {
-    const double steepest = 0.1; /* cosine of 84 degrees */
+    const double steepest = 0.1; /* smallest cosine of the angle between the surface and the plane,
+                                    that of 84 degrees */
     const int *axis = plane_axes[plane];
     double ratio[4], sum = 0;
     int turned = 0;
@@ -164,7 +166,7 @@ bool outline_cell_move(const scene *scene, outline_plane plane, int k, double sh
 
 /* ---- points inside ---------------------------------------------------- */
 
-/* Bilinear weights of the four corners of a cell at a point in natural coordinates. */
+/* Compute the bilinear weights of the four corners of a cell at a point in natural coordinates. */
 static void corner_weights(const double natural[2], double weight[4])
 {
     static const double sign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
@@ -195,8 +197,8 @@ expr_point outline_cell_point(const scene *scene, const outline_cell *cell, cons
 }
 
 /*
- * Derivatives of all coordinates along natural coordinate a. They are exact, because the
- * coordinates are linear along it.
+ * Compute the derivatives of all coordinates of a cell along one natural coordinate. The
+ * derivatives are exact, because the coordinates are linear along it.
  */
 static void derivative(const outline_cell *cell, const double natural[2], int a,
                        double slope[OUTLINE_AXES])

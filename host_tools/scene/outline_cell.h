@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* An element, or a part of one, as a quadrilateral in the plane of the outlines of electrodes. */
+/*
+ * Cell: an element, or a part of an element, as a quadrilateral in the plane of the outlines of
+ * electrodes.
+ */
 #ifndef OUTLINE_CELL_H
 #define OUTLINE_CELL_H
 
@@ -29,7 +32,10 @@ typedef struct outline_cell {
 /* Return the number of elements of a scene, on mesh lines or on a mesh from a file. */
 int outline_elements(const scene *scene);
 
-/* Compute the cell of an element in the plane of the outlines. */
+/*
+ * Compute the cell of an element: its quadrilateral in the plane of the outlines, and its area on
+ * the surface.
+ */
 void outline_cell_of(const scene *scene, outline_plane plane, int element, outline_cell *cell);
 
 /*

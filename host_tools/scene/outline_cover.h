@@ -25,7 +25,9 @@ size_t outline_most_points(const scene_outline *outline);
 int clip_room_open(clip_room *room, size_t points);
 void clip_room_close(clip_room *room);
 
-/* Return the area that the polygons of an electrode cover in a cell. */
+/*
+ * Return the area of a cell (an element or a part of one) that the polygons of an electrode cover.
+ */
 outline_area outline_cover(const scene *scene, outline_plane plane, const outline_cell *cell,
                            const scene_outline *outline, clip_room *room);
 

@@ -53,7 +53,7 @@ static double polygon_overlap(const electrode_pair *pair)
     return common / fmin(outline_plane_area(one), outline_plane_area(other));
 }
 
-/* Return whether an electrode covers all of a cell. */
+/* Return whether an electrode covers the whole of a cell, which is an element or a part of one. */
 static bool fills(const scene *scene, const scene_patches *patches, const scene_outline *outline,
                   const outline_cell *cell, clip_room *room)
 {

@@ -165,7 +165,7 @@ double outline_ring_size(const ring_pattern *pattern)
     return least;
 }
 
-/* Directions of the two ends of an arc of a keystone at a radius. */
+/* Compute the directions of the two ends of a keystone's arc at a radius (rad). */
 static void arc_ends(const keystone *stone, double radius, double angle[2])
 {
     const double inset = radius > 0 ? asin(fmin(1, stone->half_gap / radius)) : 0;
@@ -184,9 +184,9 @@ static int greatest_divisor(int a, int b)
 }
 
 /*
- * Number of sides of a full circle in a pattern of rings. It is a common multiple of the sectors of
- * all rings where one below 20000 exists, so that the arcs of neighbouring rings have their corners
- * in common.
+ * Return the number of sides of a full circle in a pattern of rings. It is a common multiple of the
+ * numbers of sectors of all rings if one below 20000 exists, so that the arcs of neighbouring rings
+ * have their corners in common.
  */
 static int pattern_sides(const ring_pattern *pattern)
 {

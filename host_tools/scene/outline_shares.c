@@ -24,7 +24,7 @@ typedef struct share_entry {
 typedef struct share_list {
     share_entry *entry;
     size_t count, room;
-    bool is_full; /* true after memory ran out */
+    bool is_full; /* whether memory ran out while parts were appended */
 } share_list;
 
 static void append(share_list *list, int element, int electrode, double share)
@@ -58,7 +58,7 @@ static bool has_layer(const outline_work *work, int element)
     return !layer->present || layer->present[element];
 }
 
-/* What all elements together tell about the place of an electrode. */
+/* Sums over all elements that show where an electrode lies. */
 typedef struct electrode_sums {
     double plane_area; /* area in the plane of the outlines that the electrode covers on the surface
                         */

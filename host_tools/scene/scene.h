@@ -247,8 +247,8 @@ typedef enum scene_per { PER_POINT, PER_LENGTH, PER_AREA } scene_per;
  */
 typedef struct scene_spring {
     char name[SCENE_NAME]; /* name of the springs, empty if not given */
-    scene_where where; /* nodes that have one spring each; where.at.column is 0 if the springs stand
-                          at points instead */
+    scene_where where; /* nodes to which one spring each is attached; where.at.column is 0 if the
+                          springs are attached at points instead */
     int points;
     double (*point)[3]; /* [points] coordinates of the points: theta1, theta2 and 0, or x, y, z on a
                            mesh from a file, where z is NAN if it is not given */
@@ -529,8 +529,8 @@ typedef struct scene_event {
                          advance */
     int amplifiers, *amplifier; /* [amplifiers] numbers of the amplifiers that EVENT_DEAD,
                                    EVENT_STUCK or EVENT_ALIVE changes */
-    int told; /* ticks until the controller is informed of EVENT_DEAD or EVENT_STUCK, or TOLD_NEVER
-                 or TOLD_FOUND */
+    int told; /* ticks until the controller is informed of EVENT_DEAD or EVENT_STUCK; TOLD_NEVER: it
+                 is not informed; TOLD_FOUND: it has to detect the fault */
     expr *value; /* formula of the new target of EVENT_VALUE */
     scene_at at;
 } scene_event;

@@ -46,8 +46,8 @@ static const choice fixes[] = {{"clamped", U1 | U2 | U3},
                                {NULL, 0}};
 
 /*
- * Return the bits of those dof that take the value of a support: for a displacement of both faces
- * its mean, else the single dof that a word of the scene names.
+ * Return the bits of the dof that take the value of a support: the mean of both faces for a
+ * displacement u1, u2 or u3, else the single dof that a word of the scene names.
  */
 static unsigned moved_by(int fix)
 {

@@ -10,10 +10,11 @@
 
 /* Way in which the migration of a scene file replaces a retired name. */
 typedef enum retired_type {
-    RETIRED_KEY,  /* the key is renamed */
-    RETIRED_WORD, /* the word, which is the value of a key, is replaced */
-    RETIRED_SLEW, /* a step limit (V a tick) becomes a rate limit (V/s) if the tick rate is given */
-    RETIRED_RATE  /* the key is moved to the section `control` */
+    RETIRED_KEY,  /* a retired key is renamed */
+    RETIRED_WORD, /* a retired word, which is the value of a key, is replaced by another word */
+    RETIRED_SLEW, /* a step limit (V a tick) becomes a rate limit (V/s) if the scene gives the tick
+                     rate */
+    RETIRED_RATE  /* a retired key is moved to the section `control` */
 } retired_type;
 
 typedef struct retired {

@@ -335,8 +335,8 @@ static int take_key(builder *builder, const yaml_event_t *event, scene_at at)
 }
 
 /*
- * Insert a node where the document stands: as the value of the key just read, at the end of the
- * open list, or as the root.
+ * Insert a node at the present place of the tree: as the value of the key just read, at the end of
+ * the open list, or as the root.
  */
 static int place(builder *builder, int node)
 {

@@ -9,7 +9,8 @@ typedef struct json {
     FILE *file;
     int depth;
     int line; /* nesting depth of the outermost container that is written on one line; 0: none is */
-    int filled[48]; /* whether an element was already written at each nesting depth */
+    int filled[48]; /* whether an element was already written in the open container at each nesting
+                       depth */
 } json;
 
 /*
