@@ -6,6 +6,7 @@
  */
 #include "emit.h"
 #include <math.h>
+#include <stdarg.h>
 #include "../../lib/core/guard.h"
 
 /* ---- checksums -------------------------------------------------------- */
@@ -17,6 +18,49 @@ uint32_t emit_crc_reals(uint32_t crc, const double *value, size_t count)
         crc = pzs_guard_crc(crc, &rounded, sizeof rounded);
     }
     return crc;
+}
+
+/* ---- comments --------------------------------------------------------- */
+
+/* Write a text into a comment, with a blank inside of marks that begin or end a comment. */
+static void write_text(FILE *file, const char *text)
+{
+    for (char before = ' '; *text; before = *text++) {
+        if ((before == '*' && *text == '/') || (before == '/' && *text == '*'))
+            fputc(' ', file);
+        fprintf(file, *text == '\n' ? "\n * " : "%c", *text);
+    }
+}
+
+void emit_comment_begin(const emitter *emitter)
+{
+    fprintf(emitter->file, "%c*\n", '/');
+}
+
+void emit_comment_end(const emitter *emitter)
+{
+    fprintf(emitter->file, " *%c\n", '/');
+}
+
+void emit_comment_lines(const emitter *emitter, const char *text)
+{
+    if (!text[0])
+        return;
+    fputs(" * ", emitter->file);
+    write_text(emitter->file, text);
+    fputc('\n', emitter->file);
+}
+
+void emit_comment(const emitter *emitter, const char *format, ...)
+{
+    char text[240];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    fprintf(emitter->file, "%c* ", '/');
+    write_text(emitter->file, text);
+    emit_comment_end(emitter);
 }
 
 /* ---- arrays ----------------------------------------------------------- */
@@ -57,8 +101,9 @@ static void list_reals(FILE *file, const double *value, size_t count, size_t col
 void emit_reals(emitter *emitter, const char *name, const double *value, size_t count,
                 const char *meaning)
 {
-    fprintf(emitter->file, "/* %s */\nstatic const pzs_real %s_%s[%zu] = {", meaning,
-            emitter->prefix, name, count ? count : 1);
+    emit_comment(emitter, "%s", meaning);
+    fprintf(emitter->file, "static const pzs_real %s_%s[%zu] = {", emitter->prefix, name,
+            count ? count : 1);
     list_reals(emitter->file, value, count, 4);
     fputs(count ? "\n};\n" : "0};\n", emitter->file);
     emit_count_reals(emitter, value, count);
@@ -79,8 +124,8 @@ static double float_inside(double value, int upper)
 void emit_limits(emitter *emitter, const char *name, const double *value, size_t count, int upper,
                  const char *meaning)
 {
-    fprintf(emitter->file, "/* %s */\nstatic const pzs_real %s_%s[%zu] = {", meaning,
-            emitter->prefix, name, count);
+    emit_comment(emitter, "%s", meaning);
+    fprintf(emitter->file, "static const pzs_real %s_%s[%zu] = {", emitter->prefix, name, count);
     for (size_t i = 0; i < count; i++) {
         const double inside = float_inside(value[i], upper);
         fputs(i % 4 == 0 ? "\n    PZS_R(" : " PZS_R(", emitter->file);
@@ -97,8 +142,9 @@ void emit_limits(emitter *emitter, const char *name, const double *value, size_t
 void emit_shorts(emitter *emitter, const char *name, const uint16_t *value, size_t count,
                  const char *meaning)
 {
-    fprintf(emitter->file, "/* %s */\nstatic const uint16_t %s_%s[%zu] = {", meaning,
-            emitter->prefix, name, count ? count : 1);
+    emit_comment(emitter, "%s", meaning);
+    fprintf(emitter->file, "static const uint16_t %s_%s[%zu] = {", emitter->prefix, name,
+            count ? count : 1);
     for (size_t i = 0; i < count; i++)
         fprintf(emitter->file, "%s%u,", i % 16 == 0 ? "\n    " : " ", value[i]);
     fputs(count ? "\n};\n" : "0};\n", emitter->file);
@@ -146,8 +192,8 @@ void emit_blocks(emitter *emitter, const char *name, const double *value, size_t
                  const int *length, int depth, const char *meaning)
 {
     size_t size = 1;
-    fprintf(emitter->file, "/* %s */\nstatic const pzs_real %s_%s[%zu]", meaning, emitter->prefix,
-            name, count);
+    emit_comment(emitter, "%s", meaning);
+    fprintf(emitter->file, "static const pzs_real %s_%s[%zu]", emitter->prefix, name, count);
     for (int i = 0; i < depth; i++) {
         fprintf(emitter->file, "[%d]", length[i]);
         size *= (size_t)length[i];

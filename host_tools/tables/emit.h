@@ -26,6 +26,22 @@ void emit_count_reals(emitter *emitter, const double *value, size_t count);
 void emit_count_bytes(emitter *emitter, const void *value, size_t bytes);
 
 /*
+ * Write a comment on one line. Where the text contains the mark that begins or ends a comment, a
+ * blank is inserted into the mark, so that texts of a scene cannot end the comment.
+ */
+void emit_comment(const emitter *emitter, const char *format, ...);
+
+/* Begin and end a comment of several lines, which emit_comment_lines writes. */
+void emit_comment_begin(const emitter *emitter);
+void emit_comment_end(const emitter *emitter);
+
+/*
+ * Write the lines of a text into a comment of several lines; an empty text gives no line. Marks
+ * that begin or end a comment are changed as by emit_comment.
+ */
+void emit_comment_lines(const emitter *emitter, const char *text);
+
+/*
  * Write `static const ... PREFIX_NAME[count]`, preceded by its meaning as a comment. An array
  * without entries gets one entry of 0.
  */

@@ -11,7 +11,7 @@
 #if PZS_TABLE_FORMAT != 4
 #error "these tables are of another format than the library reads: run this library's `pzs tables` again"
 #endif
-/* A program that needs one precision defines this macro as 32 or 64 before it includes the tables. */
+/* A program that needs one precision defines EXAMPLE_REAL_BITS as 32 or 64 before it includes the tables. */
 #if defined(EXAMPLE_REAL_BITS) && EXAMPLE_REAL_BITS != PZS_REAL_BITS
 #error "the program needs another precision: compile it and the library with its -DPZS_REAL_BITS"
 #endif
@@ -20,7 +20,7 @@
 #define EXAMPLE_OUTPUTS 9
 #define EXAMPLE_CONTROL_BYTES PZS_CONTROL_BYTES(4, 9)
 
-/* influence: displacement of each target node (row) per volt of each amplifier (column) */
+/* influence matrix: displacement of each target node (row) per volt of each amplifier (column) */
 static const pzs_real example_influence[36] = {
     PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(0),
     PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(0),
@@ -32,14 +32,14 @@ static const pzs_real example_influence[36] = {
     PZS_R(2.4318681811351748e-05), PZS_R(2.4318681811351741e-05), PZS_R(3.4357095444863069e-06), PZS_R(3.435709544486312e-06),
     PZS_R(1.8858092208216023e-05), PZS_R(3.1258717293027056e-05), PZS_R(8.4817245196403384e-06), PZS_R(7.6169072545571234e-06),
 };
-/* B'W^2 B of the influence B and the weights W */
+/* Hessian B'W^2 B of the voltage problem, with influence matrix B and weights W */
 static const pzs_real example_hessian[16] = {
     PZS_R(2.1721199181630145e-09), PZS_R(1.970382031161499e-09), PZS_R(4.606907291553518e-10), PZS_R(5.0895167759980819e-10),
     PZS_R(1.970382031161499e-09), PZS_R(2.1721199181630132e-09), PZS_R(5.0895167759980788e-10), PZS_R(4.606907291553519e-10),
     PZS_R(4.606907291553518e-10), PZS_R(5.0895167759980788e-10), PZS_R(1.5937725765891546e-10), PZS_R(1.2925212132273529e-10),
     PZS_R(5.0895167759980819e-10), PZS_R(4.606907291553519e-10), PZS_R(1.2925212132273529e-10), PZS_R(1.5937725765891557e-10),
 };
-/* weight of each target node */
+/* weight of each target node in the error of the shape */
 static const pzs_real example_weight[9] = {
     PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(1),
     PZS_R(1), PZS_R(1), PZS_R(1), PZS_R(1),
@@ -53,7 +53,7 @@ static const pzs_real example_lower[4] = {
 static const pzs_real example_upper[4] = {
     PZS_R(600), PZS_R(600), PZS_R(600), PZS_R(600),
 };
-/* largest change of each voltage in one step (V) */
+/* step limit: largest change of each amplifier's voltage in one tick (V) */
 static const pzs_real example_step_limit[4] = {
     PZS_R(1000000000), PZS_R(1000000000), PZS_R(1000000000), PZS_R(1000000000),
 };
@@ -61,10 +61,11 @@ static const pzs_real example_step_limit[4] = {
 static const pzs_real example_reference_voltage[4] = {
     PZS_R(0), PZS_R(0), PZS_R(0), PZS_R(0),
 };
+/* voltage problem; its last member limits the optimiser's work in a tick (multiply-adds; 0: default) */
 static const pzs_problem example_problem = {
     4u, 0xed02dedfu, PZS_BY_BITS(0x1111b1aau, 0x9b042519u), 4, 9,
     example_influence, example_hessian, example_weight, example_lower, example_upper, example_step_limit, example_reference_voltage, PZS_R(0),
-    0u, /* limit of the optimiser's work in a tick; 0: default */
+    0u,
 };
 
 /* displacement of each target node that the voltages must cause */
@@ -78,7 +79,7 @@ static const pzs_real example_target[9] = {
  * Every rate up to 0.443 ticks a second is stable.
  */
 
-/* blocks of the control tick in the order in which they run; `pzs simulate` runs the same list */
+/* blocks of the control tick in the order in which they run, as in `pzs simulate` */
 #define EXAMPLE_BLOCKS 1
 #define EXAMPLE_READINGS 9
 #define EXAMPLE_DELAY 0

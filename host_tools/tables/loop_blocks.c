@@ -198,9 +198,8 @@ static void write_delay(emitter *emitter, const loop_blocks *blocks)
     const pzs_reading_delay *tables = &blocks->delay;
     const uint16_t counts[3] = {tables->inputs, tables->sensors, tables->delay};
     const size_t entries = tables->direct ? (size_t)tables->sensors * tables->inputs : 0;
-    fputs("/* late readings: amplifiers, readings, age of the readings (ticks), reading per volt "
-          "*/\n",
-          emitter->file);
+    emit_comment(emitter, "late readings: number of amplifiers, number of readings, age of the "
+                          "readings (ticks), readings per volt");
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     emitter->crc32 = emit_crc_reals(emitter->crc32, tables->direct, entries);
     emit_begin(emitter, "reading_delay", "reading_delay", tables->scene, tables->crc);
@@ -211,8 +210,8 @@ static void write_delay(emitter *emitter, const loop_blocks *blocks)
 
 static void write_known(emitter *emitter, const loop_blocks *blocks)
 {
+    emit_comment(emitter, "feed-forward tables of the shape and of the readings of the sensors");
     fprintf(emitter->file,
-            "/* feed-forward tables of shape and readings */\n"
             "static const pzs_known_loads %s_known_loads = {&%s_shape_feed_forward, ",
             emitter->prefix, emitter->prefix);
     if (blocks->known_loads.readings)
@@ -223,27 +222,29 @@ static void write_known(emitter *emitter, const loop_blocks *blocks)
 
 static void write_governor(emitter *emitter, const loop_blocks *blocks)
 {
+    emit_comment(emitter, "governor: largest part of the way to a new target that one tick goes, "
+                          "and part of the step limits that this motion may use");
     fprintf(emitter->file,
-            "/* part of the way in one tick, part of the step limits */\n"
             "static const pzs_governor %s_governor = {PZS_R(%.17g), PZS_R(%.17g)};\n",
             emitter->prefix, blocks->governor.share, blocks->governor.part);
 }
 
 static void write_amplifier(emitter *emitter, const loop_blocks *blocks)
 {
+    emit_comment(emitter, "voltage step of the converters, and dead band of the amplifiers (V)");
     fprintf(emitter->file,
-            "/* converter step and dead band of the amplifiers (V) */\n"
             "static const pzs_amplifier %s_amplifier = {PZS_R(%.17g), PZS_R(%.17g)};\n",
             emitter->prefix, blocks->amplifier.step, blocks->amplifier.dead_band);
 }
 
 static void write_detection(emitter *emitter, const loop_blocks *blocks)
 {
-    fprintf(
-        emitter->file,
-        "/* delay of the measurements (ticks), amplitude of the test signal (V; 0: default) */\n"
-        "static const pzs_fault_detection %s_fault_detection = {%u, PZS_R(%.17g)};\n",
-        emitter->prefix, blocks->detection.delay, blocks->detection.amplitude);
+    emit_comment(emitter,
+                 "fault detector: delay of the measurements (ticks), amplitude of the test "
+                 "signal (V; 0: default)");
+    fprintf(emitter->file,
+            "static const pzs_fault_detection %s_fault_detection = {%u, PZS_R(%.17g)};\n",
+            emitter->prefix, blocks->detection.delay, blocks->detection.amplitude);
 }
 
 static void write_supervision(emitter *emitter, const loop_blocks *blocks)
@@ -253,7 +254,8 @@ static void write_supervision(emitter *emitter, const loop_blocks *blocks)
                                 tables->alarm_ticks, tables->waits};
     const double settings[3] = {tables->fading, tables->noise, tables->load};
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    emit_reals(emitter, "park", tables->park, tables->inputs, "park voltages (V)");
+    emit_reals(emitter, "park", tables->park, tables->inputs,
+               "voltages to which the supervisor parks the amplifiers (V)");
     emitter->crc32 = emit_crc_reals(emitter->crc32, settings, 3);
     emit_begin(emitter, "supervision", "supervision", tables->scene, tables->crc);
     fprintf(emitter->file, " %u, %u, %u, %u, %u,\n    %s_park, ", counts[0], counts[1], counts[2],
@@ -284,7 +286,7 @@ static void write_damper_arrays(emitter *emitter, const pzs_vibration *tables)
     emit_reals(emitter, "observer", tables->observer, 3 * modes * modes,
                "observer gains for position, velocity and load of each mode");
     emit_reals(emitter, "explain", tables->explain, modes * modes,
-               "least-squares fit of the modes to readings");
+               "matrix that fits the observed modes to the readings by least squares");
     emit_reals(emitter, "damping", tables->damping, modes * inputs,
                "damping gradient of each amplifier (column) per deviation of each mode (row)");
     emit_reals(emitter, "inverse_angle", tables->inverse_angle, modes,
@@ -297,14 +299,20 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
     const uint16_t counts[5] = {tables->inputs, tables->outputs, tables->sensors, tables->modes,
                                 tables->delay};
     const double settings[3] = {tables->share, tables->mix, tables->slow};
-    fprintf(emitter->file, "/* natural frequencies of the observed modes (Hz):");
-    for (int i = 0; i < blocks->damper->modes; i++)
-        fprintf(emitter->file, "%s%.5g", i % 10 == 0 ? "\n * " : " ", blocks->damper->frequency[i]);
-    fprintf(emitter->file,
-            "\n */\n#define %s_MODES %u\n"
-            "#define %s_DAMPER_DELAY %u /* age that the damped tick takes the readings to have "
-            "(ticks) */\n",
-            emitter->upper, tables->modes, emitter->upper, tables->delay);
+    emit_comment_begin(emitter);
+    emit_comment_lines(emitter,
+                       "natural frequencies of the modes that the control tick damps (Hz):");
+    for (int i = 0; i < blocks->damper->modes; i++) {
+        if (i % 10 == 0)
+            fputs(i == 0 ? " *" : "\n *", emitter->file);
+        fprintf(emitter->file, " %.5g", blocks->damper->frequency[i]);
+    }
+    fputc('\n', emitter->file);
+    emit_comment_end(emitter);
+    fprintf(emitter->file, "#define %s_MODES %u\n", emitter->upper, tables->modes);
+    emit_comment(emitter,
+                 "age of the readings that the tables of the vibration block assume (ticks)");
+    fprintf(emitter->file, "#define %s_DAMPER_DELAY %u\n", emitter->upper, tables->delay);
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     write_damper_arrays(emitter, tables);
     emitter->crc32 = emit_crc_reals(emitter->crc32, settings, 3);
@@ -408,9 +416,9 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
             block_types[k].write(emitter, blocks);
     const int readings =
         loop_estimates(scene) ? blocks->estimator->sensors : blocks->design->targets;
+    emit_comment(emitter, "blocks of the control tick in the order in which they run, as in "
+                          "`pzs simulate`");
     fprintf(emitter->file,
-            "/* blocks of the control tick in the order in which they run; `pzs simulate` runs the "
-            "same list */\n"
             "#define %s_BLOCKS %d\n#define %s_READINGS %d\n#define %s_DELAY %d\n"
             "static const pzs_block %s_blocks[%s_BLOCKS] = {\n",
             emitter->upper, blocks->count, emitter->upper, readings, emitter->upper,
@@ -446,8 +454,8 @@ static void write_index(const emitter *emitter, const char *kind, const char *na
 static void write_amplifiers(const emitter *emitter, const design *design)
 {
     char name[SCENE_LABEL];
-    fputs("/* index of each amplifier in info.voltage and for pzs_hold */\nenum {\n",
-          emitter->file);
+    emit_comment(emitter, "index of each amplifier in info.voltage and for pzs_hold");
+    fputs("enum {\n", emitter->file);
     for (int k = 0; k < design->amplifiers; k++) {
         scene_amplifier_name(design->scene, k, name);
         write_index(emitter, "INPUT", name, k);
@@ -466,7 +474,8 @@ static void write_sensors(const emitter *emitter, const analysis *analysis)
     int index = 0;
     if (!loop_estimates(scene))
         return;
-    fputs("/* index of each reading of the sensors */\nenum {\n", emitter->file);
+    emit_comment(emitter, "index of each reading in the array of the sensors' readings");
+    fputs("enum {\n", emitter->file);
     for (int reading = 0; reading < scene->estimate.readings; reading++) {
         const scene_output *output = &scene->output[scene->estimate.reading[reading].output];
         const int count = analysis_outputs(analysis, scene->estimate.reading[reading].output);
@@ -488,17 +497,22 @@ static void write_sensors(const emitter *emitter, const analysis *analysis)
 static void write_rows(const emitter *emitter, const design *design)
 {
     const scene_influence *influence = &design->scene->influence;
-    fprintf(emitter->file, "/*\n * Outputs: rows of %s (%s).\n * output  row  x  y  z\n",
-            influence->file, design->scene->unit_length);
+    emit_comment_begin(emitter);
+    emit_comment_lines(emitter, "Outputs: rows of the file with the measured influence matrix");
+    emit_comment_lines(emitter, influence->file);
+    fprintf(emitter->file, " * output  row  x  y  z (%s)\n", design->scene->unit_length);
     for (int i = 0; i < design->targets; i++) {
         const int row = influence->row[i];
-        const char *name = influence->output_name ? influence->output_name[row] : "";
-        fprintf(emitter->file, " * %6d %5d", i, row + 1);
+        char line[SCENE_LABEL + 120];
+        int at = snprintf(line, sizeof line, "%6d %5d", i, row + 1);
         for (int axis = 0; axis < 3 && influence->place; axis++)
-            fprintf(emitter->file, "  %.6g", influence->place[i][axis]);
-        fprintf(emitter->file, "%s%s\n", *name ? "  " : "", name);
+            at +=
+                snprintf(line + at, sizeof line - (size_t)at, "  %.6g", influence->place[i][axis]);
+        if (influence->output_name)
+            snprintf(line + at, sizeof line - (size_t)at, "  %s", influence->output_name[row]);
+        emit_comment_lines(emitter, line);
     }
-    fputs(" */\n", emitter->file);
+    emit_comment_end(emitter);
 }
 
 static void write_nodes(const emitter *emitter, const design *design)
@@ -509,7 +523,8 @@ static void write_nodes(const emitter *emitter, const design *design)
                                        [FACE_MIDDLE] = "middle",
                                        [FACE_MEAN] = "mean of the faces"};
     const scene_output *what = &design->scene->target.what;
-    fprintf(emitter->file, "/*\n * Outputs: displacement %s (%s), %s.\n * output  node  %s\n",
+    emit_comment_begin(emitter);
+    fprintf(emitter->file, " * Outputs: displacement %s (%s), %s.\n * output  node  %s\n",
             component[what->component], design->scene->unit_length, face[what->face],
             design->scene->quads ? "x  y  z" : "theta1  theta2");
     for (int i = 0; i < design->targets; i++) {
@@ -521,16 +536,17 @@ static void write_nodes(const emitter *emitter, const design *design)
         else
             fprintf(emitter->file, " * %6d %5d  %.6g  %.6g\n", i, node, theta[0], theta[1]);
     }
-    fputs(" */\n", emitter->file);
+    emit_comment_end(emitter);
 }
 
 void loop_names_write(emitter *emitter, const analysis *analysis)
 {
     const design *design = &analysis->design;
     if (design->scene->control.rate > 0) {
+        emit_comment(emitter, "tick rate (1/s)");
         fprintf(emitter->file, "#define %s_TICK_RATE PZS_R(", emitter->upper);
         emit_real(emitter->file, design->scene->control.rate);
-        fputs(") /* ticks per second */\n", emitter->file);
+        fputs(")\n", emitter->file);
     }
     write_amplifiers(emitter, design);
     write_sensors(emitter, analysis);

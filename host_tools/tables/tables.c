@@ -21,10 +21,9 @@ const char *const tables_image_name[TABLES_IMAGES] = {"control", "linear", "nonl
 
 static void write_elements(emitter *emitter, const mesh *mesh)
 {
-    fprintf(emitter->file,
-            "/* nodes of each element, corners (-,-), (+,-), (+,+), (-,+) */\n"
-            "static const uint16_t %s_element[%d][4] = {",
-            emitter->prefix, mesh->elements);
+    emit_comment(emitter, "nodes of each element, at the corners (-,-), (+,-), (+,+), (-,+)");
+    fprintf(emitter->file, "static const uint16_t %s_element[%d][4] = {", emitter->prefix,
+            mesh->elements);
     for (int element = 0; element < mesh->elements; element++)
         fprintf(emitter->file, "%s{%u, %u, %u, %u},", element % 4 == 0 ? "\n    " : " ",
                 mesh->element[element][0], mesh->element[element][1], mesh->element[element][2],
@@ -40,9 +39,8 @@ static void write_element_types(emitter *emitter, const mesh *mesh)
 {
     static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3};
     static const int modes[2] = {4, LAMINATE_PACKED}, warps[1] = {9}, skews[1] = {3};
-    fprintf(emitter->file,
-            "/* corner tables of each element type */\n"
-            "static const pzs_element_type %s_element_types[%d] = {",
+    emit_comment(emitter, "corner tables of each element type");
+    fprintf(emitter->file, "static const pzs_element_type %s_element_types[%d] = {",
             emitter->prefix, mesh->types);
     for (int k = 0; k < mesh->types; k++) {
         const pzs_element_type *type = &mesh->type[k];
@@ -75,13 +73,13 @@ static void write_rows(emitter *emitter, const char *name, const pzs_rows *rows,
     if (count == 0)
         return;
     const uint32_t terms = rows->start[count];
-    fprintf(emitter->file, "/* %s */\n", meaning);
+    emit_comment(emitter, "%s", meaning);
     snprintf(array, sizeof array, "%s_start", name);
     emit_longs(emitter, array, rows->start, count + 1u);
     snprintf(array, sizeof array, "%s_dof", name);
-    emit_shorts(emitter, array, rows->dof, terms, "free dof of each entry");
+    emit_shorts(emitter, array, rows->dof, terms, "free dof of each entry of these sparse rows");
     snprintf(array, sizeof array, "%s_value", name);
-    emit_reals(emitter, array, rows->value, terms, "weight of each entry");
+    emit_reals(emitter, array, rows->value, terms, "weight of each entry of these sparse rows");
 }
 
 static void name_rows(const emitter *emitter, const char *name, uint16_t count)
@@ -191,10 +189,9 @@ static void write_electrodes(emitter *emitter, const analysis *analysis)
     emitter->crc32 = GUARD_CRC_START;
     emit_shorts(emitter, "electrode_input", tables->input, tables->count,
                 "input whose value is the voltage of each electrode");
-    fprintf(emitter->file,
-            "/* 1 where the electrode is open, 0 where its voltage is prescribed */\n"
-            "static const uint8_t %s_electrode_open[%u] = {",
-            emitter->prefix, tables->count);
+    emit_comment(emitter, "1 where the electrode is open, 0 where its voltage is prescribed");
+    fprintf(emitter->file, "static const uint8_t %s_electrode_open[%u] = {", emitter->prefix,
+            tables->count);
     for (int k = 0; k < tables->count; k++)
         fprintf(emitter->file, "%u,%s", tables->open[k], k % 16 == 15 ? "\n    " : " ");
     fputs("};\n", emitter->file);
@@ -203,7 +200,7 @@ static void write_electrodes(emitter *emitter, const analysis *analysis)
     emit_shorts(emitter, "electrode_dof", tables->direct.dof, entries,
                 "inputs that draw charge to each electrode while the shell does not deform");
     emit_reals(emitter, "electrode_value", tables->direct.value, entries,
-               "charge per unit of these inputs (C/V, C/K)");
+               "charge on each electrode per unit of each of its inputs (C/V, C/K)");
     fprintf(emitter->file,
             "#define %s_ELECTRODES %u\n#define %s_ELECTRIC_BYTES PZS_ELECTRIC_BYTES(%u, %u, %u)\n"
             "#define %s_CIRCUIT_BYTES PZS_CIRCUIT_BYTES(%u, %u)\n",
@@ -250,23 +247,26 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
     const uint16_t counts[2] = {problem.inputs, problem.outputs};
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     if (influence) {
-        emit_reals(emitter, "influence", problem.influence, targets * amplifiers,
-                   design->free_functions > 0
-                       ? "influence: displacement of each target node (row) per volt of each "
-                         "amplifier (column), without the free functions of the target"
-                       : "influence: displacement of each target node (row) per volt of each "
-                         "amplifier (column)");
+        emit_reals(
+            emitter, "influence", problem.influence, targets * amplifiers,
+            design->free_functions > 0
+                ? "influence matrix: displacement of each target node (row) per volt of each "
+                  "amplifier (column), without the free functions of the target"
+                : "influence matrix: displacement of each target node (row) per volt of each "
+                  "amplifier (column)");
         if (problem.hessian)
-            emit_reals(emitter, "hessian", problem.hessian, amplifiers * amplifiers,
-                       "B'W^2 B of the influence B and the weights W");
+            emit_reals(
+                emitter, "hessian", problem.hessian, amplifiers * amplifiers,
+                "Hessian B'W^2 B of the voltage problem, with influence matrix B and weights W");
     }
-    emit_reals(emitter, "weight", design->weight, targets, "weight of each target node");
+    emit_reals(emitter, "weight", design->weight, targets,
+               "weight of each target node in the error of the shape");
     emit_limits(emitter, "lower", design->lower, amplifiers, 0,
                 "lowest voltage of each amplifier (V)");
     emit_limits(emitter, "upper", design->upper, amplifiers, 1,
                 "highest voltage of each amplifier (V)");
     emit_limits(emitter, "step_limit", design->step_limit, amplifiers, 1,
-                "largest change of each voltage in one step (V)");
+                "step limit: largest change of each amplifier's voltage in one tick (V)");
     emit_reals(emitter, "reference_voltage", design->reference_voltage, amplifiers,
                "voltage to which the regularisation draws each amplifier (V)");
     emitter->crc32 = emit_crc_reals(emitter->crc32, &problem.regularisation, 1);
@@ -274,11 +274,13 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
     char influence_name[128], hessian_name[128];
     name_or_null(emitter, influence, "influence", influence_name);
     name_or_null(emitter, problem.hessian != NULL, "hessian", hessian_name);
+    emit_comment(emitter, "voltage problem; its last member limits the optimiser's work in a tick "
+                          "(multiply-adds; 0: default)");
     emit_begin(emitter, "problem", "problem", problem.scene, pzs_problem_crc(&problem));
     fprintf(emitter->file,
             " %zu, %zu,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, "
             "%s_reference_voltage, PZS_R(%.17g),\n"
-            "    %lluu, /* limit of the optimiser's work in a tick; 0: default */\n};\n\n",
+            "    %lluu,\n};\n\n",
             amplifiers, targets, influence_name, hessian_name, emitter->prefix, emitter->prefix,
             emitter->prefix, emitter->prefix, emitter->prefix, problem.regularisation,
             (unsigned long long)problem.work_limit);
@@ -372,38 +374,32 @@ static void write_feed_forward(emitter *emitter, const char *what,
             emitter->prefix, array);
 }
 
-/* Write a text as lines of a C comment. */
-static void write_lines(const emitter *emitter, const char *text)
-{
-    if (!text[0])
-        return;
-    fputs(" * ", emitter->file);
-    for (; *text; text++)
-        fprintf(emitter->file, *text == '\n' ? "\n * " : "%c", *text);
-    fputc('\n', emitter->file);
-}
-
 /* Write the results of the certificate of a loop with a vibration model as macros. */
 static void write_verdict(const emitter *emitter, const certificate_loop *loop)
 {
     const char *prefix = emitter->upper;
     if (!loop->is_made)
         return;
+    emit_comment(emitter, "storms (simulations with fast jumps of the target), and those of them "
+                          "that did not settle");
+    fprintf(emitter->file, "#define %s_STORMS %d\n#define %s_STORMS_FAILED %d\n", prefix,
+            loop->storms, prefix, loop->failed);
+    emit_comment(emitter, "largest growth factor of small vibrations in a tick");
+    fprintf(emitter->file, "#define %s_RADIUS PZS_R(%.6g)\n", prefix, loop->radius);
+    emit_comment(
+        emitter,
+        "ticks by which readings may be older and newer than %s_DELAY: every storm settles",
+        prefix);
+    fprintf(emitter->file, "#define %s_READINGS_OLDER %d\n#define %s_READINGS_NEWER %d\n", prefix,
+            loop->older, prefix, loop->newer);
+    if (!loop->has_margins)
+        return;
+    emit_comment(emitter, "relative to the model: largest stable gain of the structure, and lowest "
+                          "and highest stable natural frequencies");
     fprintf(emitter->file,
-            "#define %s_STORMS %d /* storms that the loop was tried with */\n"
-            "#define %s_STORMS_FAILED %d\n"
-            "#define %s_RADIUS PZS_R(%.6g) /* largest growth of small vibrations a tick */\n",
-            prefix, loop->storms, prefix, loop->failed, prefix, loop->radius);
-    fprintf(emitter->file,
-            "/* ticks by which readings may be older and newer than %s_DELAY: every storm settles "
-            "*/\n#define %s_READINGS_OLDER %d\n#define %s_READINGS_NEWER %d\n",
-            prefix, prefix, loop->older, prefix, loop->newer);
-    if (loop->has_margins)
-        fprintf(emitter->file,
-                "#define %s_MARGIN_GAIN PZS_R(%.4g) /* stable up to this gain over the model's */\n"
-                "#define %s_MARGIN_SLOW PZS_R(%.4g) /* stable frequencies over the model's */\n"
-                "#define %s_MARGIN_FAST PZS_R(%.4g)\n",
-                prefix, loop->margin_gain, prefix, loop->margin_slow, prefix, loop->margin_fast);
+            "#define %s_MARGIN_GAIN PZS_R(%.4g)\n#define %s_MARGIN_SLOW PZS_R(%.4g)\n"
+            "#define %s_MARGIN_FAST PZS_R(%.4g)\n",
+            prefix, loop->margin_gain, prefix, loop->margin_slow, prefix, loop->margin_fast);
 }
 
 /*
@@ -420,10 +416,10 @@ static void write_stability(const emitter *emitter, const certificate *certifica
         damper_text(damper, observed);
     if (!text[0] && !observed[0])
         return;
-    fprintf(emitter->file, "/*\n");
-    write_lines(emitter, observed);
-    write_lines(emitter, text);
-    fputs(" */\n", emitter->file);
+    emit_comment_begin(emitter);
+    emit_comment_lines(emitter, observed);
+    emit_comment_lines(emitter, text);
+    emit_comment_end(emitter);
     write_verdict(emitter, &certificate->loop);
     if (!damper->is_used && certificate_refuses(certificate))
         fprintf(emitter->file, "#define %s_QUASI_STATIC 1\n", emitter->upper);
@@ -466,26 +462,41 @@ static int write_blocks(emitter *emitter, const analysis *analysis)
 
 /* ---- header ----------------------------------------------------------- */
 
+/* Write the comment at the top of the tables: scene, image, purpose and units. */
+static void write_title(const emitter *emitter, const scene *scene, const char *image)
+{
+    char line[4 * SCENE_NAME + 80];
+    emit_comment_begin(emitter);
+    snprintf(line, sizeof line,
+             "Tables of scene %s, %s image. Generated by `pzs tables`; do not edit.", scene->name,
+             image);
+    emit_comment_lines(emitter, line);
+    emit_comment_lines(emitter, scene->about ? scene->about : "");
+    snprintf(line, sizeof line, "Any consistent units.");
+    if (!words_unitless(scene))
+        snprintf(line, sizeof line, "Lengths in %s, forces in %s, voltages in %s.",
+                 scene->unit_length, scene->unit_force, scene->unit_voltage);
+    emit_comment_lines(emitter, line);
+    emit_comment_end(emitter);
+}
+
 static void write_head(const emitter *emitter, const analysis *analysis, const char *image)
 {
-    const scene *scene = analysis->design.scene;
-    char units[4 * SCENE_NAME] = "Any consistent units.";
-    if (!words_unitless(scene))
-        snprintf(units, sizeof units, "Lengths in %s, forces in %s, voltages in %s.",
-                 scene->unit_length, scene->unit_force, scene->unit_voltage);
+    write_title(emitter, analysis->design.scene, image);
     fprintf(emitter->file,
-            "/*\n * Tables of scene %s, %s image. Generated by `pzs tables`; do not edit.\n * %s\n"
-            " * %s\n */\n"
             "#ifndef %s_TABLES_H\n#define %s_TABLES_H\n\n#include \"pzs.h\"\n\n"
             "#if PZS_TABLE_FORMAT != %u\n#error \"these tables are of another format than the "
-            "library reads: run this library's `pzs tables` again\"\n#endif\n"
-            "/* A program that needs one precision defines this macro as 32 or 64 before it "
-            "includes the tables. */\n"
+            "library reads: run this library's `pzs tables` again\"\n#endif\n",
+            emitter->upper, emitter->upper, PZS_TABLE_FORMAT);
+    emit_comment(emitter,
+                 "A program that needs one precision defines %s_REAL_BITS as 32 or 64 before it "
+                 "includes the tables.",
+                 emitter->upper);
+    fprintf(emitter->file,
             "#if defined(%s_REAL_BITS) && %s_REAL_BITS != PZS_REAL_BITS\n"
             "#error \"the program needs another precision: compile it and the library with its "
             "-DPZS_REAL_BITS\"\n#endif\n\n",
-            scene->name, image, scene->about ? scene->about : "", units, emitter->upper,
-            emitter->upper, PZS_TABLE_FORMAT, emitter->upper, emitter->upper);
+            emitter->upper, emitter->upper);
 }
 
 /*
@@ -534,11 +545,14 @@ int tables_write(FILE *file, const analysis *analysis, tables_image image, const
         write_structure(&emitter, analysis, image);
         write_electrodes(&emitter, analysis);
         fprintf(file, "#define %s_LINEAR 1\n", emitter.upper);
-        if (analysis->design.electrodes.count > 0)
-            fprintf(file,
-                    "/* columns of the influence matrix computed on the device; the first "
-                    "%s_INPUTS are amplifiers */\n#define %s_ALL_INPUTS %u\n",
-                    emitter.upper, emitter.upper, analysis->design.structure.input.count);
+        if (analysis->design.electrodes.count > 0) {
+            emit_comment(&emitter,
+                         "number of columns of the influence matrix that the device computes; the "
+                         "first %s_INPUTS columns are amplifiers",
+                         emitter.upper);
+            fprintf(file, "#define %s_ALL_INPUTS %u\n", emitter.upper,
+                    analysis->design.structure.input.count);
+        }
         fputs("\n", file);
     }
     if (controlled) {

@@ -14,12 +14,12 @@ static void write_resultants(emitter *emitter, const pzs_nonlinear *tables, uint
     const uint32_t entries = tables->given.start ? tables->given.start[inputs] : 0;
     emitter->crc32 = GUARD_CRC_START;
     if (entries > 0) {
-        fputs("/* first entry of each input's prescribed resultants */\n", emitter->file);
+        emit_comment(emitter, "index of the first prescribed resultant of each input");
         emit_longs(emitter, "resultant_start", tables->given.start, inputs + 1u);
         emit_shorts(emitter, "resultant_element", tables->given.element, entries,
-                    "element of each entry");
+                    "element in which each prescribed resultant acts");
         emit_shorts(emitter, "resultant_row", tables->given.which, entries,
-                    "row of the resultant values of each entry");
+                    "row of the resultant values that each prescribed resultant uses");
         emit_blocks(emitter, "resultant_value", *tables->given.value, tables->given.values,
                     &strains, 1,
                     "prescribed resultants per unit of an input, times the area of the element");
@@ -30,7 +30,7 @@ static void write_resultants(emitter *emitter, const pzs_nonlinear *tables, uint
         emit_shorts(emitter, "motion_dof", tables->prescribed.dof, tables->prescribed.count,
                     "dof with a prescribed displacement");
         emit_reals(emitter, "motion_value", tables->prescribed.value, tables->prescribed.count,
-                   "prescribed displacement at an input value of 1");
+                   "prescribed displacement of each such dof at an input value of 1");
     }
     emit_begin(emitter, "nonlinear", "nonlinear", tables->scene, tables->crc);
     if (entries > 0)
@@ -130,7 +130,8 @@ static void write_contact(emitter *emitter, const equilibrium *equilibrium)
     emitter->crc32 = emit_crc_reals(emitter->crc32, &face->size, 1);
     emit_blocks(emitter, "contact_place", *face->place, nodes, matrix, 1,
                 "position of the contact face at each node, undeformed");
-    emit_blocks(emitter, "contact_triad", **face->triad, nodes, matrix, 2, "triad at each node");
+    emit_blocks(emitter, "contact_triad", **face->triad, nodes, matrix, 2,
+                "unit vectors of the local axes at each node");
     emit_reals(emitter, "contact_area", face->area, nodes, "area of the contact face at each node");
     fprintf(emitter->file,
             "static const pzs_contact_face %s_contact_face = {\n"
@@ -173,13 +174,15 @@ static int write_equilibrium(emitter *emitter, const analysis *analysis)
         return -1;
     fprintf(emitter->file,
             "#define %s_ALL_INPUTS %u\n#define %s_ALL_OUTPUTS %u\n"
-            "#define %s_SOLVER_BYTES PZS_SOLVER_BYTES(%u, %u, %u)\n\n"
-            "/* settings of the equilibrium solver (pzs_solver_settings), as the scene has them "
-            "*/\n#define %s_LOAD_STEPS %u\n#define %s_EXTRAPOLATED_ITERATIONS %u\n"
+            "#define %s_SOLVER_BYTES PZS_SOLVER_BYTES(%u, %u, %u)\n\n",
+            emitter->upper, structure->input.count, emitter->upper, structure->output.count,
+            emitter->upper, structure->free_dof, structure->elements, structure->input.count);
+    emit_comment(emitter,
+                 "settings of the equilibrium solver (pzs_solver_settings) from the scene");
+    fprintf(emitter->file,
+            "#define %s_LOAD_STEPS %u\n#define %s_EXTRAPOLATED_ITERATIONS %u\n"
             "#define %s_SOLVE_LIMIT %u\n"
             "#define %s_TOLERANCE PZS_R(%.17g)\n\n",
-            emitter->upper, structure->input.count, emitter->upper, structure->output.count,
-            emitter->upper, structure->free_dof, structure->elements, structure->input.count,
             emitter->upper, run->settings.load_steps, emitter->upper,
             run->settings.extrapolated_iterations, emitter->upper,
             (unsigned)run->settings.solve_limit, emitter->upper, run->settings.tolerance);
@@ -188,7 +191,7 @@ static int write_equilibrium(emitter *emitter, const analysis *analysis)
     pzs_observe(structure, run->info.displacement, reached);
     if (structure->output.count > 0)
         emit_reals(emitter, "reached", reached, structure->output.count,
-                   "outputs under these input values, computed by the host in double");
+                   "outputs at these input values, as the host computed them in double precision");
     fputs("\n", emitter->file);
     free(reached);
     return 0;
