@@ -33,71 +33,72 @@ typedef struct bench {
     double work[(PZS_CONTROL_BYTES(MOST_INPUTS, MOST_OUTPUTS) + 7) / 8];
 } bench;
 
-static uint64_t bits(bench *t)
+static uint64_t bits(bench *trial)
 {
-    uint64_t z = (t->seed += 0x9E3779B97F4A7C15u);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    return z ^ (z >> 31);
+    uint64_t word = (trial->seed += 0x9E3779B97F4A7C15u);
+    word = (word ^ (word >> 30)) * 0xBF58476D1CE4E5B9u;
+    word = (word ^ (word >> 27)) * 0x94D049BB133111EBu;
+    return word ^ (word >> 31);
 }
 
-static double uniform(bench *t, double lo, double hi)
+static double uniform(bench *trial, double lo, double hi)
 {
-    return lo + (hi - lo) * (double)(bits(t) >> 11) * 0x1p-53;
+    return lo + (hi - lo) * (double)(bits(trial) >> 11) * 0x1p-53;
 }
 
-static inline int chance(bench *t, double p)
+static inline int chance(bench *trial, double probability)
 {
-    return uniform(t, 0, 1) < p;
+    return uniform(trial, 0, 1) < probability;
 }
 
-static unsigned below(bench *t, unsigned n)
+static unsigned below(bench *trial, unsigned count)
 {
-    return (unsigned)(bits(t) % n);
+    return (unsigned)(bits(trial) % count);
 }
 
-static pzs_status start(bench *t)
+static pzs_status start(bench *trial)
 {
-    const pzs_real *b = t->p.influence;
-    t->p.format = PZS_TABLE_FORMAT;
-    t->p.weight = t->weight;
-    t->p.lower = t->lower;
-    t->p.upper = t->upper;
-    t->p.step_limit = t->slew;
-    t->p.reference_voltage = t->prefer;
-    t->p.crc = pzs_problem_crc(&t->p);
-    return pzs_control_init(&t->c, &t->p, b != NULL ? NULL : t->b, t->work, sizeof t->work);
+    const pzs_real *influence = trial->p.influence;
+    trial->p.format = PZS_TABLE_FORMAT;
+    trial->p.weight = trial->weight;
+    trial->p.lower = trial->lower;
+    trial->p.upper = trial->upper;
+    trial->p.step_limit = trial->slew;
+    trial->p.reference_voltage = trial->prefer;
+    trial->p.crc = pzs_problem_crc(&trial->p);
+    return pzs_control_init(&trial->c, &trial->p, influence != NULL ? NULL : trial->b, trial->work,
+                            sizeof trial->work);
 }
 
 /*
  * A problem with a full-rank influence matrix and limits +-limit, without step limits and
  * regularisation.
  */
-static void plain(bench *t, uint64_t seed, unsigned n, unsigned m, double limit)
+static void plain(bench *trial, uint64_t seed, unsigned inputs, unsigned outputs, double limit)
 {
-    memset(t, 0, sizeof *t);
-    t->seed = seed;
-    t->p.inputs = (uint16_t)n;
-    t->p.outputs = (uint16_t)m;
-    t->p.influence = t->b;
-    for (unsigned i = 0; i < m * n; i++)
-        t->b[i] = (pzs_real)uniform(t, -1, 1);
-    for (unsigned i = 0; i < m; i++) {
-        t->weight[i] = 1;
-        t->error[i] = (pzs_real)uniform(t, -1, 1);
+    memset(trial, 0, sizeof *trial);
+    trial->seed = seed;
+    trial->p.inputs = (uint16_t)inputs;
+    trial->p.outputs = (uint16_t)outputs;
+    trial->p.influence = trial->b;
+    for (unsigned i = 0; i < outputs * inputs; i++)
+        trial->b[i] = (pzs_real)uniform(trial, -1, 1);
+    for (unsigned i = 0; i < outputs; i++) {
+        trial->weight[i] = 1;
+        trial->error[i] = (pzs_real)uniform(trial, -1, 1);
     }
-    for (unsigned i = 0; i < n; i++) {
-        t->upper[i] = (pzs_real)limit;
-        t->lower[i] = (pzs_real)-limit;
-        t->slew[i] = (pzs_real)HUGE_VAL;
+    for (unsigned i = 0; i < inputs; i++) {
+        trial->upper[i] = (pzs_real)limit;
+        trial->lower[i] = (pzs_real)-limit;
+        trial->slew[i] = (pzs_real)HUGE_VAL;
     }
 }
 
-static wide energy(const bench *t)
+static wide energy(const bench *trial)
 {
     wide sum = 0;
-    for (unsigned i = 0; i < t->p.outputs; i++)
-        sum += (wide)t->weight[i] * t->weight[i] * t->error[i] * t->error[i];
+    for (unsigned i = 0; i < trial->p.outputs; i++)
+        sum += (wide)trial->weight[i] * trial->weight[i] * trial->error[i] * trial->error[i];
     return sum;
 }
 
@@ -105,94 +106,98 @@ static wide energy(const bench *t)
  * Objective |W (B v - e)|^2 + regularisation |v - reference voltage|^2 and half of its gradient, in
  * long double, from the influence matrix B itself.
  */
-static wide objective(const bench *t, const wide *v, wide *gradient)
+static wide objective(const bench *trial, const wide *voltage, wide *gradient)
 {
-    const unsigned n = t->p.inputs;
+    const unsigned inputs = trial->p.inputs;
     wide sum = 0;
-    for (unsigned j = 0; j < n; j++) {
-        const wide away = v[j] - (wide)t->prefer[j];
-        gradient[j] = (wide)t->p.regularisation * away;
+    for (unsigned j = 0; j < inputs; j++) {
+        const wide away = voltage[j] - (wide)trial->prefer[j];
+        gradient[j] = (wide)trial->p.regularisation * away;
         sum += gradient[j] * away;
     }
-    for (unsigned i = 0; i < t->p.outputs; i++) {
-        const wide weight = (wide)t->weight[i] * t->weight[i];
-        wide miss = -(wide)t->error[i];
-        for (unsigned j = 0; j < n; j++)
-            miss += (wide)t->b[i * n + j] * v[j];
+    for (unsigned i = 0; i < trial->p.outputs; i++) {
+        const wide weight = (wide)trial->weight[i] * trial->weight[i];
+        wide miss = -(wide)trial->error[i];
+        for (unsigned j = 0; j < inputs; j++)
+            miss += (wide)trial->b[i * inputs + j] * voltage[j];
         sum += weight * miss * miss;
-        for (unsigned j = 0; j < n; j++)
-            gradient[j] += weight * miss * (wide)t->b[i * n + j];
+        for (unsigned j = 0; j < inputs; j++)
+            gradient[j] += weight * miss * (wide)trial->b[i * inputs + j];
     }
     return sum;
 }
 
-static wide objective_at(const bench *t, const pzs_real *voltage)
+static wide objective_at(const bench *trial, const pzs_real *voltage)
 {
     wide v[MOST_INPUTS] = {0}, gradient[MOST_INPUTS];
-    for (unsigned i = 0; i < t->p.inputs; i++)
+    for (unsigned i = 0; i < trial->p.inputs; i++)
         v[i] = voltage[i];
-    return objective(t, v, gradient);
+    return objective(trial, v, gradient);
 }
 
 /* Relative error of the shape, |W (B v - e)| / |W e|. */
-static wide shape_error_of(const bench *t)
+static wide shape_error_of(const bench *trial)
 {
-    wide v[MOST_INPUTS] = {0}, gradient[MOST_INPUTS], effort = 0;
-    for (unsigned i = 0; i < t->p.inputs; i++) {
-        v[i] = t->c.info.voltage[i];
-        effort +=
-            (wide)t->p.regularisation * (v[i] - (wide)t->prefer[i]) * (v[i] - (wide)t->prefer[i]);
+    wide voltage[MOST_INPUTS] = {0}, gradient[MOST_INPUTS], effort = 0;
+    for (unsigned i = 0; i < trial->p.inputs; i++) {
+        voltage[i] = trial->c.info.voltage[i];
+        effort += (wide)trial->p.regularisation * (voltage[i] - (wide)trial->prefer[i]) *
+                  (voltage[i] - (wide)trial->prefer[i]);
     }
-    return sqrtl((objective(t, v, gradient) - effort) / energy(t));
+    return sqrtl((objective(trial, voltage, gradient) - effort) / energy(trial));
 }
 
 /* ---- limits -------------------------------------------------------------------- */
 
 /* Compute the limits of the coming step from their definition. */
-static void note_limits(bench *t)
+static void note_limits(bench *trial)
 {
-    for (unsigned i = 0; i < t->p.inputs; i++) {
-        const pzs_real last = t->last[i] = t->c.info.voltage[i];
-        const pzs_real lo = last - t->slew[i], hi = last + t->slew[i];
-        t->lo[i] = lo > t->c.info.lower[i] ? lo : t->c.info.lower[i];
-        t->hi[i] = hi < t->c.info.upper[i] ? hi : t->c.info.upper[i];
-        if (t->lo[i] > t->hi[i])
-            t->lo[i] = t->hi[i] =
-                last < t->c.info.lower[i] ? t->c.info.lower[i] : t->c.info.upper[i];
+    for (unsigned i = 0; i < trial->p.inputs; i++) {
+        const pzs_real last = trial->last[i] = trial->c.info.voltage[i];
+        const pzs_real lo = last - trial->slew[i], hi = last + trial->slew[i];
+        trial->lo[i] = lo > trial->c.info.lower[i] ? lo : trial->c.info.lower[i];
+        trial->hi[i] = hi < trial->c.info.upper[i] ? hi : trial->c.info.upper[i];
+        if (trial->lo[i] > trial->hi[i])
+            trial->lo[i] = trial->hi[i] =
+                last < trial->c.info.lower[i] ? trial->c.info.lower[i] : trial->c.info.upper[i];
     }
 }
 
-static void assert_feasible(const bench *t)
+static void assert_feasible(const bench *trial)
 {
-    for (unsigned i = 0; i < t->p.inputs; i++) {
-        const pzs_real v = t->c.info.voltage[i],
-                       change = v < t->last[i] ? t->last[i] - v : v - t->last[i];
-        assert_true(v >= t->c.info.lower[i] && v <= t->c.info.upper[i]);
-        assert_true(isfinite(v));
-        if (change > t->slew[i]) /* allowed only where step limit and voltage limits do not overlap
-                                  */
-            assert_true(t->lo[i] >= t->hi[i] && v >= t->lo[i] && v <= t->hi[i]);
+    for (unsigned i = 0; i < trial->p.inputs; i++) {
+        const pzs_real voltage = trial->c.info.voltage[i], change = voltage < trial->last[i]
+                                                                        ? trial->last[i] - voltage
+                                                                        : voltage - trial->last[i];
+        assert_true(voltage >= trial->c.info.lower[i] && voltage <= trial->c.info.upper[i]);
+        assert_true(isfinite(voltage));
+        if (change > trial->slew[i]) /* allowed only where step limit and voltage limits do not
+                                      * overlap
+                                      */
+            assert_true(trial->lo[i] >= trial->hi[i] && voltage >= trial->lo[i] &&
+                        voltage <= trial->hi[i]);
     }
 }
 
 /* ---- certificate ----------------------------------------------------------------- */
 
-static wide clip(wide x, wide lo, wide hi)
+static wide clip(wide number, wide lo, wide hi)
 {
-    return x < lo ? lo : x > hi ? hi : x;
+    return number < lo ? lo : number > hi ? hi : number;
 }
 
 /*
  * Upper bound of the distance from the optimum, by convexity: objective - optimum <= 2 max over the
  * box of gradient . (v - x). An unbounded box is cut at ten times the largest voltage.
  */
-static wide gap_of(const bench *t, const wide *v, const wide *gradient)
+static wide gap_of(const bench *trial, const wide *voltage, const wide *gradient)
 {
     wide gap = 0, most = 1;
-    for (unsigned i = 0; i < t->p.inputs; i++)
-        most = fabsl(v[i]) > most ? fabsl(v[i]) : most;
-    for (unsigned i = 0; i < t->p.inputs; i++) {
-        const wide room = gradient[i] > 0 ? v[i] - (wide)t->lo[i] : (wide)t->hi[i] - v[i];
+    for (unsigned i = 0; i < trial->p.inputs; i++)
+        most = fabsl(voltage[i]) > most ? fabsl(voltage[i]) : most;
+    for (unsigned i = 0; i < trial->p.inputs; i++) {
+        const wide room =
+            gradient[i] > 0 ? voltage[i] - (wide)trial->lo[i] : (wide)trial->hi[i] - voltage[i];
         gap +=
             room > 0 && gradient[i] != 0
                 ? 2 * fabsl(gradient[i]) * (room < 10 * most || isfinite(room) ? room : 10 * most)
@@ -205,47 +210,49 @@ static wide gap_of(const bench *t, const wide *v, const wide *gradient)
  * Newton direction over the inputs marked free, by a dense L D L^T in long double. Linearly
  * dependent inputs do not move.
  */
-static void newton(const bench *t, const unsigned char *free, const wide *gradient, wide *way)
+static void newton(const bench *trial, const unsigned char *free, const wide *gradient, wide *way)
 {
-    static wide a[MOST_INPUTS][MOST_INPUTS], rest[MOST_INPUTS];
-    const unsigned n = t->p.inputs;
+    static wide matrix[MOST_INPUTS][MOST_INPUTS], rest[MOST_INPUTS];
+    const unsigned inputs = trial->p.inputs;
     unsigned char used[MOST_INPUTS] = {0};
-    for (unsigned j = 0; j < n; j++) {
+    for (unsigned j = 0; j < inputs; j++) {
         rest[j] = -gradient[j];
         for (unsigned k = 0; k <= j; k++) {
-            a[j][k] = j == k ? (wide)t->p.regularisation : 0;
-            for (unsigned i = 0; free[j] && free[k] && i < t->p.outputs; i++)
-                a[j][k] += (wide)t->weight[i] * t->weight[i] * t->b[i * n + j] * t->b[i * n + k];
+            matrix[j][k] = j == k ? (wide)trial->p.regularisation : 0;
+            for (unsigned i = 0; free[j] && free[k] && i < trial->p.outputs; i++)
+                matrix[j][k] += (wide)trial->weight[i] * trial->weight[i] *
+                                trial->b[i * inputs + j] * trial->b[i * inputs + k];
         }
     }
-    for (unsigned k = 0; k < n; k++) {
-        const wide diagonal = a[k][k];
+    for (unsigned k = 0; k < inputs; k++) {
+        const wide diagonal = matrix[k][k];
         wide pivot = diagonal;
         for (unsigned j = 0; j < k; j++)
-            pivot -= used[j] ? a[k][j] * a[k][j] * a[j][j] : 0;
+            pivot -= used[j] ? matrix[k][j] * matrix[k][j] * matrix[j][j] : 0;
         used[k] = free[k] && pivot > 1e-16L * diagonal;
-        a[k][k] = pivot;
-        for (unsigned i = k + 1; used[k] && i < n; i++) {
+        matrix[k][k] = pivot;
+        for (unsigned i = k + 1; used[k] && i < inputs; i++) {
             for (unsigned j = 0; j < k; j++)
-                a[i][k] -= used[j] ? a[i][j] * a[j][j] * a[k][j] : 0;
-            a[i][k] /= pivot;
-            rest[i] -= a[i][k] * rest[k];
+                matrix[i][k] -= used[j] ? matrix[i][j] * matrix[j][j] * matrix[k][j] : 0;
+            matrix[i][k] /= pivot;
+            rest[i] -= matrix[i][k] * rest[k];
         }
     }
-    for (unsigned k = n; k-- > 0;) {
-        way[k] = used[k] ? rest[k] / a[k][k] : 0;
-        for (unsigned i = k + 1; used[k] && i < n; i++)
-            way[k] -= used[i] ? a[i][k] * way[i] : 0;
+    for (unsigned k = inputs; k-- > 0;) {
+        way[k] = used[k] ? rest[k] / matrix[k][k] : 0;
+        for (unsigned i = k + 1; used[k] && i < inputs; i++)
+            way[k] -= used[i] ? matrix[i][k] * way[i] : 0;
     }
 }
 
 /* Part (0 to 1) of a way that the limits allow, and the first input to meet its limit, or n. */
-static wide free_part(const bench *t, const wide *v, const wide *way, unsigned *first)
+static wide free_part(const bench *trial, const wide *voltage, const wide *way, unsigned *first)
 {
     wide part = 1;
-    *first = t->p.inputs;
-    for (unsigned i = 0; i < t->p.inputs; i++) {
-        const wide room = way[i] < 0 ? v[i] - (wide)t->lo[i] : (wide)t->hi[i] - v[i];
+    *first = trial->p.inputs;
+    for (unsigned i = 0; i < trial->p.inputs; i++) {
+        const wide room =
+            way[i] < 0 ? voltage[i] - (wide)trial->lo[i] : (wide)trial->hi[i] - voltage[i];
         if (room < part * fabsl(way[i])) {
             part = room > 0 ? room / fabsl(way[i]) : 0;
             *first = i;
@@ -258,22 +265,23 @@ static wide free_part(const bench *t, const wide *v, const wide *way, unsigned *
  * One exact step of the reference solution: free are the inputs that the gradient may move, except
  * those that cannot follow.
  */
-static void polish(const bench *t, wide *v, const wide *gradient)
+static void polish(const bench *trial, wide *voltage, const wide *gradient)
 {
     unsigned char free[MOST_INPUTS];
     wide way[MOST_INPUTS], part = 0;
-    const unsigned n = t->p.inputs;
-    for (unsigned i = 0; i < n; i++)
-        free[i] = t->lo[i] < t->hi[i] &&
-                  (gradient[i] > 0 ? v[i] > (wide)t->lo[i] : v[i] < (wide)t->hi[i]);
-    for (unsigned tries = 0, first = 0; tries <= n && part <= 0 && first < n; tries++) {
-        newton(t, free, gradient, way);
-        part = free_part(t, v, way, &first);
-        if (first < n)
+    const unsigned inputs = trial->p.inputs;
+    for (unsigned i = 0; i < inputs; i++)
+        free[i] =
+            trial->lo[i] < trial->hi[i] &&
+            (gradient[i] > 0 ? voltage[i] > (wide)trial->lo[i] : voltage[i] < (wide)trial->hi[i]);
+    for (unsigned tries = 0, first = 0; tries <= inputs && part <= 0 && first < inputs; tries++) {
+        newton(trial, free, gradient, way);
+        part = free_part(trial, voltage, way, &first);
+        if (first < inputs)
             free[first] = 0;
     }
-    for (unsigned i = 0; i < n; i++)
-        v[i] = clip(v[i] + part * way[i], t->lo[i], t->hi[i]);
+    for (unsigned i = 0; i < inputs; i++)
+        voltage[i] = clip(voltage[i] + part * way[i], trial->lo[i], trial->hi[i]);
 }
 
 /*
@@ -281,16 +289,17 @@ static void polish(const bench *t, wide *v, const wide *gradient)
  * limits or regularisation make it larger), plus the effect of one rounding of each term of B'W^2
  * e.
  */
-static wide allowance(const bench *t)
+static wide allowance(const bench *trial)
 {
     wide rounding = 0;
-    const wide scale = fmaxl(energy(t), objective_at(t, t->c.info.voltage));
-    for (unsigned j = 0; j < t->p.inputs; j++) {
+    const wide scale = fmaxl(energy(trial), objective_at(trial, trial->c.info.voltage));
+    for (unsigned j = 0; j < trial->p.inputs; j++) {
         wide square = 0;
-        for (unsigned i = 0; i < t->p.outputs; i++)
-            square += (wide)t->weight[i] * t->weight[i] * t->b[i * t->p.inputs + j] *
-                      t->b[i * t->p.inputs + j];
-        rounding += (wide)PZS_EPSILON * sqrtl(square * scale) * fabsl((wide)t->c.info.voltage[j]);
+        for (unsigned i = 0; i < trial->p.outputs; i++)
+            square += (wide)trial->weight[i] * trial->weight[i] *
+                      trial->b[i * trial->p.inputs + j] * trial->b[i * trial->p.inputs + j];
+        rounding +=
+            (wide)PZS_EPSILON * sqrtl(square * scale) * fabsl((wide)trial->c.info.voltage[j]);
     }
     return TOLERANCE * scale + rounding;
 }
@@ -299,16 +308,17 @@ static wide allowance(const bench *t)
  * Upper bound of (objective - optimum) divided by the allowed difference, from the duality gap at a
  * refined point.
  */
-static wide excess(const bench *t)
+static wide excess(const bench *trial)
 {
-    wide v[MOST_INPUTS] = {0}, gradient[MOST_INPUTS];
-    for (unsigned i = 0; i < t->p.inputs; i++)
-        v[i] = t->c.info.voltage[i];
-    const wide scale = allowance(t), mine = objective(t, v, gradient);
-    wide bound = gap_of(t, v, gradient);
+    wide voltage[MOST_INPUTS] = {0}, gradient[MOST_INPUTS];
+    for (unsigned i = 0; i < trial->p.inputs; i++)
+        voltage[i] = trial->c.info.voltage[i];
+    const wide scale = allowance(trial), mine = objective(trial, voltage, gradient);
+    wide bound = gap_of(trial, voltage, gradient);
     for (unsigned pass = 0; pass < 2 * MOST_INPUTS && bound > scale / 2; pass++) {
-        polish(t, v, gradient);
-        const wide now = objective(t, v, gradient), better = mine - now + gap_of(t, v, gradient);
+        polish(trial, voltage, gradient);
+        const wide now = objective(trial, voltage, gradient),
+                   better = mine - now + gap_of(trial, voltage, gradient);
         bound = better < bound ? better : bound;
     }
     return bound / scale;

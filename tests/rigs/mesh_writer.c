@@ -181,10 +181,10 @@ static void write_2(const grid_mesh *grid, const out *file)
 {
     put_head(file, "2.2");
     fprintf(file->file, "$Nodes\n%d\n", grid->nodes);
-    for (int n = 0; n < grid->nodes; n++) {
-        put_int(file, grid->node_label[n]);
+    for (int index = 0; index < grid->nodes; index++) {
+        put_int(file, grid->node_label[index]);
         for (int i = 0; i < 3; i++)
-            put_real(file, grid->x[n][i]);
+            put_real(file, grid->x[index][i]);
         end_line(file);
     }
     fprintf(file->file, "%s$EndNodes\n$Elements\n%d\n", file->is_binary ? "\n" : "",
@@ -337,9 +337,9 @@ static void write_inp(const grid_mesh *grid, FILE *file)
     static const char *const side[4] = {"low1", "high1", "low2", "high2"};
     const int half = (grid->elements + 1) / 2;
     fputs("** a grid\n*Heading\n a line of text, 1, 2\n*NODE\n", file);
-    for (int n = 0; n < grid->nodes; n++)
-        fprintf(file, "%lld, %.17g,%.17g , %.17g\n", (long long)grid->node_label[n], grid->x[n][0],
-                grid->x[n][1], grid->x[n][2]);
+    for (int index = 0; index < grid->nodes; index++)
+        fprintf(file, "%lld, %.17g,%.17g , %.17g\n", (long long)grid->node_label[index],
+                grid->x[index][0], grid->x[index][1], grid->x[index][2]);
     for (int k = 0; k < 4; k++) {
         fprintf(file, "*ELEMENT, TYPE=T3D2, ELSET=%s\n", side[k]);
         for (int i = 0; i < side_count(grid, k); i++) {
@@ -367,11 +367,11 @@ static void write_inp(const grid_mesh *grid, FILE *file)
 
 void grid_write(const grid_mesh *grid, mesh_format format, FILE *file)
 {
-    const out o = {file, format == MSH2_BINARY || format == MSH4_BINARY};
+    const out target = {file, format == MSH2_BINARY || format == MSH4_BINARY};
     if (format == INP)
         write_inp(grid, file);
     else if (format == MSH2_TEXT || format == MSH2_BINARY)
-        write_2(grid, &o);
+        write_2(grid, &target);
     else
-        write_4(grid, &o);
+        write_4(grid, &target);
 }

@@ -19,21 +19,21 @@
 
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 
-static inline pzs_solver *path_of(scene_run *r)
+static inline pzs_solver *path_of(scene_run *run)
 {
-    return &r->analysis.equilibrium.solver;
+    return &run->analysis.equilibrium.solver;
 }
 
-static inline size_t dof_of(const scene_run *r)
+static inline size_t dof_of(const scene_run *run)
 {
-    return (size_t)r->analysis.design.mesh.free_dof;
+    return (size_t)run->analysis.design.mesh.free_dof;
 }
 
-static inline double largest(const double *x, size_t n)
+static inline double largest(const double *vector, size_t count)
 {
     double most = 0;
-    for (size_t i = 0; i < n; i++)
-        most = fmax(most, fabs(x[i]));
+    for (size_t i = 0; i < count; i++)
+        most = fmax(most, fabs(vector[i]));
     return most;
 }
 
@@ -41,12 +41,12 @@ static inline double largest(const double *x, size_t n)
  * Largest difference of two vectors, relative to the largest entry of the second; infinite if an
  * entry of the first is.
  */
-static inline double apart(const double *x, const double *y, size_t n)
+static inline double apart(const double *found, const double *expected, size_t count)
 {
     double most = 0;
-    for (size_t i = 0; i < n; i++)
-        most = isfinite(x[i]) ? fmax(most, fabs(x[i] - y[i])) : HUGE_VAL;
-    return most / largest(y, n);
+    for (size_t i = 0; i < count; i++)
+        most = isfinite(found[i]) ? fmax(most, fabs(found[i] - expected[i])) : HUGE_VAL;
+    return most / largest(expected, count);
 }
 
 #endif

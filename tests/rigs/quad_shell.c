@@ -104,10 +104,10 @@ void quad_shell_single(quad_shell *shell, const double corner[4][3], const doubl
     quad_mesh *quads = &shell->quads;
     quads->element = grow(quads->element, 1, sizeof *quads->element);
     quads->elements = 1;
-    for (int r = 0; r < 4; r++) {
-        quads->element[0][r] = add_node(quads, corner[r], director[r]);
-        memcpy(quads->director[r], director[r], sizeof *quads->director);
-        memcpy(quads->axis[r], axis[r], sizeof *quads->axis);
+    for (int index = 0; index < 4; index++) {
+        quads->element[0][index] = add_node(quads, corner[index], director[index]);
+        memcpy(quads->director[index], director[index], sizeof *quads->director);
+        memcpy(quads->axis[index], axis[index], sizeof *quads->axis);
     }
 }
 
@@ -182,10 +182,10 @@ typedef struct swept_node {
 
 static int compare_swept(const void *left, const void *right)
 {
-    const swept_node *x = left, *y = right;
-    if (x->at < y->at || x->at > y->at)
-        return x->at < y->at ? -1 : 1;
-    return (x->node > y->node) - (x->node < y->node);
+    const swept_node *one_node = left, *other_node = right;
+    if (one_node->at < other_node->at || one_node->at > other_node->at)
+        return one_node->at < other_node->at ? -1 : 1;
+    return (one_node->node > other_node->node) - (one_node->node < other_node->node);
 }
 
 int quad_shell_build(quad_shell *shell, const double sweep[3])

@@ -24,9 +24,9 @@ static double plane_product(const double left[3], const double right[3])
  * Strains 11, 22, 12, 13, 23 at a height above the reference surface, for a unit amplitude i; w
  * varies as cos cos, u as sin cos, v as cos sin along the axis and around the circumference.
  */
-static void cylinder_strain(int i, double wave, double harmonic, double z, double strain[5])
+static void cylinder_strain(int i, double wave, double harmonic, double offset, double strain[5])
 {
-    const double radius = 1 + z, height = i >= T1 ? z : 1;
+    const double radius = 1 + offset, height = i >= T1 ? offset : 1;
     const int along = i == U || i == T1, around = i == V || i == T2;
     strain[0] = along ? wave * height : 0;
     strain[1] = ((around ? harmonic * height : 0) + (i == W ? 1 : 0)) / radius;

@@ -12,13 +12,13 @@
 #include "../../lib/core/guard.h"
 #include "../../lib/model/model.h"
 
-static inline pzs_real *rounded(const double *x, size_t n)
+static inline pzs_real *rounded(const double *from, size_t count)
 {
-    pzs_real *y = calloc(n + 1, sizeof *y);
-    assert_non_null(y);
-    for (size_t i = 0; i < n; i++)
-        y[i] = (pzs_real)x[i];
-    return y;
+    pzs_real *to = calloc(count + 1, sizeof *to);
+    assert_non_null(to);
+    for (size_t i = 0; i < count; i++)
+        to[i] = (pzs_real)from[i];
+    return to;
 }
 
 static inline pzs_real *round_rows(const bridge_rows *from, pzs_rows *to)
@@ -42,30 +42,31 @@ enum {
     ROUNDED_ARRAYS
 };
 
-static inline void round_structure(const bridge *b, pzs_structure *structure,
+static inline void round_structure(const bridge *tables, pzs_structure *structure,
                                    pzs_real *owned[ROUNDED_ARRAYS])
 {
-    const size_t corners = 4 * (size_t)b->unknowns;
-    assert_int_equal(b->kind_reals * sizeof(pzs_real), sizeof(pzs_element_type));
+    const size_t corners = 4 * (size_t)tables->unknowns;
+    assert_int_equal(tables->kind_reals * sizeof(pzs_real), sizeof(pzs_element_type));
     owned[ROUNDED_STIFFNESS] =
-        rounded(b->stiffness, (size_t)b->kinds * corners * (corners + 1) / 2);
-    owned[ROUNDED_KIND] = rounded(b->kind, (size_t)b->kinds * b->kind_reals);
+        rounded(tables->stiffness, (size_t)tables->kinds * corners * (corners + 1) / 2);
+    owned[ROUNDED_KIND] = rounded(tables->kind, (size_t)tables->kinds * tables->kind_reals);
     structure->format = PZS_TABLE_FORMAT;
-    structure->nodes = (uint16_t)b->nodes;
-    structure->elements = (uint16_t)b->elements;
-    structure->types = (uint16_t)b->kinds;
-    structure->dof_per_node = (uint16_t)b->unknowns;
-    structure->free_dof = (uint16_t)b->dof;
-    structure->element = (const uint16_t(*)[4])(const void *)b->element;
-    structure->element_type = b->element_kind;
-    structure->node_dof = b->node_dof;
-    structure->first_column = b->first;
+    structure->nodes = (uint16_t)tables->nodes;
+    structure->elements = (uint16_t)tables->elements;
+    structure->types = (uint16_t)tables->kinds;
+    structure->dof_per_node = (uint16_t)tables->unknowns;
+    structure->free_dof = (uint16_t)tables->dof;
+    structure->element = (const uint16_t(*)[4])(const void *)tables->element;
+    structure->element_type = tables->element_kind;
+    structure->node_dof = tables->node_dof;
+    structure->first_column = tables->first;
     structure->stiffness = owned[ROUNDED_STIFFNESS];
     structure->type = (const pzs_element_type *)(const void *)owned[ROUNDED_KIND];
-    owned[ROUNDED_INPUT] = round_rows(&b->input, &structure->input);
-    owned[ROUNDED_OUTPUT] = round_rows(&b->output, &structure->output);
-    owned[ROUNDED_SPRING] = round_rows(&b->spring, &structure->spring);
-    owned[ROUNDED_SPRING_STIFFNESS] = rounded(b->spring_stiffness, (size_t)b->spring.count);
+    owned[ROUNDED_INPUT] = round_rows(&tables->input, &structure->input);
+    owned[ROUNDED_OUTPUT] = round_rows(&tables->output, &structure->output);
+    owned[ROUNDED_SPRING] = round_rows(&tables->spring, &structure->spring);
+    owned[ROUNDED_SPRING_STIFFNESS] =
+        rounded(tables->spring_stiffness, (size_t)tables->spring.count);
     structure->spring_stiffness = owned[ROUNDED_SPRING_STIFFNESS];
     structure->crc = pzs_structure_crc(structure);
 }

@@ -23,17 +23,17 @@
 
 static const char *const elements[3] = {PUBLISHED, IMPROVED, IMPROVED "dof_per_node=6;"};
 
-static inline void open_run(scene_run *r, const char *name, const char *changes)
+static inline void open_run(scene_run *run, const char *name, const char *changes)
 {
-    if (scene_run_open(r, name, changes) < 0)
-        fail_msg("%s", r->error);
+    if (scene_run_open(run, name, changes) < 0)
+        fail_msg("%s", run->error);
 }
 
-static inline void solve_run(scene_run *r, const char *name, const char *changes)
+static inline void solve_run(scene_run *run, const char *name, const char *changes)
 {
-    open_run(r, name, changes);
-    if (scene_run_solve(r) < 0)
-        fail_msg("%s", r->error);
+    open_run(run, name, changes);
+    if (scene_run_solve(run) < 0)
+        fail_msg("%s", run->error);
 }
 
 /* Join two lists of changes of a scene. */
