@@ -9,7 +9,7 @@
 
 enum { KEY_COLUMN = 32, KIND_TEXT = 600 };
 
-/* Text that is composed piece by piece; what exceeds its size is cut off. */
+/* Description of the type of a value, composed piece by piece; what exceeds its size is cut off. */
 typedef struct kind_text {
     char text[KIND_TEXT];
     size_t length;
@@ -47,7 +47,10 @@ static void append_words(kind_text *to, const choice *words)
 
 static void append_kind(kind_text *to, const form *form);
 
-/* Append "[number, number]" for a list of fixed length, otherwise "list of number". */
+/*
+ * Append the type of a list to a description: "[number, number]" for a list of fixed length,
+ * otherwise "list of number".
+ */
 static void append_list(kind_text *to, const form *form)
 {
     if (form->most == 0 || form->most != form->least) {
@@ -109,7 +112,7 @@ static void print_field(FILE *file, const field *field, int depth)
     print_form(file, &own, depth + 1);
 }
 
-/* Print the keys of the mappings that the value of a key may contain. */
+/* Print the keys that the value of a key may contain, where the value is itself a group of keys. */
 static void print_form(FILE *file, const form *form, int depth)
 {
     for (const field *field = form->type == FORM_MAP ? form->fields : NULL; field && field->key;
@@ -121,7 +124,10 @@ static void print_form(FILE *file, const form *form, int depth)
         print_form(file, form->any[i], depth);
 }
 
-/* Section number k, counted through all forms of a scene, or NULL behind the last section. */
+/*
+ * Section of a scene with index k, counted over the alternative forms that a scene may have, or
+ * NULL behind the last section.
+ */
 static const field *section_of(int k)
 {
     for (int i = 0; scene_form.any[i]; i++)
@@ -131,7 +137,10 @@ static const field *section_of(int k)
     return NULL;
 }
 
-/* Whether section number k is already contained in an earlier form of a scene. */
+/*
+ * Whether the section of a scene with index k also occurs in an earlier one of the alternative
+ * forms that a scene may have.
+ */
 static bool is_repeated(int k)
 {
     const field *const own = section_of(k);

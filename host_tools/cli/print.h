@@ -28,7 +28,7 @@ typedef struct shape_run {
  */
 void print_head(const analysis *analysis, const char *influence);
 
-/* Print how well the sensors determine the shape as the JSON member `estimate`. */
+/* Write how well the sensors determine the shape as the JSON member `estimate`. */
 void print_estimate_json(json *json, const estimator *estimator);
 
 /* Print the size of the scene and the memory that its tables need on a device. */

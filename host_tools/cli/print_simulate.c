@@ -169,7 +169,7 @@ static void print_phases(const simulation *simulation)
          "  the answer");
 }
 
-/* Largest value of a record in one of `parts` equal parts of the simulated time. */
+/* Largest recorded value in one of `parts` equal parts of the simulated time. */
 static double largest(const simulate_record *record, const double *value, int part, int parts)
 {
     double most = 0;
@@ -213,7 +213,7 @@ static void print_count(const simulation *simulation, simulate_law law)
                run ? (double)count->iterations / (double)run : 0, count->iterations_most);
 }
 
-/* Print the largest error of the estimated shape. */
+/* Print the largest error of the shape that the controller estimates from few sensors. */
 static void print_estimated(const simulation *simulation)
 {
     const simulate_phase *worst = simulation->phase;

@@ -79,8 +79,8 @@ static void write_word(json *json, const char *word)
 /* ---- mappings --------------------------------------------------------- */
 
 /*
- * Whether an item of the keys of a combination concerns a certain key of a mapping.
- *   item out  that item
+ * Whether a permitted combination of keys mentions a certain key.
+ *   item out  entry of the combination that mentions the key
  */
 static bool find_item(const form_case *one, const char *key, case_item *item)
 {
@@ -101,8 +101,8 @@ static bool is_mentioned(const form_case *cases, const char *key)
 }
 
 /*
- * Whether a mapping may have a key in a combination of keys.
- *   one in  the combination; NULL where the mapping has no combinations
+ * Whether a group of keys in a scene may contain a certain key.
+ *   one in  permitted combination of keys; NULL where the group has no such combinations
  */
 static bool is_permitted(const form *form, const form_case *one, const char *key)
 {
@@ -120,8 +120,8 @@ static bool is_required(const field *field, const form_case *one)
 }
 
 /*
- * Write the words that a combination of keys permits for one key; the words are separated by '/' in
- * the item.
+ * Write to the schema which words are permitted as value of a key. The words are separated by '/'
+ * in an entry of a permitted combination of keys.
  */
 static void write_item_words(json *json, const case_item *item)
 {
@@ -164,7 +164,7 @@ static void write_field(json *json, const field *field, const form_case *one)
     json_close(json, '}');
 }
 
-/* Write to the schema that exactly one key of an item "a|b|c" is required. */
+/* Write to the schema that exactly one of the keys a, b and c of an entry "a|b|c" is required. */
 static void write_alternatives(json *json, const case_item *item)
 {
     size_t start = 0;
@@ -215,7 +215,7 @@ static void write_required(json *json, const form *form, const form_case *one)
 }
 
 /*
- * Write the schema of a mapping in one of its combinations of keys.
+ * Write the schema of a group of keys in one of its permitted combinations.
  *   one in  the combination; NULL: any keys
  */
 static void write_object(json *json, const form *form, const form_case *one)

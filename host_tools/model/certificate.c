@@ -137,7 +137,7 @@ static void rate_text(const certificate *certificate, char text[SCENE_ERROR])
             certificate->rate, certificate->radius);
 }
 
-/* Append formatted text to the text of a certificate. */
+/* Append formatted text to the description of a certificate, as printf does. */
 static void append(char text[CERTIFICATE_TEXT], const char *format, ...)
 {
     const size_t length = strlen(text);

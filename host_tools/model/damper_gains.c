@@ -123,7 +123,8 @@ typedef struct doubling {
     size_t n;
     double *a, *g, *h; /* [n][n] iterates of the doubling; h converges to the solution of the
                           Riccati equation */
-    double *w, *work, *aw, *other; /* [n][n] inverse of 1 + g h, product a w, and work matrices */
+    double *w, *work, *aw, *other; /* [n][n] inverse of 1 + g h, product of a with that inverse, and
+                                      work matrices */
     double *memory;
 } doubling;
 
@@ -140,8 +141,8 @@ static int doubling_open(doubling *doubling, size_t order)
 }
 
 /*
- * Replace the iterate h by h + next. Returns the largest change of an entry relative to the largest
- * entry.
+ * Add `next` to the iterate of the doubling that converges to the solution of the Riccati equation.
+ * Returns the largest change of an entry relative to the largest entry.
  */
 static double renew(doubling *doubling, const double *next)
 {

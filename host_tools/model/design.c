@@ -428,7 +428,10 @@ static void stack_columns(const mesh *mesh, int actuator, row_builder *columns, 
     }
 }
 
-/* Whether a load acts along a vector of its own instead of a component. */
+/*
+ * Whether a load acts along a vector that the scene gives, instead of along a displacement
+ * component.
+ */
 static bool has_vector(const scene_load *load)
 {
     return vector_length(load->vector) > 0;
@@ -452,8 +455,8 @@ static void load_vector(const mesh *mesh, const scene_load *load, int node, doub
 }
 
 /*
- * Add the nodal forces of a force on the face that the load names, by the virtual work of the
- * force. A force on the middle surface is divided equally between both faces.
+ * Add the nodal forces of a concentrated force on the face that the load names, by the virtual work
+ * of the force. A force on the middle surface is divided equally between both faces.
  */
 static void add_force(const mesh *mesh, const scene_load *load, int node, double factor,
                       const double direction[3], double *dense)
@@ -665,7 +668,10 @@ static int extras_of(const design *design)
     return scene->kinematics == KINEMATICS_LINEAR ? 0 : extras;
 }
 
-/* Refuse a moment about the normal, about which a shell has no rotation. */
+/*
+ * Refuse a moment about the normal of the shell, about which the shell has no rotation. Returns 0,
+ * or -1 with error filled.
+ */
 static int check_moment(const mesh *mesh, const scene_load *load, int *node, char *error)
 {
     double weight[7];

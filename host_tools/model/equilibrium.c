@@ -154,7 +154,7 @@ static pzs_status build_follower(equilibrium *equilibrium, const scene_load *loa
     if (design_load_values(mesh, load, pressure, error) < 0)
         return PZS_E_NONFINITE;
     follower->input = input;
-    follower->load_face = 2; /* 2: the load acts on the middle surface */
+    follower->load_face = 2; /* load face 2 is the middle surface */
     if (load->face == FACE_INNER || load->face == FACE_OUTER)
         follower->load_face = load->face == FACE_OUTER;
     follower->normal_face = load->follower == FOLLOWER_PRESSURE && load->face == FACE_INNER ? 0 : 1;

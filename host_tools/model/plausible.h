@@ -30,15 +30,15 @@ typedef struct plausible {
     plausible_warning warning[PLAUSIBLE_MOST];
 } plausible;
 
-/* Apply the rules on the numbers of a checked scene. */
+/* Apply the plausibility rules on the numbers of a checked scene. */
 void plausible_scene(plausible *warnings, const scene *scene);
 
-/* Apply the rules on a mesh and its laminate. */
+/* Apply the plausibility rules on a mesh and its laminate. */
 void plausible_mesh(plausible *warnings, const mesh *mesh);
 
 /*
- * Apply the rules on a displacement of a structure. Where several displacements are examined, the
- * worst result of each rule is kept.
+ * Apply the plausibility rules on a displacement of a structure. Where several displacements are
+ * examined, the worst result of each rule is kept.
  *   displacement [free_dof] in
  *   is_linear               in  1 where it was computed with linear kinematics
  *   name                    in  name of the result in the text of a warning
@@ -47,7 +47,7 @@ void plausible_result(plausible *warnings, const mesh *mesh, const double *displ
                       int is_linear, const char *name);
 
 /*
- * Apply the rules on computed voltages.
+ * Apply the plausibility rules on computed voltages.
  *   voltage [amplifiers] in  (V)
  */
 void plausible_voltages(plausible *warnings, const scene *scene, const double *voltage,
@@ -63,11 +63,11 @@ typedef struct plausible_optimum {
                       without limits */
 } plausible_optimum;
 
-/* Apply the rules on the optimum of the voltages for a target. */
+/* Apply the plausibility rules on the optimum of the voltages for a target. */
 void plausible_target(plausible *warnings, const scene *scene, const plausible_optimum *optimum);
 
 /*
- * Apply the rules on the load path to an equilibrium.
+ * Apply the plausibility rules on the load path to an equilibrium.
  *   difference      in  relative difference to the result with twice as many load steps
  *       (analysis_path_difference)
  *   negative_pivots in  number of negative pivots of the tangent stiffness at the equilibrium
@@ -76,15 +76,15 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
                     unsigned negative_pivots);
 
 /*
- * Apply the rule on a certified control loop with a vibration model.
+ * Apply the plausibility rule on a certified control loop with a vibration model.
  *   older in  number of ticks by which readings may be older than the scene states
  */
 void plausible_loop(plausible *warnings, const scene *scene, int older);
 
-/* Print the warnings as a block of lines; print nothing where there are none. */
+/* Print plausibility warnings as a block of lines; print nothing where there are none. */
 void plausible_print(FILE *file, const plausible *warnings);
 
-/* Write the warnings as the JSON list `warnings`, which is empty where there are none. */
+/* Write plausibility warnings as the JSON list `warnings`, which is empty where there are none. */
 void plausible_json(json *json, const plausible *warnings);
 
 /*

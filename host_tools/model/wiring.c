@@ -17,13 +17,16 @@
 enum { SWAP_ACTUATORS = 128 };
 
 /*
- * Fraction of the median gain: smaller gains are those of dead electrodes, gains below the negative
- * of this value those of reversed wires. The standard error of such a gain must be smaller than
- * half of this value.
+ * Fraction of the median gain of the electrodes (ratio of actual to model influence): smaller gains
+ * are those of dead electrodes, gains below the negative of this value those of reversed wires. The
+ * standard error of such a gain must be smaller than half of this value.
  */
 static const double dead_gain = 0.3;
 
-/* Prior standard deviation of the gains relative to their common mean. */
+/*
+ * Prior standard deviation of the electrodes' gains (ratios of actual to model influence) relative
+ * to their common mean.
+ */
 static const double gain_spread = 1;
 
 /* Arrays of one search for wiring faults, in one allocation that begins at `voltages`. */
@@ -36,8 +39,9 @@ typedef struct wiring {
     double *products; /* [n][n] products of the voltages of each amplifier, the measured shapes and
                          the model's column of each electrode */
     double *matrix;   /* [n][n] matrix of the normal equations, then its Cholesky factor */
-    double *gain;     /* [n] right-hand side of the normal equations, then gain of each electrode */
-    double *work;     /* [n] work vector */
+    double *gain; /* [n] right-hand side of the normal equations, then gain of each electrode (ratio
+                     of its actual to its model influence) */
+    double *work; /* [n] work vector */
     size_t *amplifier; /* [n] index of the amplifier to which each electrode is connected */
     double squares;    /* sum of squares of the measured shapes */
     double entries;    /* number of values of the measured shapes */
@@ -140,7 +144,10 @@ static double right_side(const wiring *wiring, size_t actuator)
     return wiring->products[wiring->amplifier[actuator] * wiring->n + actuator];
 }
 
-/* Common gain of all electrodes that fits the measured shapes best. */
+/*
+ * Common gain of all electrodes (ratio of actual to model influence) that fits the measured shapes
+ * best.
+ */
 static double common_gain(const wiring *wiring)
 {
     double with_shape = 0, size = 0;
@@ -153,8 +160,9 @@ static double common_gain(const wiring *wiring)
 }
 
 /*
- * Compute the gains of all electrodes for the present wiring. The prior keeps a gain that the pokes
- * do not determine at the common gain. Returns the remaining sum of squares.
+ * Compute the gain of every electrode (ratio of its actual to its model influence) for the present
+ * wiring. The prior keeps a gain that the pokes do not determine at the common gain. Returns the
+ * remaining sum of squares.
  */
 static double find_gains(wiring *wiring)
 {
@@ -225,8 +233,8 @@ static double median_gain(wiring *wiring)
 }
 
 /*
- * Standard error of the gain of an electrode, from the Cholesky factor of the last call of
- * find_gains.
+ * Standard error of the gain of an electrode (ratio of its actual to its model influence), from the
+ * Cholesky factor of the last call of find_gains.
  */
 static double gain_error(wiring *wiring, size_t actuator)
 {
@@ -237,8 +245,8 @@ static double gain_error(wiring *wiring, size_t actuator)
 }
 
 /*
- * Find dead electrodes and reversed wires by their gains, and append them to the list of faults.
- * Returns the number of all faults.
+ * Find dead electrodes and reversed wires by the gains of the electrodes (ratios of actual to model
+ * influence), and append them to the list of faults. Returns the number of all faults.
  */
 static int find_gain_faults(wiring *wiring, wiring_fault *fault, int faults)
 {

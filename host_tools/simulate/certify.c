@@ -37,7 +37,10 @@ static const double two_pi = 6.283185307179586;
 static const double storm_gain[PLANTS] = {1, 0.8, 0.8, 1.33, 1.33},
                     storm_frequency[PLANTS] = {1, 0.9, 1.1, 0.9, 1.1};
 
-/* Share of the ticks that are missed in the storms with the last sequence of targets. */
+/*
+ * Share of the ticks that are missed in those storms (simulations with fast target jumps) that use
+ * the last sequence of targets.
+ */
 static const double missed_share = 0.05;
 
 /*
@@ -70,7 +73,7 @@ enum { CHOICES = sizeof choices / sizeof *choices };
  */
 static const double slowest = 1.25;
 
-/* A control loop with the tables for one choice of settings and tick rate. */
+/* A control loop with tables for one choice of settings of the control tick and one tick rate. */
 typedef struct trial {
     analysis *analysis;
     estimator estimator;
@@ -83,8 +86,8 @@ typedef struct trial {
 /* ---- tables ----------------------------------------------------------- */
 
 /*
- * Replace the tables of the loop by those for another tick rate and other settings. Returns 0, or
- * -1 with error filled.
+ * Replace the tables of the control loop by those for another tick rate and other settings of the
+ * control tick. Returns 0, or -1 with error filled.
  */
 static int retable(trial *trial, const damper_options *options, char *error)
 {
@@ -249,7 +252,10 @@ static int count_ages(const trial *trial, int sign, int most, int *stood, char *
 
 /* ---- choice ----------------------------------------------------------- */
 
-/* Certify the loop with one choice of settings. Returns 0, or -1 with error filled. */
+/*
+ * Certify the loop with one choice of settings of the control tick. Returns 0, or -1 with error
+ * filled.
+ */
 static int try_choice(trial *trial, int choice, damper_options *options, certificate_loop *loop,
                       char *error)
 {
@@ -334,7 +340,10 @@ static int choose(trial *trial, char *error)
     return 0;
 }
 
-/* Determine whether the scene's loop has a vibration block. Returns 0, or -1 with error filled. */
+/*
+ * Determine whether the block list of the scene's control loop contains a block that damps
+ * vibration. Returns 0, or -1 with error filled.
+ */
 static int has_damper(const analysis *analysis, bool *has, char *error)
 {
     estimator estimator;

@@ -63,7 +63,7 @@ void device_stop(device *device);
 void device_hold(device *device, int input, double voltage);
 void device_release(device *device, int input);
 
-/* Call pzs_loop_skip in the firmware: `ticks` were missed before the next one. */
+/* Call pzs_loop_skip in the firmware, which informs the firmware of a number of missed ticks. */
 void device_skip(device *device, int ticks);
 
 /*

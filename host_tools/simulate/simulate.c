@@ -408,7 +408,10 @@ static int settled_after(const course_log *record, const design *design)
     return after < ticks ? after : -1;
 }
 
-/* Compute the means over the last ticks of a phase, which are at most a quarter of the phase. */
+/*
+ * Compute the mean errors, mean vibration and mean shape over the last ticks of a phase, which are
+ * at most a quarter of the phase.
+ */
 static void finish_course(course_log *record, const loop *loop, simulate_course *course)
 {
     const design *design = loop->design;

@@ -94,8 +94,8 @@ static int store_tick(loop *loop, int tick, char *error)
 }
 
 /*
- * Compute the readings passed to the controller: those of `delay` ticks ago, with noise and faults.
- * A stuck sensor repeats its reading to the last bit.
+ * Compute the readings that the controller receives: those of `delay` ticks ago, with noise and
+ * faults. A stuck sensor repeats its reading to the last bit.
  */
 static void read_sensors(loop *loop, int tick)
 {

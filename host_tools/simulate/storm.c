@@ -24,7 +24,10 @@ enum {
 
 static const double two_pi = 6.283185307179586;
 
-/* Standard deviation of the noise relative to the largest displacement of the best shape. */
+/*
+ * Standard deviation of the sensors' noise relative to the largest displacement of the best shape
+ * that the limits allow.
+ */
 static const double noise_share = 1e-4;
 
 /*
@@ -157,7 +160,7 @@ typedef struct storm {
     inertia inertia;
     uint64_t random;
     int tick, kept; /* present tick; number of ticks whose readings are stored */
-    int missed;     /* number of ticks missed since the last one that ran */
+    int missed;     /* number of ticks missed since the last tick that ran */
     double noise;   /* standard deviation of the noise of a reading */
     double *memory; /* one allocation that holds the arrays from `limits` on */
     double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
@@ -370,7 +373,7 @@ static void observe_shape(storm *storm)
         storm->shape[i] += storm->part[i];
 }
 
-/* Compute the present readings and store them until they arrive at the loop. */
+/* Compute the present readings of the sensors and store them until they arrive at the loop. */
 static void observe(storm *storm)
 {
     const storm_rig *rig = storm->rig;
@@ -388,7 +391,7 @@ static void observe(storm *storm)
     }
 }
 
-/* Compute the readings that the loop receives: late, with noise. */
+/* Compute the readings that the loop receives: late, and with noise. */
 static void sense(storm *storm)
 {
     const storm_rig *rig = storm->rig;
@@ -399,13 +402,16 @@ static void sense(storm *storm)
             shown[i] + (storm->noise > 0 ? storm->noise * random_noise(&storm->random) : 0);
 }
 
-/* Whether this tick is missed. */
+/* Whether the present tick is missed, by a random number. */
 static bool misses(storm *storm)
 {
     return storm->plant->missed > 0 && random_uniform(&storm->random) < storm->plant->missed;
 }
 
-/* Let the loop choose voltages, after it has been told of missed ticks. Returns its status. */
+/*
+ * Inform the loop of missed ticks, and let the loop compute the voltages. Returns the status of the
+ * loop.
+ */
 static pzs_status choose_voltages(storm *storm)
 {
     if (storm->missed > 0 && !storm->plant->is_untold)
@@ -462,7 +468,10 @@ static void throw_target(storm *storm)
     multiply(storm->thrown, rig->influence, storm->before, rig->targets, amplifiers, 1);
 }
 
-/* Set the noise in proportion to the largest displacement of the best shape. */
+/*
+ * Set the noise of the sensors in proportion to the largest displacement of the best shape that the
+ * limits allow.
+ */
 static void set_noise(storm *storm)
 {
     double largest = 0;

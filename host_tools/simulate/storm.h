@@ -29,8 +29,8 @@ typedef struct storm_plant {
     int more_delay; /* number of ticks by which readings are older than the scene states; negative:
                        newer */
     uint64_t seed;  /* seed of the random sequence of targets */
-    double missed;  /* share of the ticks that are missed, 0 to 1 */
-    bool is_untold; /* true: pzs_loop_skip does not inform the loop of missed ticks */
+    double missed;  /* share of the ticks that are missed, from 0 to 1 */
+    bool is_untold; /* true: the loop is not informed of missed ticks by pzs_loop_skip */
 } storm_plant;
 
 /* Data that all storms (simulations with fast target jumps) of one control loop share. */
@@ -54,12 +54,12 @@ typedef struct storm_rig {
 } storm_rig;
 
 typedef struct storm_result {
-    double end;  /* largest distance from the best shape in the last period, relative to the norm of
-                    the target */
-    double peak; /* largest distance from the best shape at any time, relative to the norm of the
-                    target */
-    double growth; /* growth factor of the distance per tick, mean over the second half; only for
-                      runs without limits */
+    double end;  /* largest distance from the best shape that the limits allow, in the last period,
+                    relative to the norm of the target */
+    double peak; /* largest distance from the best shape that the limits allow, at any time,
+                    relative to the norm of the target */
+    double growth; /* growth factor per tick of the distance from the best shape, mean over the
+                      second half; only for simulations without limits */
     int ticks;
     bool passed;
 } storm_result;

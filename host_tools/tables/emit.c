@@ -88,7 +88,7 @@ void emit_real(FILE *file, double value)
         fprintf(file, "%.17g", value);
 }
 
-/* Write the values of an initialiser, `columns` of them in each line. */
+/* Write the values of a C array initialiser, `columns` of them in each line. */
 static void list_reals(FILE *file, const double *value, size_t count, size_t columns)
 {
     for (size_t i = 0; i < count; i++) {

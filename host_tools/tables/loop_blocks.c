@@ -265,7 +265,7 @@ static void write_supervision(emitter *emitter, const loop_blocks *blocks)
     fputs("\n};\n", emitter->file);
 }
 
-/* Write the arrays of the damper in the order in which their type declares them. */
+/* Write the arrays of the block that damps vibration, in the order of the members of their type. */
 static void write_damper_arrays(emitter *emitter, const pzs_vibration *tables)
 {
     const size_t modes = tables->modes, inputs = tables->inputs, sensors = tables->sensors;

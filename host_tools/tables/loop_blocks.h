@@ -13,8 +13,10 @@ typedef struct loop_blocks {
     const design *design;
     const estimator *estimator;
     const damper *damper;
-    /* The tables of those blocks whose data are not stored in the design, the estimator or the
-       damper. */
+    /*
+     * Tables of those blocks of the control tick whose data are not stored in the design, the
+     * estimator or the damper.
+     */
     pzs_reading_delay delay;
     pzs_known_loads known_loads;
     pzs_governor governor;
