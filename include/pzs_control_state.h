@@ -254,9 +254,8 @@ typedef struct pzs_damper_state {
                              sensor) */
     pzs_real *innovation; /* [sensors] reading minus predicted reading (unit of each sensor) */
     pzs_real *sensed;     /* [sensors] readings of the last tick (unit of each sensor) */
-    pzs_real *residual; /* [sensors] low-passed innovation: the part of the readings that the modes
-                           do not explain (unit of each sensor) */
-    pzs_real *damping;  /* [inputs] damping gradient passed to the control step (m2/V) */
+    pzs_real *residual;   /* [sensors] low-passed innovation (unit of each sensor) */
+    pzs_real *damping;    /* [inputs] damping gradient passed to the control step (m2/V) */
     pzs_real *carry;  /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
                          made (V) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it

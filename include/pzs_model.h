@@ -42,9 +42,9 @@ typedef struct pzs_element_type {
     pzs_real d[4][55];
     pzs_real thickness; /* thickness of the element (m) */
     /*
-     * factors of the strains that warp adds to the mean strain 12 of mode 00 (1): difference
-     * strains 12 of mode 00, 13 of 01, 23 of 10, 13 of 00, 23 of 00, and difference strains 11 of
-     * 00, 11 of 01, 22 of 00, 22 of 10
+     * factors of the strains that warp adds to the mean strain 12 of mode 00 (1): difference strain
+     * 12 of mode 00; strains 13 of 01, 23 of 10, 13 of 00, 23 of 00; difference strains 11 of 00,
+     * 11 of 01, 22 of 00, 22 of 10
      */
     pzs_real warp[9];
     /*

@@ -24,11 +24,12 @@ extern "C" {
  * with the shell. A load that keeps its direction is a row of pzs_structure.input instead.
  */
 typedef struct pzs_prescribed_resultants {
-    uint16_t values;       /* number of rows of `value` */
-    const uint32_t *start; /* [inputs + 1] index of the first entry of each input; an input without
-                              entries is a load */
-    const uint16_t *element;     /* [start[inputs]] index of the element of each entry */
-    const uint16_t *which;       /* [start[inputs]] row of `value` for each entry */
+    uint16_t values;         /* number of rows of the array `value` */
+    const uint32_t *start;   /* [inputs + 1] first entry of each input in the arrays `element` and
+                                `which`; an input without entries is a load */
+    const uint16_t *element; /* [start[inputs]] index of the element on which each entry acts */
+    const uint16_t *which; /* [start[inputs]] row of the array `value` that holds the resultants of
+                              each entry */
     const pzs_real (*value)[10]; /* [values] resultants per unit of input, times the area of the
                                     element (N m), in the strain order of pzs_element_type.d */
 } pzs_prescribed_resultants;
@@ -104,8 +105,8 @@ typedef struct pzs_solver_info {
                                     the load step (1) */
     uint32_t linear_solves;      /* number of linear solves in the last call */
     uint32_t load_steps;         /* number of converged load steps in the last call */
-    uint32_t shortened_steps; /* number of converged load steps in the last call that an option has
-                                 shortened, because the contact body moves far */
+    uint32_t shortened_steps; /* number of converged load steps in the last call that were shortened
+                                 to limit the motion of the contact body */
     uint32_t negative_pivots; /* number of negative pivots of the tangent stiffness at the
                                  equilibrium; 0: stable */
     int32_t where;            /* index to which the last status refers, or -1 */
@@ -393,8 +394,8 @@ typedef struct pzs_contact_info {
     uint16_t nodes;           /* number of nodes in contact */
     pzs_real sag; /* largest depth of the body between nodes in the last load step that was accepted
                      as an effect of flat elements (m) */
-    pzs_penetration penetration; /* penetration for which the last load step was rejected, or about
-                                    which it warned */
+    pzs_penetration penetration; /* penetration for which the solver rejected the last load step, or
+                                    about which it warned */
     uint8_t side; /* face that the body enters: 0 inner, 1 outer. If it is not the face of the
                      tables, the body comes from behind */
     uint16_t element, node; /* element and node of the penetration; for a penetration between nodes,

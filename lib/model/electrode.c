@@ -134,8 +134,8 @@ pzs_status pzs_electric_init(pzs_electric *electric, pzs_model *model, const pzs
 }
 
 /*
- * Address of the charge of one electrode per unit of one input (C/V, C/K or C/N) in the matrix of
- * all of them.
+ * Return the address of the charge of one electrode per unit of one input (C/V, C/K or C/N) in the
+ * matrix of all of them.
  */
 static pzs_real *sensitivity(const pzs_electric *electric, uint32_t electrode, uint32_t input)
 {

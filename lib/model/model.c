@@ -163,7 +163,7 @@ static uint16_t unconstrained_dof(const pzs_model *model, uint16_t dof)
                : dof;
 }
 
-/* Free degrees of freedom of a node, [dof_per_node]. */
+/* Return the indices of the free degrees of freedom of a node, [dof_per_node]. */
 static const uint16_t *node_dofs(const pzs_model *model, uint16_t node)
 {
     return model->state.structure->node_dof + (size_t)node * model->state.structure->dof_per_node;

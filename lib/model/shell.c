@@ -10,8 +10,9 @@
 
 /*
  * Base vectors at a corner of an element, from which strains are measured: mean and difference over
- * the thickness of the two faces in both directions, director beta, and the excess q of the middle
- * surface. In the undeformed state they come directly from the tables, with beta = e3 and q = 0.
+ * the thickness of the two faces in both directions, director beta, and the seventh degree
+ * of freedom q. In the undeformed state they come directly from the tables, with beta = e3 and q =
+ * 0.
  */
 typedef struct shape {
     const pzs_real (*mean)[3];
@@ -78,8 +79,8 @@ static shell_corner corner_derivatives(const pzs_element_type *type, unsigned do
 }
 
 /*
- * Transpose of corner_derivatives: add the forces that belong to the derivatives at one corner to
- * the nodal forces [4 dof_per_node].
+ * Transpose of corner_derivatives: turn forces that are conjugate to the displacement derivatives
+ * at one corner into nodal forces, and add them to nodal_force [4 dof_per_node].
  */
 static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
                            const shell_corner *force, int corner, pzs_real *nodal_force)
@@ -128,7 +129,8 @@ static void corner_strains(const shape *base, const shell_corner *change, pzs_re
 }
 
 /*
- * Transpose of corner_strains: forces on the derivatives at a corner from the ten stresses there.
+ * Transpose of corner_strains: turn the ten stresses at a corner into forces that are conjugate to
+ * the displacement derivatives there.
  */
 static void corner_stresses(const shape *base, const pzs_real stress[10], pzs_real thickness,
                             shell_corner *force)
@@ -179,8 +181,8 @@ static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real st
 }
 
 /*
- * Strains that each mode keeps: all in mode 00; those of 11, 33 and 13 in mode 01; those of 22, 33
- * and 23 in mode 10; those of 33 in mode 11.
+ * List of the strains that each mode keeps: all in mode 00; those of 11, 33 and 13 in mode 01;
+ * those of 22, 33 and 23 in mode 10; those of 33 in mode 11.
  */
 static const uint8_t kept_strains[4] = {10, 5, 5, 2};
 static const uint8_t kept_strain[4][10] = {
@@ -266,7 +268,9 @@ static void multiply_modes(const pzs_element_type *type, pzs_real strain[4][10])
         multiply_mode(type->d[mode], mode, strain[mode]);
 }
 
-/* Strains of each mode in the undeformed state, which are linear in the displacement. */
+/*
+ * Compute the strains of each mode in the undeformed state, which are linear in the displacement.
+ */
 static void small_strains(const pzs_element_type *type, unsigned dof_per_node,
                           const pzs_real *displacement, pzs_real modes[4][10])
 {
@@ -283,8 +287,8 @@ static void small_strains(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Nodal forces [4 dof_per_node] of the resultants of all modes in the undeformed state. The
- * resultants are overwritten.
+ * Compute the nodal forces [4 dof_per_node] of the resultants of all modes in the undeformed state.
+ * The resultants are overwritten.
  */
 static void small_force(const pzs_element_type *type, unsigned dof_per_node,
                         pzs_real resultant[4][10], pzs_real *nodal_force)

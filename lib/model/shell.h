@@ -4,11 +4,11 @@
  * alone.
  *
  * Each node has dof_per_node (6 or 7) degrees of freedom: the mean displacement u1 u2 u3 of the two
- * faces, the difference of outer and inner face over the thickness for u1 u2 u3, and with 7 the
- * excess of u3 of the middle surface over the mean, over the thickness. Strains are computed at the
- * four corners, in the frame of the corner, as means and differences of the two faces. They are
- * combined into the modes 00, 01, 10, 11, which vary over the element as xi1^r1 xi2^r2. Of the ten
- * strains of each mode, 22 in all are kept.
+ * faces; the difference of outer and inner face over the thickness for u1 u2 u3; and, with 7, the
+ * value q, by which u3 of the middle surface exceeds the mean, over the thickness. Strains are
+ * computed at the four corners, in the frame of the corner, as means and differences of the two
+ * faces. They are combined into the modes 00, 01, 10, 11, which vary over the element as xi1^r1
+ * xi2^r2. Of the ten strains of each mode, 22 in all are kept.
  */
 #ifndef PZS_LIB_SHELL_H
 #define PZS_LIB_SHELL_H
@@ -40,7 +40,7 @@ void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pz
 
 /*
  * Nodal force of prescribed stress resultants (actuation or temperature) in mode 00, in the
- * undeformed state.
+ * undeformed state: minus the internal force of these resultants.
  *   h0    [10]             in   resultants times the area of the element (N m), in the strain order
  *                               of pzs_element_type.d
  *   force [4 dof_per_node] out  nodal force (N and N m)
@@ -51,7 +51,7 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
 /*
  * Derivatives of a displacement at one corner, or deformed base vectors there, which have the same
  * form: mean of the two faces and difference over the thickness in both directions, director beta,
- * and excess q of the middle surface.
+ * and seventh degree of freedom q.
  */
 typedef struct shell_corner {
     pzs_real mean[2][3];
@@ -107,9 +107,9 @@ void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node,
                           pzs_real *resultant);
 
 /*
- * Nodal force of given stress resultants at a displacement.
+ * Internal nodal force of given stress resultants at a displacement.
  *   resultant [22]             in   resultants (N m)
- *   force     [4 dof_per_node] out  nodal force (N and N m)
+ *   force     [4 dof_per_node] out  internal force (N and N m)
  */
 void pzs_shell_force_at(const pzs_element_type *type, unsigned dof_per_node,
                         const pzs_real *displacement, const pzs_real *resultant, pzs_real *force);
@@ -134,10 +134,10 @@ void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant,
 void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real strain[4][10]);
 
 /*
- * Nodal force of the stresses at the four corners of a deformed element.
+ * Internal nodal force of the stresses at the four corners of a deformed element.
  *   shape  [4]              in   deformed base vectors at the corners
  *   stress [4][10]          in   stresses at the corners
- *   force  [4 dof_per_node] out  nodal force (N and N m)
+ *   force  [4 dof_per_node] out  internal force (N and N m)
  */
 void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node,
                             const shell_corner shape[4], pzs_real stress[4][10], pzs_real *force);

@@ -102,8 +102,8 @@ uint32_t pzs_follower_crc(const pzs_follower *tables, const pzs_structure *struc
 uint32_t pzs_contact_crc(const pzs_contact_face *tables, const pzs_structure *structure);
 
 /*
- * Return whether an option is in the list of a solver. An option that were attached twice would
- * make the list endless.
+ * Return whether an option is in the list of a solver. Attaching an option twice would make the
+ * list endless.
  */
 bool pzs_nonlinear_is_attached(const pzs_solver *solver, const pzs_solver_option *option);
 

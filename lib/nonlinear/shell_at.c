@@ -10,7 +10,7 @@
  * and the rows of node p in the tangent stiffness are
  *   K_p = A_p^T Y_p + geometric part,  p = 0 to 3.
  * The columns are the six degrees of freedom of each of the four nodes (mean, difference over the
- * thickness), followed by the excess q of the middle surface at the four nodes, which contributes
+ * thickness), followed by the seventh degree of freedom q of the four nodes, which contributes
  * to five strains only.
  */
 #include "../model/shell.h"
@@ -24,23 +24,23 @@
 enum { NODE_DOF = 6, HALF = 12, FIRST_Q = 24, COLUMNS = 28 };
 
 /*
- * Strains in the order of the rows of the nodal strain array. The mean displacements do not
- * contribute to the first two.
+ * Order of the strains in the rows of the nodal strain array. Mean displacements do not contribute
+ * to the first two.
  */
 enum { A33M, A33D, A13, A23, A11M, A11D, A22M, A22D, A12M, A12D };
 enum { ROWS = SHELL_STRAINS, WITH_Q = 5, WITHOUT_MEAN = 2 };
 static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D, E12M, E12D};
 
 /*
- * Rows of the nodal strain array to which the excess q of the middle surface contributes. The row
- * of the mean strain 12 is one of them because warp adds transverse shear to it. In rows_of_mode
- * the rows with q come first, or are at the positions that they have here.
+ * Rows of the nodal strain array to which the seventh degree of freedom q contributes. The row of
+ * the mean strain 12 is one of them because warp adds transverse shear to it. In rows_of_mode the
+ * rows with q come first, or are at the positions that they have here.
  */
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
 /*
- * Rows of one strain mode: number of rows, number of rows to which the excess q of the middle
- * surface contributes, first row in the array of stress rows, and strains of the rows.
+ * Rows of one strain mode: number of rows, number of rows to which the seventh degree of freedom q
+ * contributes, first row in the array of stress rows, and strains of the rows.
  */
 typedef struct mode_rows {
     uint8_t count, with_q, start, strain[ROWS];
@@ -124,7 +124,10 @@ static void write_mean_and_difference(pzs_real thickness, const pzs_real mean[3]
     }
 }
 
-/* In-plane strains of one node: 11 and 22 from one direction each, 12 from both. */
+/*
+ * Compute the rows of the in-plane strains of one node: 11 and 22 from one direction each, 12 from
+ * both.
+ */
 static void in_plane(const pzs_element_type *type, const shell_corner shape[4], int node,
                      pzs_real nodal[ROWS][COLUMNS])
 {
@@ -153,7 +156,7 @@ static void in_plane(const pzs_element_type *type, const shell_corner shape[4], 
                               nodal[A12D] + NODE_DOF * node);
 }
 
-/* Transverse strains 33, 13 and 23 of one node. */
+/* Compute the rows of the transverse strains 33, 13 and 23 of one node. */
 static void transverse(const pzs_element_type *type, const shell_corner shape[4], int node,
                        pzs_real nodal[ROWS][COLUMNS])
 {
@@ -237,8 +240,8 @@ static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int 
 }
 
 /*
- * Like combine, but for the four columns of the seventh degree of freedom q, over the `count` rows
- * to which q contributes.
+ * Set the four columns of the seventh degree of freedom q to the sum of factors times rows, over
+ * the `count` rows to which q contributes.
  */
 static void combine_q(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                       const pzs_real *const *row, int count)
@@ -253,7 +256,7 @@ static void combine_q(pzs_real *restrict to, const pzs_real *restrict factor, in
     }
 }
 
-/* Whether the excess q of the middle surface contributes to a row in the list of a mode. */
+/* Whether the seventh degree of freedom q contributes to a row in the list of a mode. */
 static bool has_q(const mode_rows *mode, int row)
 {
     return mode->with_q == WITH_Q ? row <= A23 || row == A12M : row < mode->with_q;
@@ -316,8 +319,8 @@ static void scatter_column(pzs_real resultant[4][10], int column, int node,
 }
 
 /*
- * Compute the products of stress_rows for a skewed element, whose modes are coupled, column by
- * column.
+ * Compute the products of the mode stiffnesses with the nodal strains for a skewed element, whose
+ * modes are coupled, column by column.
  */
 static void skewed_stress_rows(const pzs_element_type *type, unsigned dof_per_node,
                                pzs_real nodal[ROWS][COLUMNS], pzs_real stress_row_of[22][COLUMNS])
@@ -334,15 +337,15 @@ static void skewed_stress_rows(const pzs_element_type *type, unsigned dof_per_no
 
 /*
  * Replace two rows by their sum and their difference in `count` columns. The first row receives the
- * sum if sum_in_x, and else the second.
+ * sum if sum_in_first, and else the second.
  */
-static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict second, int sum_in_x,
-                               int count)
+static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict second,
+                               int sum_in_first, int count)
 {
     for (int i = 0; i < count; i++) {
         const pzs_real sum = first[i] + second[i], difference = first[i] - second[i];
-        first[i] = sum_in_x ? sum : difference;
-        second[i] = sum_in_x ? difference : sum;
+        first[i] = sum_in_first ? sum : difference;
+        second[i] = sum_in_first ? difference : sum;
     }
 }
 
@@ -375,7 +378,9 @@ typedef struct block {
     pzs_real cross[9];
 } block;
 
-/* Index of a pair of nodes, for node >= other. */
+/*
+ * Index of the pair of corners (node, other), for node >= other, among the ten pairs of an element.
+ */
 static int pair_of(int node, int other)
 {
     return node * (node + 1) / 2 + other;
