@@ -2,6 +2,7 @@
 /* Lists of electrodes and of their polygons (outline.h). */
 #include "outline.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "../data/polygon.h"
@@ -39,6 +40,28 @@ double (*outline_polygon(scene_outline *outline, size_t count))[2]
     bigger[had].point = point;
     outline->polygons++;
     return point;
+}
+
+static void find_box(scene_outline *outline)
+{
+    for (int a = 0; a < 2; a++) {
+        outline->low[a] = HUGE_VAL;
+        outline->high[a] = -HUGE_VAL;
+    }
+    for (int i = 0; i < outline->polygons; i++) {
+        const polygon *own = &outline->polygon[i];
+        const polygon_box box = polygon_box_of((const double(*)[2])own->point, own->count);
+        for (int a = 0; a < 2; a++) {
+            outline->low[a] = fmin(outline->low[a], box.low[a]);
+            outline->high[a] = fmax(outline->high[a], box.high[a]);
+        }
+    }
+}
+
+void outlines_find_boxes(scene_outlines *outlines)
+{
+    for (int k = 0; k < outlines->electrodes; k++)
+        find_box(&outlines->electrode[k]);
 }
 
 void outlines_free(scene_outlines *outlines)

@@ -30,6 +30,7 @@ typedef struct scene_outline {
     struct polygon *polygon; /* [polygons] counterclockwise polygons, no two of which overlap */
     expr *inside; /* formula that is positive on the electrode; NULL: the electrode is given by
                      polygons */
+    double low[2], high[2]; /* bounding box of the polygons in the plane of the outlines */
     scene_at at;
 } scene_outline;
 
@@ -59,6 +60,9 @@ scene_outline *outline_append(scene_outlines *outlines, scene_at at);
  * in, or NULL where memory runs out.
  */
 double (*outline_polygon(scene_outline *outline, size_t count))[2];
+
+/* Compute the bounding boxes of all electrodes, after their polygons have been filled in. */
+void outlines_find_boxes(scene_outlines *outlines);
 
 /* Release a list of electrodes, which may be NULL. */
 void outlines_free(scene_outlines *outlines);

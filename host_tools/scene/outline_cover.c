@@ -4,6 +4,11 @@
 
 #include <stdlib.h>
 
+polygon_box outline_box(const scene_outline *outline)
+{
+    return (polygon_box){{outline->low[0], outline->low[1]}, {outline->high[0], outline->high[1]}};
+}
+
 size_t outline_most_points(const scene_outline *outline)
 {
     size_t most = 4;
@@ -43,12 +48,15 @@ outline_area outline_cover(const scene *scene, outline_plane plane, const outlin
                            const scene_outline *outline, clip_room *room)
 {
     outline_area sum = {0, 0};
-    for (int k = 0; k < 9; k++) {
+    const polygon_box box = outline_box(outline);
+    for (int k = 0; k < OUTLINE_MOVES; k++) {
         outline_cell moved = *cell;
         double shift[2];
         if (!outline_cell_move(scene, plane, k, shift))
             continue;
         outline_cell_shift(&moved, shift);
+        if (!polygon_boxes_meet(&box, &moved.box))
+            continue;
         for (int i = 0; i < outline->polygons; i++)
             add_polygon(&moved, &outline->polygon[i], room, &sum);
     }

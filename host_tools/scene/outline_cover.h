@@ -10,6 +10,9 @@ typedef struct clip_room {
     double (*work)[2], (*out)[2];
 } clip_room;
 
+/* Bounding box of the polygons of an electrode in the plane of the outlines. */
+polygon_box outline_box(const scene_outline *outline);
+
 /* Area that an electrode covers, measured in the plane of the outlines and on the surface. */
 typedef struct outline_area {
     double plane_area, area;

@@ -22,20 +22,6 @@ static const scene_outline *outline_of(const electrode_pair *pair, int k)
     return &pair->patches[k]->outlines->electrode[pair->electrode[k]];
 }
 
-static polygon_box electrode_box(const scene_outline *outline)
-{
-    polygon_box box = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
-    for (int i = 0; i < outline->polygons; i++) {
-        const polygon_box own = polygon_box_of((const double(*)[2])outline->polygon[i].point,
-                                               outline->polygon[i].count);
-        for (int a = 0; a < 2; a++) {
-            box.low[a] = fmin(box.low[a], own.low[a]);
-            box.high[a] = fmax(box.high[a], own.high[a]);
-        }
-    }
-    return box;
-}
-
 /*
  * Return the area that two electrodes of polygons have in common, divided by the area of the
  * smaller electrode.
@@ -43,7 +29,7 @@ static polygon_box electrode_box(const scene_outline *outline)
 static double polygon_overlap(const electrode_pair *pair)
 {
     const scene_outline *one = outline_of(pair, 0), *other = outline_of(pair, 1);
-    const polygon_box box = electrode_box(one), other_box = electrode_box(other);
+    const polygon_box box = outline_box(one), other_box = outline_box(other);
     double common = 0;
     if (!polygon_boxes_meet(&box, &other_box))
         return 0;

@@ -498,6 +498,7 @@ int read_outlines(reader *reader, int node, void *to, const void *rule)
     if (patches->outlines->electrodes > OUTLINE_MOST)
         return tree_fault(reader->t, node, "%d electrodes; at most %d are possible",
                           patches->outlines->electrodes, OUTLINE_MOST);
+    outlines_find_boxes(patches->outlines);
     patches->grid[1] = reader->t->node[node].count == 1 ? patches->outlines->columns : 1;
     patches->grid[0] = patches->outlines->electrodes / patches->grid[1];
     return 0;
