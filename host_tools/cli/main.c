@@ -32,7 +32,6 @@
 #include "print_vibration.h"
 #include "../system/progress.h"
 #include "../report/report.h"
-#include "../report/report_simulate.h"
 #include "templates.h"
 #include "../model/voltages.h"
 

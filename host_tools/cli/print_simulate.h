@@ -4,7 +4,7 @@
 #define PRINT_SIMULATE_H
 
 #include <stdio.h>
-#include "../report/report_simulate.h"
+#include "../simulate/simulate_record.h"
 #include "history.h"
 
 /* Receivers of the results of every tick of a simulation. */

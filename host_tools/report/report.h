@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include "../model/modes.h"
+#include "../simulate/simulate_record.h"
 
 /*
  * One report to write: the open file, whether it is a single SVG picture instead of an HTML page,
@@ -33,13 +34,16 @@ int report_solve(const report_job *job, const analysis *analysis, const double *
                  const double *output);
 
 /*
- * Write the report of `pzs shape`: the reached shape, the misfit and the voltages of each result,
- * a table of their errors, and the modes of the target. Each result costs one solve of the
- * structure.
- *   voltages [count]  in  the results, one set of voltages each
+ * Write the report of `pzs shape`: the reached shape, the misfit and the voltages of each result, a
+ * table of their errors, and the modes of the target.
+ *   result [results]  in  sets of voltages
  */
-int report_shape(const report_job *job, analysis *analysis, const voltages *voltages, int count,
-                 const modes *modes);
+int report_shape(const report_job *job, const analysis *analysis, const voltages *result,
+                 int results, const modes *modes);
+
+/* Write the report of `pzs simulate`: errors and voltages over time, and the shapes reached. */
+int report_simulate(const report_job *job, const simulation *simulation,
+                    const simulate_record *record);
 
 /*
  * A named displacement field of the middle surface, u [nodes][3] in Cartesian components (length

@@ -1,55 +1,54 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Drawing layer of the report: SVG pictures, lines, colour scales, axes and a parallel projection
- * from space. Coordinates in a picture are in pixels, with y pointing down.
+ * Drawing layer of the report: SVG pictures with lines, discs, colour scales and axes. Coordinates
+ * in a picture are in pixels, with y pointing down.
  */
 #ifndef REPORT_DRAW_H
 #define REPORT_DRAW_H
 
 #include <stdbool.h>
 #include <stdio.h>
-#include "../mesh/mesh.h"
 #include "report_put.h"
-
-/* ---- pictures and styles ---------------------------------------------- */
 
 /*
  * Type of a picture. A screen reader announces DRAW_IMAGE as one image, and reads the titles inside
  * a DRAW_GROUP one by one. DRAW_CHART is a group that can be scrolled sideways on a page too narrow
- * for it.
+ * for the picture.
  */
 typedef enum draw_type { DRAW_IMAGE, DRAW_GROUP, DRAW_CHART } draw_type;
 
 /*
- * Begin and end a picture of a width and a height in pixels. It starts with its title and its
- * description, both plain text.
+ * Begin and end a picture of a width and a height in pixels. The title and the description of the
+ * picture are plain text.
  */
 void draw_begin(FILE *file, draw_type type, double width, double height, const char *title,
                 const char *description);
 void draw_end(FILE *file, draw_type type);
 
 /*
- * Write the style sheet of a whole page, or that of a picture in a file of its own. Each contains
- * the colours for light and for dark display.
+ * Write the style sheet of a whole page, or the style sheet of a picture in a file of its own. Each
+ * style sheet contains the colours for light and for dark display.
  */
 void draw_page_style(FILE *file);
 void draw_picture_style(FILE *file);
 
-/* ---- lines and discs: points that are not finite are left out --------- */
-
+/*
+ * Begin and end an SVG path with a style class. Between both calls, draw_step, draw_line and
+ * draw_polygon append to the path, and leave out points whose coordinates are not finite.
+ */
 void draw_path(FILE *file, const char *style);
 void draw_step(FILE *file, bool *is_drawing, const double at[2]);
 void draw_line(FILE *file, const double from[2], const double to[2]);
 void draw_polygon(FILE *file, const double (*at)[2], int count);
 void draw_path_end(FILE *file);
+
+/* Draw a disc with a centre and a radius in pixels, unless the centre is not finite. */
 void draw_disc(FILE *file, const char *style, const double at[2], double radius);
 
-/* ---- colour scales ---------------------------------------------------- */
-
 /*
- * Number of colours of a scale, and the width of its legend in pixels. The style classes of the
- * colours are s0 to s32 on a signed scale (blue, neutral, orange), and v0 to v32 on a scale from
- * zero (viridis).
+ * Number of colours of a scale, and width of the legend of a scale in pixels. The style classes of
+ * the colours are s0 to s32 on a signed scale (blue, neutral, orange), and v0 to v32 on a scale
+ * from zero (viridis).
  */
 enum { DRAW_LEVELS = 33, DRAW_LEGEND_WIDTH = 330 };
 
@@ -60,12 +59,17 @@ typedef struct draw_scale {
     const char *unit;
 } draw_scale;
 
+/* Extend a colour scale to contain a value. */
+void draw_extend(draw_scale *scale, double value);
+
 /*
  * draw_level returns the index of the colour of a value, or -1 if the value is not finite.
- * draw_class returns the style class of that index.
+ * draw_class returns the style class of the colour with an index, and draw_colour the style class
+ * of the colour of a value.
  */
 int draw_level(const draw_scale *scale, double value);
 const char *draw_class(const draw_scale *scale, int level);
+const char *draw_colour(const draw_scale *scale, double value);
 
 /*
  * Style class of a text written on the colour of a value: "strong" for the colours at the two ends
@@ -80,8 +84,6 @@ const char *draw_tone(const draw_scale *scale, double value);
 void draw_legend_at(FILE *file, const draw_scale *scale, double x, double y);
 void draw_legend(FILE *file, const draw_scale *scale);
 
-/* ---- axes ------------------------------------------------------------- */
-
 typedef struct draw_axis {
     double low, high; /* values at both ends of the axis */
     double from, to;  /* pixel coordinates of both ends */
@@ -90,7 +92,15 @@ typedef struct draw_axis {
     put_unit unit;
 } draw_axis;
 
+/* Pixel coordinate of a value on an axis. */
 double draw_on(const draw_axis *axis, double value);
+
+/* Widen an axis to contain values; a logarithmic axis ignores those that are not positive. */
+void draw_widen(draw_axis *axis, const double *value, int count);
+
+/* Draw a curve in a style through `count` points with values on both axes. */
+void draw_curve(FILE *file, const char *style, const draw_axis *x, const double *along,
+                const draw_axis *y, const double *value, int count);
 
 /*
  * Draw grid lines with their numbers at 1, 2 and 5 times powers of ten, for the values of x (is_x)
@@ -100,55 +110,5 @@ void draw_grid(FILE *file, const draw_axis *x, const draw_axis *y, bool is_x);
 
 /* Round a positive value to the nearest of the numbers 1, 2, 5 or 10 times a power of ten. */
 double draw_round(double value);
-
-/* ---- space ------------------------------------------------------------ */
-
-/*
- * A parallel projection from space to a picture, with z pointing up, scaled so that all included
- * points fit into the picture.
- */
-typedef struct draw_view {
-    double axis[3][3];      /* unit vectors to the right, up and towards the viewer */
-    double low[2], high[2]; /* range of the included points, to the right and up */
-    double zoom, width, height;
-} draw_view;
-
-/*
- * draw_view_begin chooses the viewing direction, from above, in which the outer side of the shell
- * shows most. draw_view_include adds a point that must be visible, and draw_view_fit scales the
- * view to a width and a height in pixels. draw_project then gives the pixel coordinates of a point
- * in space.
- */
-void draw_view_begin(draw_view *view, const mesh *mesh);
-void draw_view_include(draw_view *view, const double x[3]);
-void draw_view_fit(draw_view *view, double width, double height);
-void draw_project(const draw_view *view, const double x[3], double at[2]);
-
-/*
- * Position in space of a node displaced by factor * vector[node].
- *   vector [nodes][3]  in   displacement, or NULL: none
- *   x                  out
- */
-void draw_place(const mesh *mesh, int node, const double *vector, double factor, double x[3]);
-
-/* Include the undeformed mesh in a view, and the mesh displaced by factor * vector. */
-void draw_view_mesh(draw_view *view, const mesh *mesh, const double *vector, double factor);
-
-/*
- * Magnification at which the largest displacement `most` is drawn at about the fraction `share` of
- * the size of the structure.
- */
-double draw_magnification(const mesh *mesh, double most, double share);
-
-/* Cartesian unit vector of a displacement component at a point of the surface. */
-void draw_component(const surface_point *p, scene_component component, double along[3]);
-double draw_dot3(const double a[3], const double b[3]);
-
-/*
- * draw_stride returns the number of elements per drawn cell so that at most `most` cells are drawn.
- * draw_next returns the next drawn mesh line after `line`; the line `last` is always drawn.
- */
-int draw_stride(int elements, int most);
-int draw_next(int line, int stride, int last);
 
 #endif

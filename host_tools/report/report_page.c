@@ -7,12 +7,39 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../model/matrix_facts.h"
+#include "../quads/vector.h"
 #include "../text/words.h"
 
 #define PROGRAM "piezoshape " PZS_VERSION_TEXT
 #define FACT(name, value) "<div><dt>" name "</dt><dd>" value "</dd></div>\n"
 
-/* ---- frame ------------------------------------------------------------ */
+int page_open(page *page, const report_job *job, const analysis *analysis)
+{
+    const mesh *mesh = &analysis->design.mesh;
+    memset(page, 0, sizeof *page);
+    page->job = job;
+    page->file = job->file;
+    page->analysis = analysis;
+    page->design = &analysis->design;
+    page->mesh = mesh;
+    page->scene = analysis->design.scene;
+    page->vector = calloc(7 * (size_t)mesh->nodes, sizeof *page->vector);
+    if (shell_open(&page->space, job->file, mesh, false) < 0 ||
+        shell_open(&page->map, job->file, mesh, true) < 0 || !page->vector)
+        return -1;
+    page->wanted = page->vector + 3 * mesh->nodes;
+    page->value = page->wanted + 3 * mesh->nodes;
+    page->space.vector = page->vector;
+    return 0;
+}
+
+void page_close(page *page)
+{
+    shell_close(&page->space);
+    shell_close(&page->map);
+    free(page->vector);
+}
 
 /*
  * Write the command line, without the folder of the program and with quotes around words that
@@ -39,234 +66,243 @@ static double checked(double value)
 }
 
 /* Write the number of load steps and linear solves, and whether the equilibrium is stable. */
-static void write_path(FILE *file, const pzs_solver *run)
+static void write_equilibrium(FILE *file, const pzs_solver_info *info)
 {
-    put(file, FACT("Load steps", "%d, %d linear solves"), (int)run->info.load_steps,
-        (int)run->info.linear_solves);
-    if (run->info.negative_pivots)
-        put(file, FACT("Equilibrium", "<b class=\"warn\">unstable</b>, %d negative pivots"),
-            (int)run->info.negative_pivots);
-    else
-        put(file, FACT("Equilibrium", "stable"));
-    if (run->info.load_factor < 1)
-        put(file, FACT("Load factor reached", "<b class=\"warn\">%r</b>"), run->info.load_factor);
+    put(file,
+        FACT("Load steps", "%d, %d linear solves")
+            FACT("Equilibrium", "<b class=\"%s\">%s</b>, %d negative pivots")
+                FACT("Load factor reached", "%n"),
+        (int)info->load_steps, (int)info->linear_solves, info->negative_pivots ? "warn" : "",
+        info->negative_pivots ? "unstable" : "stable", (int)info->negative_pivots,
+        info->load_factor);
 }
 
 /* Write the size of the mesh and the checks of the solves. */
-static void write_structure_facts(FILE *file, const analysis *analysis, double residual)
+static void write_structure_facts(const page *page, double residual)
 {
-    const mesh *mesh = &analysis->design.mesh;
-    const scene *scene = analysis->design.scene;
-    static const char *const kinematics[] = {"local", "Cartesian"}, *const metric[] = {"flat",
-                                                                                       "exact"};
-    if (mesh->quads)
-        put(file, FACT("Mesh", "%d elements of %d type%s, %d nodes"), mesh->elements, mesh->types,
-            mesh->types == 1 ? "" : "s", mesh->nodes);
+    static const char *const kinematics[] = {"local", "Cartesian"};
+    static const char *const metric[] = {"flat", "exact"};
+    const mesh *mesh = page->mesh;
+    const scene_element *element = &page->scene->element;
+    put(page->file,
+        FACT("Mesh", "%d elements (types: %d), %d nodes") FACT("Free dof", "%d, half bandwidth %d")
+            FACT("Element", "%s kinematics, %s metric, %d dof per node") FACT("Thickness", "%q")
+                FACT("Condition number, scaled", "%r") FACT("Solver residual", "%r"),
+        mesh->elements, mesh->types, mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh),
+        kinematics[element->cartesian], metric[element->metric], (int)mesh->dof_per_node,
+        mesh->laminate.thickness, page->scene->unit_length,
+        checked(page->analysis->model.info.condition), checked(residual));
+    if (page->analysis->nonlinear)
+        write_equilibrium(page->file, &page->analysis->equilibrium.solver.info);
     else
-        put(file, FACT("Mesh", "%d × %d elements of %d type%s, %d nodes"), scene->line[0].elements,
-            scene->line[1].elements, mesh->types, mesh->types == 1 ? "" : "s", mesh->nodes);
-    put(file, FACT("Free dof", "%d, half bandwidth %d"), mesh->free_dof, mesh_half_bandwidth(mesh));
-    put(file, FACT("Element", "%s kinematics, %s metric, %d dof per node"),
-        kinematics[scene->element.cartesian], metric[scene->element.metric],
-        (int)mesh->dof_per_node);
-    put(file, FACT("Thickness", "%q"), mesh->laminate.thickness, scene->unit_length);
-    put(file, FACT("Condition number, scaled", "%r"), checked(analysis->model.info.condition));
-    put(file, FACT("Solver residual", "%r"), checked(residual));
-    if (analysis->nonlinear)
-        write_path(file, &analysis->equilibrium.solver);
-    else
-        put(file,
+        put(page->file,
             FACT("Solver error estimate, energy norm; without the discretisation error", "%r"),
-            checked(analysis->model.info.error_estimate));
+            checked(page->analysis->model.info.error_estimate));
 }
 
-static void write_facts(FILE *file, const analysis *analysis, double residual)
+/* Write the size and the rank of a measured influence matrix. */
+static void write_matrix_facts(const page *page)
 {
-    const scene *scene = analysis->design.scene;
+    const scene_influence *influence = &page->scene->influence;
+    matrix_facts facts;
+    put(page->file, FACT("Measured matrix", "%d outputs of %d rows, %d actuators, in %t"),
+        influence->outputs, influence->file_outputs, page->scene->amplifiers, influence->file);
+    if (matrix_facts_find(&facts, page->scene) == 0 && facts.rank >= 0)
+        put(page->file, FACT("Rank", "%d; singular values from %n to %n; largest entry %n"),
+            facts.rank, facts.most, facts.least, facts.entry);
+}
+
+static void write_facts(const page *page, double residual)
+{
+    const scene *scene = page->scene;
     char hash[20];
-    fputs("<dl>\n", file);
-    if (analysis->source->has_structure)
-        write_structure_facts(file, analysis, residual);
-    else
-        put(file, FACT("Measured matrix", "%d outputs, %d actuators"), scene->influence.outputs,
-            scene->amplifiers);
-    if (scene->target.given)
-        put(file, FACT("Target", "<code>%t</code>"), expr_text(scene->target.value));
     snprintf(hash, sizeof hash, "%08lx", (unsigned long)scene->hash);
-    put(file, FACT("Scene", "%s") "</dl>\n", hash);
+    fputs("<dl>\n", page->file);
+    if (page->analysis->source->has_structure)
+        write_structure_facts(page, residual);
+    else
+        write_matrix_facts(page);
+    if (scene->target.given)
+        put(page->file, FACT("Target", "<code>%t</code>"), expr_text(scene->target.value));
+    put(page->file, FACT("Scene", "%s") "</dl>\n", hash);
+}
+
+static void write_warning(const page *page, const char *rule, const char *text)
+{
+    put(page->file, "<li><b class=\"warn\">%t</b>: %t</li>\n", rule, text);
 }
 
 /*
  * Write the list of the warnings on implausible numbers, and of the warning of the last load step.
  */
-static void write_warnings(FILE *file, const analysis *analysis)
+static void write_warnings(const page *page)
 {
+    const analysis *analysis = page->analysis;
     const plausible *warnings = &analysis->warnings;
     const bool is_behind = analysis->nonlinear && analysis->status == PZS_W_BEHIND;
     char text[SCENE_ERROR];
-    if (warnings->count == 0 && !is_behind)
-        return;
-    fputs("<h2>Warnings</h2>\n<ul>\n", file);
+    fputs(warnings->count > 0 || is_behind ? "<h2>Warnings</h2>\n<ul>\n" : "<ul>\n", page->file);
     for (int k = 0; k < warnings->count; k++)
-        put(file, "<li><b class=\"warn\">%t</b>: %t</li>\n", warnings->warning[k].rule,
-            warnings->warning[k].text);
+        write_warning(page, warnings->warning[k].rule, warnings->warning[k].text);
     if (warnings->dropped > 0)
-        put(file, "<li>and %d more</li>\n", warnings->dropped);
+        put(page->file, "<li>and %d more</li>\n", warnings->dropped);
     if (is_behind) {
         equilibrium_penetration_text(&analysis->equilibrium, analysis->status, text);
-        put(file, "<li><b class=\"warn\">%t</b>: %t</li>\n", pzs_status_text(analysis->status),
-            text);
+        write_warning(page, pzs_status_text(analysis->status), text);
     }
-    fputs("</ul>\n", file);
+    fputs("</ul>\n", page->file);
 }
 
-void page_begin(const report_job *job, const analysis *analysis, const char *kind, double residual)
+void page_begin(const page *page, const char *kind, double residual)
 {
-    const scene *scene = analysis->design.scene;
-    FILE *file = job->file;
-    put(file,
+    const scene *scene = page->scene;
+    put(page->file,
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta "
         "name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>%t</title>\n",
         scene->name);
-    draw_page_style(file);
-    put(file,
-        "</head>\n<body>\n<main>\n<header>\n<p class=\"kicker\">%s</p>\n<h1>%t</h1>\n<p>"
-        "%t</p>\n",
-        kind, scene->name, scene->about ? scene->about : "");
-    if (words_unitless(scene))
-        put(file, "<p class=\"soft\">The scene names no units: its numbers are in any consistent "
-                  "ones, angles in rad.</p>\n");
-    write_facts(file, analysis, residual);
-    write_warnings(file, analysis);
-    fputs("</header>\n", file);
+    draw_page_style(page->file);
+    put(page->file,
+        "</head>\n<body>\n<main>\n<header>\n<p class=\"kicker\">%s</p>\n<h1>%t</h1>\n<p>%t</p>\n"
+        "<p class=\"soft\">%s</p>\n",
+        kind, scene->name, scene->about ? scene->about : "",
+        words_unitless(scene) ? "The scene names no units: its numbers are in any consistent ones, "
+                                "angles in rad."
+                              : "");
+    write_facts(page, residual);
+    write_warnings(page);
+    fputs("</header>\n", page->file);
 }
 
-void page_end(const report_job *job)
+void page_end(const page *page)
 {
-    put(job->file, "<footer>" PROGRAM ": <code>");
-    write_command(job);
-    fputs("</code></footer>\n</main>\n</body>\n</html>\n", job->file);
+    fputs("<footer>" PROGRAM ": <code>", page->file);
+    write_command(page->job);
+    fputs("</code></footer>\n</main>\n</body>\n</html>\n", page->file);
 }
 
 enum { PICTURE_EDGE = 20, PICTURE_HEAD = 52, PICTURE_FOOT = 26 };
 
-void picture_begin(const report_job *job, const scene *scene, const char *title, double width,
-                   double height)
+void page_begin_picture(const page *page, const char *title, double width, double height)
 {
+    const scene *scene = page->scene;
     const double all[2] = {width + 2 * PICTURE_EDGE, height + PICTURE_HEAD + PICTURE_FOOT};
-    put(job->file,
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg "
-        "xmlns=\"http://www.w3.org/2000/svg\" width=\"%f\" height=\"%f\" viewBox=\"0 0 %f %f\" "
-        "role=\"img\">\n",
-        all[0], all[1], all[0], all[1]);
-    put(job->file, "<title>%t: %t</title><desc>%t ", scene->name, title,
-        scene->about ? scene->about : "");
-    if (scene->target.given)
-        put(job->file, "Target: %t. ", expr_text(scene->target.value));
-    fputs("Command: ", job->file);
-    write_command(job);
-    fputs("</desc>\n", job->file);
-    draw_picture_style(job->file);
-    put(job->file, "<rect class=\"back\" x=\".5\" y=\".5\" width=\"%f\" height=\"%f\" rx=\"8\"/>\n",
-        all[0] - 1, all[1] - 1);
-    put(job->file,
-        "<text class=\"title\" x=\"%d\" y=\"26\">%t</text><text x=\"%d\" y=\"43\">"
-        "%t</text>\n",
-        PICTURE_EDGE, scene->name, PICTURE_EDGE, title);
-    put(job->file, "<g transform=\"translate(%d %d)\">\n", PICTURE_EDGE, PICTURE_HEAD);
+    put(page->file,
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
+        "width=\"%f\" height=\"%f\" viewBox=\"0 0 %f %f\" role=\"img\">\n<title>%t: %t</title>"
+        "<desc>%t Target: %t. Command: ",
+        all[0], all[1], all[0], all[1], scene->name, title, scene->about ? scene->about : "",
+        scene->target.given ? expr_text(scene->target.value) : "none");
+    write_command(page->job);
+    fputs("</desc>\n", page->file);
+    draw_picture_style(page->file);
+    put(page->file,
+        "<rect class=\"back\" x=\".5\" y=\".5\" width=\"%f\" height=\"%f\" rx=\"8\"/>\n"
+        "<text class=\"title\" x=\"%d\" y=\"26\">%t</text><text x=\"%d\" y=\"43\">%t</text>\n"
+        "<g transform=\"translate(%d %d)\">\n",
+        all[0] - 1, all[1] - 1, PICTURE_EDGE, scene->name, PICTURE_EDGE, title, PICTURE_EDGE,
+        PICTURE_HEAD);
 }
 
-void picture_end(const report_job *job, double width, double height)
+void page_end_picture(const page *page, double width, double height)
 {
-    put(job->file, "</g>\n<text class=\"end\" x=\"%f\" y=\"%f\">" PROGRAM "</text>\n</svg>\n",
+    put(page->file, "</g>\n<text class=\"end\" x=\"%f\" y=\"%f\">" PROGRAM "</text>\n</svg>\n",
         PICTURE_EDGE + width, height + PICTURE_HEAD + PICTURE_FOOT - 9);
 }
 
-/* ---- shapes ----------------------------------------------------------- */
-
-int page_shape_open(page_shape *shape, const mesh *mesh)
+static void write_caption(const page *page, const draw_scale *scale, const char *format,
+                          va_list *more)
 {
-    const size_t nodes = (size_t)mesh->nodes;
-    shape->vector = calloc(3 * nodes, sizeof *shape->vector);
-    shape->wanted = calloc(3 * nodes, sizeof *shape->wanted);
-    shape->misfit = calloc(nodes, sizeof *shape->misfit);
-    return shape->vector && shape->wanted && shape->misfit ? 0 : -1;
+    fputs("<figcaption>", page->file);
+    put_list(page->file, format, more);
+    if (scale)
+        draw_legend(page->file, scale);
+    fputs("</figcaption></figure>\n", page->file);
 }
 
-void page_shape_close(page_shape *shape)
+void page_caption(const page *page, const draw_scale *scale, const char *format, ...)
 {
-    free(shape->vector);
-    free(shape->wanted);
-    free(shape->misfit);
+    va_list more;
+    va_start(more, format);
+    write_caption(page, scale, format, &more);
+    va_end(more);
 }
 
-void page_shape_fill(page_shape *shape, const design *design, const double *u,
-                     const double *reached, const double *target)
+void page_map(const page *page, const double *value, const draw_scale *scale, const char *title,
+              const char *format, ...)
 {
-    report_displacement(&design->mesh, u, shape->vector);
-    shape->worst = 0;
-    for (int i = 0; i < 3 * design->mesh.nodes; i++)
-        shape->misfit[i / 3] = shape->wanted[i] = (double)NAN;
-    for (int t = 0; t < design->targets; t++) {
-        const int n = design->target_node[t];
-        const double misfit = reached[t] - target[t];
-        double along[3];
-        draw_component(&design->mesh.point[n], design->scene->target.what.component, along);
-        for (int i = 0; i < 3; i++)
-            shape->wanted[3 * n + i] = shape->vector[3 * n + i] - misfit * along[i];
-        shape->misfit[n] = misfit;
-        shape->worst = fmax(shape->worst, fabs(misfit));
-    }
+    va_list more;
+    fputs("<figure class=\"map\">\n", page->file);
+    shell_map(&page->map, value, scale, title);
+    va_start(more, format);
+    write_caption(page, scale, format, &more);
+    va_end(more);
 }
 
-int page_shape_draw(FILE *file, const page_shape *shape, const draw_view *view,
-                    const design *design, double factor, const draw_scale *scale)
+page_words page_magnified(const page *page)
 {
-    if (design->mesh.elements == 0)
-        return shell_map(file, &design->mesh, shape->misfit, scale, "Misfit at the outputs");
-    const shell rest = {.file = file, .view = view, .m = &design->mesh};
-    shell reached = rest, target = rest;
-    reached.vector = shape->vector;
-    target.vector = shape->wanted;
-    reached.factor = target.factor = factor;
-    draw_begin(file, DRAW_IMAGE, view->width, view->height, "Reached shape in space",
-               "The shape is coloured by its misfit, with the target as lines over it");
-    shell_edges(&rest, "outline");
-    const int failed = shell_surface(&reached, shape->misfit, scale);
-    shell_lines(&target, "wire");
-    if (design->scene->target.what.where.type == WHERE_POINT)
-        shell_dot(&target, design->target_node[0]);
-    shell_directions(&reached);
-    draw_end(file, DRAW_IMAGE);
-    return failed;
-}
-
-void page_keys(FILE *file, const mesh *mesh, const char *more)
-{
-    if (mesh->elements == 0)
-        put(file, "<p class=\"keys\">%s</p>\n", more);
+    const char *const thinned = shell_is_thinned(page->mesh) ? ", not every mesh line drawn" : "";
+    page_words words;
+    if (page->mesh->elements == 0)
+        snprintf(words.text, sizeof words.text, "at the places of the outputs");
     else
-        put(file,
-            "<p class=\"keys\"><span><i class=\"key\"></i>target</span><span><i class=\"key "
-            "dash\"></i>undeformed edges</span><span><i class=\"key "
-            "hold\"></i>support</span>%s</p>\n",
-            more);
+        snprintf(words.text, sizeof words.text, "displacement <b>× %g</b>%s", page->space.factor,
+                 thinned);
+    return words;
 }
 
 double page_largest(const mesh *mesh, const double *vector)
 {
     double most = 0;
     for (int n = 0; n < mesh->nodes; n++)
-        most = fmax(most, draw_dot3(vector + 3 * n, vector + 3 * n));
-    return sqrt(most);
+        most = fmax(most, vector_length(vector + 3 * n));
+    return most;
 }
 
-void page_magnified(FILE *file, const mesh *mesh, double factor)
+double page_shape(page *page, const double *u, const double *reached, const double *target,
+                  double *misfit)
 {
-    if (mesh->elements == 0) {
-        fputs("at the places of the outputs", file);
+    const design *design = page->design;
+    *misfit = 0;
+    report_displacement(page->mesh, u, page->vector);
+    for (int i = 0; i < 3 * page->mesh->nodes; i++)
+        page->value[i / 3] = page->wanted[i] = (double)NAN;
+    for (int t = 0; t < design->targets; t++) {
+        const int node = design->target_node[t];
+        double along[3];
+        shell_component(&page->mesh->point[node], page->scene->target.what.component, along);
+        page->value[node] = reached[t] - target[t];
+        for (int i = 0; i < 3; i++)
+            page->wanted[3 * node + i] = page->vector[3 * node + i] - page->value[node] * along[i];
+        *misfit = fmax(*misfit, fabs(page->value[node]));
+    }
+    return page_largest(page->mesh, page->vector);
+}
+
+void page_draw_shape(const page *page, const draw_scale *scale)
+{
+    shell undeformed = page->space, target = page->space;
+    undeformed.vector = NULL;
+    target.vector = page->wanted;
+    if (page->mesh->elements == 0) {
+        shell_map(&page->map, page->value, scale, "Misfit at the outputs");
         return;
     }
-    put(file, factor == 1 ? "displacement to scale" : "displacement <b>× %n</b>", factor);
-    fputs(shell_is_thinned(mesh) ? ", not every mesh line drawn" : "", file);
+    draw_begin(page->file, DRAW_IMAGE, page->space.view.width, page->space.view.height,
+               "Reached shape in space",
+               "The shape is coloured by its misfit, with the target as lines over it");
+    shell_edges(&undeformed, "outline");
+    shell_surface(&page->space, page->value, scale);
+    shell_lines(&target, "wire");
+    if (page->scene->target.what.where.type == WHERE_POINT)
+        shell_node(&target, page->design->target_node[0], "dot", 3.5);
+    shell_directions(&page->space);
+    draw_end(page->file, DRAW_IMAGE);
+}
+
+void page_keys(const page *page, const char *more)
+{
+    static const char *const keys =
+        "<span><i class=\"key\"></i>target</span><span><i class=\"key dash\"></i>undeformed edges"
+        "</span><span><i class=\"key pins\"></i>support</span>";
+    put(page->file, "<p class=\"keys\">%s%s</p>\n", page->mesh->elements > 0 ? keys : "", more);
 }

@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- text ------------------------------------------------------------- */
-
 /*
  * Number of bytes of the UTF-8 character at the start of the text, or 0 if the bytes are not valid
  * UTF-8.
@@ -44,8 +42,6 @@ static void put_text(FILE *file, const char *text)
         text += bytes > 0 ? bytes : 1;
     }
 }
-
-/* ---- numbers ---------------------------------------------------------- */
 
 static const char *const raised[10] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
 
@@ -103,8 +99,6 @@ static void put_number(FILE *file, double value, double most, int digits)
     }
 }
 
-/* ---- quantities ------------------------------------------------------- */
-
 put_unit put_unit_of(double most, const char *unit)
 {
     static const struct {
@@ -146,15 +140,33 @@ static void put_quantity(FILE *file, double value, double most, const char *name
         put_unit_name(file, unit.name);
 }
 
-/* ---- formats ---------------------------------------------------------- */
+static void put_limits(FILE *file, const double limit[2], va_list *more)
+{
+    const char *unit = va_arg(*more, const char *);
+    if (!isfinite(limit[0]) && !isfinite(limit[1]))
+        fputs("–", file);
+    else if (limit[0] == -limit[1])
+        put(file, "±\xc2\xa0%q", limit[1], unit);
+    else
+        put(file, "%n to %q", limit[0], limit[1], unit);
+}
+
+/* Write a fraction in percent, with a bar that is full at the fraction `full`. */
+static void put_bar(FILE *file, double fraction, double full)
+{
+    put(file, "%p<span class=\"bar\" aria-hidden=\"true\"><i style=\"width:%f%%\"></i></span>",
+        fraction, fmin(100 * fraction / full, 100));
+}
 
 static void put_value(FILE *file, char directive, double value, va_list *more)
 {
     double most = value;
-    if (directive == 'a')
+    if (directive == 'a' || directive == 'b')
         most = va_arg(*more, double);
     if (directive == 'a' || directive == 'q')
         put_quantity(file, value, most, va_arg(*more, const char *));
+    else if (directive == 'b')
+        put_bar(file, value, most);
     else if (directive == 'f')
         fprintf(file, "%.1f", isfinite(value) ? value : 0);
     else if (directive == 'n')
@@ -173,6 +185,7 @@ static void put_directive(FILE *file, char directive, va_list *more)
     case 't': put_text(file, va_arg(*more, const char *)); break;
     case 's': fputs(va_arg(*more, const char *), file); break;
     case 'd': fprintf(file, "%d", va_arg(*more, int)); break;
+    case 'l': put_limits(file, va_arg(*more, const double *), more); break;
     case 'u': put_unit_name(file, va_arg(*more, const char *)); break;
     case '%': fputc('%', file); break;
     default: put_value(file, directive, va_arg(*more, double), more);
@@ -211,11 +224,16 @@ static void put_format(FILE *file, const char *format, const char *cell, va_list
     }
 }
 
+void put_list(FILE *file, const char *format, va_list *more)
+{
+    put_format(file, format, NULL, more);
+}
+
 void put(FILE *file, const char *format, ...)
 {
     va_list more;
     va_start(more, format);
-    put_format(file, format, NULL, &more);
+    put_list(file, format, &more);
     va_end(more);
 }
 
@@ -228,8 +246,6 @@ void put_row(FILE *file, const char *format, ...)
     va_end(more);
     fputs("</td></tr>\n", file);
 }
-
-/* ---- tables ----------------------------------------------------------- */
 
 void put_table(FILE *file, const char *caption, const char *head)
 {

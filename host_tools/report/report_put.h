@@ -6,6 +6,7 @@
 #ifndef REPORT_PUT_H
 #define REPORT_PUT_H
 
+#include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -18,12 +19,17 @@
  *   %n  double                number with four significant digits; a dash for NaN
  *   %r  double                the same with two digits, for condition numbers and residuals
  *   %p  double                fraction, written in percent
+ *   %b  double, double        fraction in percent, with a bar; fraction at which the bar is full
  *   %q  double, const char *  quantity and its unit; lengths in the most readable unit
  *   %a  double, double, const char *  quantity, largest of its table column, unit; the largest
  *                             decides unit and power of ten for the whole column
  *   %u  const char *          unit
+ *   %l  const double *, const char *  lower and upper limit [2], unit; a dash for no limits
  */
 void put(FILE *file, const char *format, ...);
+
+/* Write a format whose values are in a list. */
+void put_list(FILE *file, const char *format, va_list *more);
 
 /*
  * Write a row of a table. In the format, '|' separates the cells; a cell that begins with '<' is

@@ -1,101 +1,147 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Pictures of a shell, either as a surface in space or as a map over its parameter plane: coloured
- * surface, mesh lines, marks and voltages.
+ * Pictures of a mesh, either as a surface in space or as a map: coloured surface, mesh lines,
+ * supports, loads and voltages.
  */
 #ifndef REPORT_SHELL_H
 #define REPORT_SHELL_H
 
 #include "../model/analysis.h"
-#include "report_picture.h"
+#include "../quads/quad_side.h"
+#include "report_draw.h"
+#include "report_view.h"
 
-#define SHELL_THETA(a) ((a) ? "θ₂" : "θ₁")
+/* Width of a map in pixels. */
+enum { SHELL_MAP_WIDTH = 320 };
 
-/*
- * plane_at returns the pixel coordinates of the point (theta1, theta2). plane_theta returns theta1
- * (a = 0) or theta2 (a = 1) at a mesh line; a fractional `line` lies between two mesh lines.
- */
-void plane_at(const shell_plane *p, double theta1, double theta2, double at[2]);
-double plane_theta(const mesh *mesh, int a, double line);
+/* A cell with its depth, the sum of the distances of its corners towards the viewer. */
+typedef struct shell_depth {
+    double depth;
+    int cell;
+} shell_depth;
 
-/* Prepare a picture of a mesh over its parameter plane. */
-shell shell_in_plane(FILE *file, const mesh *mesh);
-
-/*
- * Draw the surface coloured by value [nodes]; a mesh of points as coloured discs. In space, distant
- * parts are drawn first, so that closer ones cover them, and supports are included. Returns 0, or
- * -1: out of memory.
- */
-int shell_surface(const shell *s, const double *value, const draw_scale *scale);
+/* How a support includes a node: not at all, beside other nodes, or as its only node. */
+typedef enum shell_support { SHELL_NO_SUPPORT, SHELL_SUPPORT, SHELL_POINT_SUPPORT } shell_support;
 
 /*
- * shell_lines draws the mesh lines in a style, with gaps where a displacement is NaN. shell_edges
- * draws only the four edges. shell_is_thinned returns whether the mesh is so fine that pictures
- * show only some of its lines.
+ * A mesh as it is drawn: points, and quadrilateral cells between them. Points and cells are the
+ * nodes and elements of the mesh, but on the parameter plane of a closed surface the first and the
+ * last mesh line are separate points of the same nodes. A part of a mesh is a copy with fewer
+ * cells.
  */
-void shell_lines(const shell *s, const char *style);
-void shell_edges(const shell *s, const char *style);
+typedef struct shell {
+    FILE *file;
+    const mesh *mesh;
+    view view;
+    bool is_map;
+    int points, cells;
+    int *node;          /* [points] mesh node of each point */
+    double (*place)[3]; /* [points] coordinates of the undeformed mesh, as the view takes them */
+    int (*cell)[4];     /* [cells] points at the corners, in order around the cell; [cells] work
+                           follow */
+    shell_support *support; /* [nodes] in space, else SHELL_NO_SUPPORT */
+    shell_depth *order;     /* [cells] work */
+    quad_side *side;        /* [cells][4] work */
+    const double *vector;   /* [nodes][3] displacement in space, or NULL: none */
+    double factor;          /* magnification of the displacement */
+} shell;
+
+/*
+ * Prepare the picture of a mesh, without a displacement; the view of a map is fitted. Returns 0, or
+ * -1: out of memory. shell_close may be called in both cases.
+ */
+int shell_open(shell *shell, FILE *file, const mesh *mesh, bool is_map);
+void shell_close(shell *shell);
+
+/* Include the undeformed mesh and the displaced mesh in the view in space. */
+void shell_include(shell *shell);
+
+/*
+ * Draw the surface coloured by value [nodes], or discs at the points if no cell has values at all
+ * of its corners. In space, distant cells are drawn first, so that closer ones cover them, and
+ * supports are included.
+ */
+void shell_surface(const shell *shell, const double *value, const draw_scale *scale);
+
+/*
+ * shell_cells draws all cells as one path in a style, except cells where a displacement is NaN.
+ * shell_lines draws the sides of the cells; of a very fine mesh only its edges.
+ * shell_edges draws only the sides that belong to a single cell.
+ */
+void shell_cells(const shell *shell, const char *style);
+void shell_lines(const shell *shell, const char *style);
+void shell_edges(const shell *shell, const char *style);
+
+/* Whether the mesh is so fine that pictures show only some of its lines. */
 bool shell_is_thinned(const mesh *mesh);
 
 /*
- * shell_dot draws a dot at a node. The other three are for pictures in space: shell_loads draws the
- * point loads, shell_outputs the points of named outputs, and shell_directions the directions of x,
- * y and z in a corner.
+ * Pixel coordinates of a point inside a cell.
+ *   share [2]  in  from 0 to 1; the first increases from corner 0 to corner 1, the second from
+ *                  corner 0 to corner 3
  */
-void shell_dot(const shell *s, int node);
-void shell_loads(const shell *s);
-void shell_outputs(const shell *s);
-void shell_directions(const shell *s);
+void shell_inside(const shell *shell, int cell, const double share[2], double at[2]);
+
+/* Draw a disc with a radius in pixels at a displaced node. */
+void shell_node(const shell *shell, int node, const char *style, double radius);
 
 /*
- * Draw a whole picture over the parameter plane: the map of value [nodes] with frame, axes and mesh
- * lines. Returns 0, or -1: out of memory.
+ * shell_loads draws the point loads as arrows, shell_outputs the places and names of the outputs at
+ * single nodes, and shell_directions the directions of x, y and z in a corner of the picture.
  */
-int shell_map(FILE *file, const mesh *mesh, const double *value, const draw_scale *scale,
-              const char *title);
+void shell_loads(const shell *shell);
+void shell_outputs(const shell *shell);
+void shell_directions(const shell *shell);
+
+/* Cartesian unit vector of a displacement component at a point of the surface. */
+void shell_component(const surface_point *point, scene_component component, double along[3]);
 
 /*
- * Distribute the actuators over several plans, pictures of the parameter plane, so that no patches
- * overlap in one plan. An actuator that is the temperature of the whole shell has no patches and
- * gets plan -1.
- *   plan [actuators] out  index of the plan of each actuator
- * Returns the number of plans.
- */
-int shell_plans(const scene *scene, int *plan);
-
-typedef enum shell_mark { SHELL_FREE, SHELL_AT_LIMIT, SHELL_BEYOND } shell_mark;
-
-/*
- * Draw one plan: the voltages in the patches of the actuators with plan[actuator] == which.
- *   voltage, mark [amplifiers]  in
- */
-void shell_voltages(FILE *file, const mesh *mesh, const int *plan, int which, const double *voltage,
-                    const shell_mark *mark, const draw_scale *scale);
-
-/*
- * The part of the rigid body of a contact that lies close to the shell. It is drawn as a
- * translucent surface through a grid of SHELL_NET x SHELL_NET points.
+ * The part of the rigid body of a contact that lies close to the shell, as a translucent surface
+ * through a grid of SHELL_NET x SHELL_NET points.
  */
 enum { SHELL_NET = 13 };
 typedef struct shell_body {
     bool is_given;
-    double normal[3]; /* unit normal of the body's surface, pointing outwards, at the point nearest
-                         to the shell */
-    double x[SHELL_NET][SHELL_NET][3];
+    double normal[3]; /* outward unit normal of the body at the point nearest to the shell */
+    double place[SHELL_NET][SHELL_NET][3];
 } shell_body;
 
 /*
  * Compute the grid of points on the rigid body for its position at the last equilibrium, and
- * include them in the view.
- *   vector [nodes][3]  in  displacement of the shell
+ * include the points in the view of the displaced shell.
  */
-void shell_body_find(shell_body *body, const analysis *analysis, const double *vector,
-                     draw_view *view);
+void shell_body_find(shell_body *body, const analysis *analysis, shell *shell);
 
 /*
  * Draw the rigid body if it lies between the shell and the viewer (is_in_front true), or only if it
  * lies behind the shell (is_in_front false).
  */
-void shell_body_draw(FILE *file, const shell_body *body, const draw_view *view, bool is_in_front);
+void shell_body_draw(const shell *shell, const shell_body *body, bool is_in_front);
+
+/* Draw a whole picture: the map of value [nodes] with frame, mesh lines and ranges. */
+void shell_map(const shell *map, const double *value, const draw_scale *scale, const char *title);
+
+typedef enum shell_mark { SHELL_FREE, SHELL_AT_LIMIT, SHELL_BEYOND } shell_mark;
+
+/* Voltages of all amplifiers, as pictures show them. */
+typedef struct shell_voltage_set {
+    const double *voltage;  /* [amplifiers] */
+    const shell_mark *mark; /* [amplifiers] whether a limit is active */
+    const draw_scale *scale;
+} shell_voltage_set;
+
+/*
+ * Distribute the actuators over several plans, maps on which no patches overlap. An actuator
+ * without patches, such as the temperature of the whole shell, gets plan -1.
+ *   plan [actuators]  out  index of the plan of each actuator
+ */
+void shell_find_plans(const mesh *mesh, int *plan);
+
+/* Draw one plan: the voltages in the patches of the actuators with plan[actuator] == which. */
+void shell_voltages(const shell *map, const int *plan, int which, const shell_voltage_set *set);
+
+/* Draw the voltages of all amplifiers as bars, for scenes without patches. */
+void shell_bars(FILE *file, const scene *scene, const shell_voltage_set *set);
 
 #endif

@@ -17,63 +17,64 @@ void report_displacement(const mesh *mesh, const double *u, double *vector)
     }
 }
 
-/* Write a name without the characters that are special to XML. */
-static void write_name(FILE *file, const char *name)
+/* Begin an array of data. Characters of the name that are special to XML become underscores. */
+static void begin_array(FILE *file, const char *type, int components, const char *name)
 {
+    fprintf(file, "<DataArray type=\"%s\" NumberOfComponents=\"%d\" format=\"ascii\" Name=\"", type,
+            components);
     for (; *name; name++) {
         const bool is_plain = *name > ' ' && *name < 127 && !strchr("<>&\"", *name);
         fputc(is_plain ? *name : '_', file);
     }
+    fputs("\">\n", file);
 }
 
-/*
- * Write the three components of a vector.
- *   x [3]  in
- */
-static void write_vector(FILE *file, const double *x)
+static void end_array(FILE *file)
+{
+    fputs("</DataArray>\n", file);
+}
+
+/* Write the three components of a vector. */
+static void write_vector(FILE *file, const double vector[3])
 {
     for (int i = 0; i < 3; i++)
-        fprintf(file, "%.9g%c", isfinite(x[i]) ? x[i] : 0, " \n"[i == 2]);
+        fprintf(file, "%.9g%c", isfinite(vector[i]) ? vector[i] : 0, " \n"[i == 2]);
 }
 
 static void write_cells(FILE *file, const mesh *mesh)
 {
-    const char *const array = "<DataArray type=\"%s\" Name=\"%s\" format=\"ascii\">\n";
-    fprintf(file, array, "Int32", "connectivity");
-    for (int e = 0; e < mesh->elements; e++)
-        fprintf(file, "%d %d %d %d\n", mesh->element[e][0], mesh->element[e][1],
-                mesh->element[e][2], mesh->element[e][3]);
-    fprintf(file, "</DataArray>\n");
-    fprintf(file, array, "Int32", "offsets");
+    begin_array(file, "Int32", 1, "connectivity");
+    for (int k = 0; k < 4 * mesh->elements; k++)
+        fprintf(file, "%d%c", mesh->element[k / 4][k % 4], "   \n"[k % 4]);
+    end_array(file);
+    begin_array(file, "Int32", 1, "offsets");
     for (int e = 0; e < mesh->elements; e++)
         fprintf(file, "%d\n", 4 * (e + 1));
-    fprintf(file, "</DataArray>\n");
-    fprintf(file, array, "UInt8", "types");
+    end_array(file);
+    begin_array(file, "UInt8", 1, "types");
     for (int e = 0; e < mesh->elements; e++)
         fputs("9\n", file); /* cell type VTK_QUAD */
-    fputs("</DataArray>\n</Cells>\n<PointData>\n", file);
+    end_array(file);
 }
 
 int report_vtu(FILE *file, const mesh *mesh, const report_field *field, int fields)
 {
-    const char *const vectors =
-        "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\" Name=\"";
-    fputs("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\">"
-          "\n<UnstructuredGrid>\n",
-          file);
-    fprintf(file, "<Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">\n<Points>\n%splace\">\n",
-            mesh->nodes, mesh->elements, vectors);
+    fprintf(file,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\">\n"
+            "<UnstructuredGrid>\n<Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">\n<Points>\n",
+            mesh->nodes, mesh->elements);
+    begin_array(file, "Float64", 3, "place");
     for (int n = 0; n < mesh->nodes; n++)
         write_vector(file, mesh->point[n].x);
-    fputs("</DataArray>\n</Points>\n<Cells>\n", file);
+    end_array(file);
+    fputs("</Points>\n<Cells>\n", file);
     write_cells(file, mesh);
+    fputs("</Cells>\n<PointData>\n", file);
     for (int k = 0; k < fields; k++) {
-        fputs(vectors, file);
-        write_name(file, field[k].name);
-        fputs("\">\n", file);
+        begin_array(file, "Float64", 3, field[k].name);
         for (int n = 0; n < mesh->nodes; n++)
             write_vector(file, field[k].u + 3 * n);
-        fputs("</DataArray>\n", file);
+        end_array(file);
     }
     fputs("</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n", file);
     return ferror(file) ? -1 : 0;

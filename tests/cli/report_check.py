@@ -4,7 +4,7 @@
 
   xml            every SVG of the file is well-formed XML with a title and a description, and holds no NaN or infinity
   text WORD...   the page's text holds each word, after its markup is read
-  ring NAME      the patch of the amplifier NAME has two closed sides, each with an area in the picture
+  ring NAME      the elements of the patch of the amplifier NAME cover the area between two circles
   value NAME     the patch of the amplifier NAME has its value written, and the mark of an active limit
   uniform        neighbouring colours of each scale are equally far apart in the OKLab space, within a factor of 1.6
   contrast       the text colours stand out from their backgrounds by 4.5 at least, in light and in dark
@@ -78,12 +78,18 @@ def area(side):
 
 
 def law_ring(page, name):
-    shape = [e for e in patches(page, name)[0].iter() if e.get('class', '').endswith('patch')][0]
-    sides = [s for s in shape.get('d').split('z') if s]
-    assert len(sides) == 2, f'{len(sides)} closed sides'
-    inner, outer = sorted(map(area, sides), key=abs)
-    assert abs(inner) > 10 and abs(outer) > abs(inner) + 10, (inner, outer)
-    assert inner * outer < 0, 'the sides run the same way: the hole would be filled'
+    group = patches(page, name)[0]
+    path = [e.get('d') for e in group.iter() if e.tag.endswith('path')][0]
+    parts = [side for side in path.split('z') if side]
+    points = [tuple(map(float, p.split())) for part in parts for p in re.split('[ML]', part) if p]
+    middle = [(max(c) + min(c)) / 2 for c in zip(*points)]
+    radii = [math.dist(p, middle) for p in points]
+    outer, inner = ({p: r for p, r in zip(points, radii) if abs(r - end) < .3} for end in (max(radii), min(radii)))
+    covered = sum(abs(area(part)) for part in parts)
+    squares = [(sum(circle.values()) / len(circle)) ** 2 for circle in (outer, inner)]
+    ring = (squares[0] - squares[1]) * len(outer) / 2 * math.sin(2 * math.pi / len(outer))
+    rounding = .05 * 2 / (max(radii) - min(radii)) / len(outer) ** .5  # of coordinates with one decimal, in the mean
+    assert min(radii) > 1 and abs(covered / ring - 1) < rounding, (covered, ring, rounding)
 
 
 def law_value(page, name):

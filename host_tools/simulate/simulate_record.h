@@ -1,20 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Report page of `pzs simulate`: shape errors, voltages and active limits over time, and the shape
- * at the end of each phase.
+ * Record of a simulation over time, for reports and JSON. The ticks are divided into bins of equal
+ * length, because a page cannot show every tick of a long simulation.
  */
-#ifndef REPORT_SIMULATE_H
-#define REPORT_SIMULATE_H
+#ifndef SIMULATE_RECORD_H
+#define SIMULATE_RECORD_H
 
-#include "report.h"
-#include "../simulate/simulation.h"
+#include "simulation.h"
 
+/* Largest number of bins; shorter simulations have a bin for each tick. */
 enum { RECORD_BINS = 800 };
 
-/*
- * Data that the page draws over time. The ticks are divided into bins of equal length, because a
- * page cannot show every tick of a long simulation.
- */
 typedef struct simulate_record {
     int bins, ticks, amplifiers;
     double error[LAWS][RECORD_BINS]; /* largest shape error within the bin, for each control law */
@@ -28,12 +24,11 @@ typedef struct simulate_record {
                               which a limit is active */
 } simulate_record;
 
+/* Prepare an empty record. Returns 0, or -1: out of memory. */
 int record_open(simulate_record *record, const simulation *simulation);
 void record_close(simulate_record *record);
-void record_tick(simulate_record *record, const simulate_sample *sample);
 
-/* Write the report page. Returns 0, or -1 when memory runs out or the file cannot be written. */
-int report_simulate(const report_job *job, const simulation *simulation,
-                    const simulate_record *record);
+/* Add the results of one tick. */
+void record_tick(simulate_record *record, const simulate_sample *sample);
 
 #endif

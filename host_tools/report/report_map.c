@@ -1,0 +1,313 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Maps of the values at the nodes, and of the voltages in the patches (report_shell.h). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../scene/outline_pieces.h"
+#include "../text/words.h"
+#include "report_shell.h"
+
+/* Height of the lines of text below a map, in pixels. */
+enum { FOOT = 25 };
+
+/* Write the range of one coordinate of a map on a line below the map. */
+static void write_range(const shell *map, int line, const char *name, double low, double high,
+                        words_quantity quantity)
+{
+    char text[WORDS_UNIT];
+    words_unit(map->mesh->scene, quantity, text);
+    const put_unit unit = put_unit_of(fmax(fabs(low), fabs(high)), text);
+    put(map->file, "<text class=\"value\" x=\"%d\" y=\"%f\">%s from %n to %n%u</text>\n",
+        SHELL_MAP_WIDTH / 2, map->view.height + 5 + 14 * line, name, low * unit.factor,
+        high * unit.factor, unit.name);
+}
+
+/* Write the coordinates of a map with their ranges, or the direction in which the map is seen. */
+static void write_ranges(const shell *map)
+{
+    static const char *const names[2][2] = {{"x to the right", "y upwards"},
+                                            {"θ₁ downwards", "θ₂ to the right"}};
+    const bool has_parameters = view_has_parameters(map->mesh);
+    const double *normal = map->view.axis[2];
+    if (map->mesh->quads) {
+        put(map->file, "<text class=\"value\" x=\"%d\" y=\"%f\">seen along (%n, %n, %n)</text>\n",
+            SHELL_MAP_WIDTH / 2, map->view.height + 5, normal[0], normal[1], normal[2]);
+        return;
+    }
+    for (int a = 0; a < 2; a++) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (int k = 0; k < map->points; k++) {
+            low = fmin(low, map->place[k][a]);
+            high = fmax(high, map->place[k][a]);
+        }
+        write_range(map, a, names[has_parameters][a], low, high,
+                    has_parameters ? words_of_theta(map->mesh->scene, a) : QUANTITY_LENGTH);
+    }
+}
+
+void shell_map(const shell *map, const double *value, const draw_scale *scale, const char *title)
+{
+    draw_begin(map->file, DRAW_IMAGE, SHELL_MAP_WIDTH, map->view.height + FOOT, title,
+               "Map over the coordinates of the surface");
+    shell_surface(map, value, scale);
+    shell_lines(map, "grid");
+    shell_edges(map, "frame");
+    write_ranges(map);
+    draw_end(map->file, DRAW_IMAGE);
+}
+
+/*
+ * Whether any patches of two actuators cover the same element. Electrodes of any outline on one
+ * layer may share elements without an overlap.
+ */
+static bool do_overlap(const mesh *mesh, const scene_actuator *one, const scene_actuator *other)
+{
+    const scene_patches *patches = mesh->scene->patches;
+    for (int k = 0; k < one->drives * other->drives; k++) {
+        const scene_patches *first = &patches[one->drive[k / other->drives].patches];
+        const scene_patches *second = &patches[other->drive[k % other->drives].patches];
+        if ((first->outlines || second->outlines) && first->layer == second->layer)
+            continue;
+        for (int e = 0; e < mesh->elements; e++)
+            if (design_patches_in(mesh, e, first, NULL) > 0 &&
+                design_patches_in(mesh, e, second, NULL) > 0)
+                return true;
+    }
+    return false;
+}
+
+void shell_find_plans(const mesh *mesh, int *plan)
+{
+    const scene_actuator *actuator = mesh->scene->actuator;
+    for (int k = 0; k < mesh->scene->actuators; k++) {
+        plan[k] = actuator[k].drives > 0 ? 0 : -1;
+        for (int other = 0; other < k; other++)
+            if (plan[other] == plan[k] && do_overlap(mesh, &actuator[k], &actuator[other])) {
+                plan[k]++;
+                other = -1;
+            }
+    }
+}
+
+/* An electrode on a map: a patch of whole elements, or an electrode of any outline. */
+typedef struct electrode {
+    const shell *map;
+    shell part; /* map of the elements of a patch alone */
+    const scene_patches *patches;
+    int index;                    /* number of the electrode in `patches` */
+    double low[2], high[2], area; /* bounding box and area in the picture, once it is drawn */
+} electrode;
+
+/*
+ * Draw a piece of an electrode in an element, as outline_pieces calls it: an area, or a line.
+ *   natural [count][2]  in  natural coordinates of the element, from -1 to 1
+ */
+static void draw_piece(void *context, int element, const double (*natural)[2], size_t count)
+{
+    electrode *electrode = context;
+    double before[2] = {0, 0}, at[2], twice = 0;
+    bool is_drawing = false;
+    for (size_t k = 0; k <= count; k++) {
+        const double *point = natural[k % count];
+        const double share[2] = {(point[0] + 1) / 2, (point[1] + 1) / 2};
+        shell_inside(electrode->map, element, share, at);
+        twice += k > 0 ? before[0] * at[1] - before[1] * at[0] : 0;
+        for (int i = 0; i < 2; i++) {
+            electrode->low[i] = fmin(electrode->low[i], at[i]);
+            electrode->high[i] = fmax(electrode->high[i], at[i]);
+            before[i] = at[i];
+        }
+        if (k < count)
+            draw_step(electrode->map->file, &is_drawing, at);
+    }
+    fputs(count > 2 ? "z" : "", electrode->map->file);
+    electrode->area += fabs(twice) / 2;
+}
+
+/* Find the elements of a patch of whole elements; another electrode gets no part. */
+static electrode open_electrode(const shell *map, const scene_patches *patches, int index)
+{
+    electrode electrode = {.map = map, .part = *map, .patches = patches, .index = index};
+    design_part found;
+    electrode.part.cell = map->cell + map->cells;
+    electrode.part.cells = 0;
+    for (int i = 0; i < 2; i++) {
+        electrode.low[i] = HUGE_VAL;
+        electrode.high[i] = -HUGE_VAL;
+    }
+    for (int e = 0; e < map->cells && !patches->outlines; e++)
+        if (design_patches_in(map->mesh, e, patches, &found) > 0 && found.patch == index)
+            memcpy(electrode.part.cell[electrode.part.cells++], map->cell[e], sizeof *map->cell);
+    return electrode;
+}
+
+/* Draw the area of an electrode in a style. */
+static void draw_area(electrode *electrode, const char *style)
+{
+    static const double square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    const mesh *mesh = electrode->map->mesh;
+    design_part found;
+    draw_path(electrode->map->file, style);
+    for (int e = 0; e < mesh->elements; e++)
+        if (electrode->patches->outlines)
+            outline_pieces(mesh->scene, electrode->patches, electrode->index, e, false, draw_piece,
+                           electrode);
+        else if (design_patches_in(mesh, e, electrode->patches, &found) > 0 &&
+                 found.patch == electrode->index)
+            draw_piece(electrode, e, square, 4);
+    draw_path_end(electrode->map->file);
+}
+
+/* Draw the border of an electrode in a style. */
+static void draw_border(electrode *electrode, const char *style)
+{
+    const mesh *mesh = electrode->map->mesh;
+    if (!electrode->patches->outlines) {
+        shell_edges(&electrode->part, style);
+        return;
+    }
+    draw_path(electrode->map->file, style);
+    for (int e = 0; e < mesh->elements; e++)
+        outline_pieces(mesh->scene, electrode->patches, electrode->index, e, true, draw_piece,
+                       electrode);
+    draw_path_end(electrode->map->file);
+}
+
+/* Where a voltage is written, in pixels. */
+typedef struct text_room {
+    double middle[2], width, height;
+} text_room;
+
+/*
+ * The room of an electrode that is drawn: its bounding box, shrunk to its area. The text of a ring,
+ * whose centre lies outside its elements, moves to the nearest element.
+ */
+static text_room room_of(const electrode *electrode)
+{
+    static const double half[2] = {0.5, 0.5};
+    const double *low = electrode->low, *high = electrode->high;
+    const double width = high[0] - low[0], height = high[1] - low[1];
+    const double shrink = sqrt(electrode->area / (width * height));
+    const double centre[2] = {low[0] + width / 2, low[1] + height / 2};
+    text_room room = {{centre[0], centre[1]}, shrink * width, shrink * height};
+    double at[2], nearest[2] = {0, 0}, least = HUGE_VAL;
+    for (int k = 0; k < electrode->part.cells; k++) {
+        shell_inside(&electrode->part, k, half, at);
+        const double distance = hypot(at[0] - centre[0], at[1] - centre[1]);
+        if (distance < least)
+            memcpy(nearest, at, sizeof at);
+        least = fmin(least, distance);
+    }
+    if (electrode->part.cells > 0 && least > sqrt(electrode->area / electrode->part.cells))
+        memcpy(room.middle, nearest, sizeof nearest);
+    return room;
+}
+
+/*
+ * Write the voltage in its patch, as large as it fits. If the voltage does not fit at a readable
+ * size, it is left out, except at a limit, where it is written over the neighbouring patches.
+ */
+static void write_voltage(FILE *file, const draw_scale *scale, const text_room *room,
+                          double voltage, bool is_marked)
+{
+    const double digit = 0.6;                                /* width over font size */
+    const double smallest = 4.5, readable = 9, largest = 14; /* font sizes in pixels */
+    const int decimals = (scale->most < 100) + (scale->most < 10);
+    char text[40];
+    snprintf(text, sizeof text, "%.*f", decimals, voltage);
+    double size = fmin(room->height * 0.5, (room->width - 6) / (digit * (double)strlen(text)));
+    const bool is_over = is_marked && size < smallest;
+    const char *tone = is_over ? "tag" : draw_tone(scale, voltage);
+    const char *sign = strtod(text, NULL) < 0 ? "−" : "";
+    size = is_over ? readable : fmin(size, largest);
+    if (size >= smallest)
+        put(file, "<text class=\"value %s\" style=\"font-size:%fpx\" x=\"%f\" y=\"%f\">%s%s</text>",
+            tone, size, room->middle[0], room->middle[1] + size * 0.36, sign,
+            text + (*text == '-'));
+}
+
+/* Begin the group of an amplifier, with a title that says its voltage. */
+static void begin_amplifier(FILE *file, const scene *scene, const shell_voltage_set *set,
+                            int amplifier)
+{
+    static const char *const words[] = {"", ", limit active", ", beyond the limits of the scene"};
+    char name[SCENE_LABEL];
+    scene_amplifier_name(scene, amplifier, name);
+    put(file, "<g><title>%t: %q%s</title>", name, set->voltage[amplifier], set->scale->unit,
+        words[set->mark[amplifier]]);
+}
+
+/* Style class of the outline of a voltage for each shell_mark. */
+static const char *const mark_style[] = {"patch", "limit", "beyond"};
+
+/* Draw an electrode with the voltage of its amplifier, and a mark inside its border at a limit. */
+static void draw_electrode(electrode *electrode, const shell_voltage_set *set, int amplifier)
+{
+    FILE *file = electrode->map->file;
+    const double voltage = set->voltage[amplifier], rest = 1 - 0.86;
+    const bool is_marked = set->mark[amplifier] != SHELL_FREE;
+    begin_amplifier(file, electrode->map->mesh->scene, set, amplifier);
+    draw_area(electrode, draw_colour(set->scale, voltage));
+    const text_room room = room_of(electrode);
+    draw_border(electrode, "patch");
+    if (is_marked) {
+        put(file, "<g class=\"%s %s\" transform=\"translate(%f %f) scale(.86)\">",
+            mark_style[set->mark[amplifier]], draw_tone(set->scale, voltage),
+            rest * (electrode->low[0] + electrode->high[0]) / 2,
+            rest * (electrode->low[1] + electrode->high[1]) / 2);
+        draw_border(electrode, "");
+        fputs("</g>", file);
+    }
+    if (isfinite(voltage))
+        write_voltage(file, set->scale, &room, voltage, is_marked);
+    fputs("</g>\n", file);
+}
+
+/* Draw all electrodes of an actuator with their voltages. */
+static void draw_actuator(const shell *map, const scene_actuator *actuator,
+                          const shell_voltage_set *set)
+{
+    const int count = actuator->grid[0] * actuator->grid[1];
+    for (int k = actuator->drives * count - 1; k >= 0; k--) {
+        const scene_drive *drive = &actuator->drive[k / count];
+        electrode electrode =
+            open_electrode(map, &map->mesh->scene->patches[drive->patches], k % count);
+        draw_electrode(&electrode, set, actuator->first + k % count);
+    }
+}
+
+void shell_voltages(const shell *map, const int *plan, int which, const shell_voltage_set *set)
+{
+    draw_begin(map->file, DRAW_GROUP, SHELL_MAP_WIDTH, map->view.height + FOOT,
+               "Voltages of the amplifiers", "Every patch in the colour of its voltage");
+    for (int k = 0; k < map->mesh->scene->actuators; k++)
+        if (plan[k] == which)
+            draw_actuator(map, &map->mesh->scene->actuator[k], set);
+    shell_edges(map, "frame");
+    write_ranges(map);
+    draw_end(map->file, DRAW_GROUP);
+}
+
+void shell_bars(FILE *file, const scene *scene, const shell_voltage_set *set)
+{
+    enum { NAMES = 74, ROOM = 330 };
+    const double height = fmin(fmax((double)ROOM / scene->amplifiers, 2), 18);
+    const double half = (SHELL_MAP_WIDTH - NAMES) / 2.0, middle = NAMES + half;
+    draw_begin(file, DRAW_GROUP, SHELL_MAP_WIDTH, height * scene->amplifiers + 4,
+               "Voltages of the amplifiers",
+               "A bar for each amplifier, to the right for positive voltages");
+    for (int k = 0; k < scene->amplifiers; k++) {
+        const double share = set->scale->most > 0 ? set->voltage[k] / set->scale->most : 0;
+        char name[SCENE_LABEL];
+        scene_amplifier_name(scene, k, name);
+        begin_amplifier(file, scene, set, k);
+        for (int outline = 0; outline < 2; outline++)
+            put(file, "<path class=\"%s\" d=\"M%f %fh%fv%fH%fz\"/>",
+                outline ? mark_style[set->mark[k]] : draw_colour(set->scale, set->voltage[k]),
+                middle, height * k + 1, half * share, height - 2, middle);
+        put(file, "<text class=\"end\" style=\"font-size:%fpx\" x=\"%d\" y=\"%f\">%t</text></g>\n",
+            fmin(height, 11), NAMES - 6, height * (k + 0.8), name);
+    }
+    put(file, "<path class=\"grid\" d=\"M%f 0V%f\"/>", middle, height * scene->amplifiers);
+    draw_end(file, DRAW_GROUP);
+}

@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Loads, outputs, directions and rigid bodies in a picture in space (report_shell.h). */
+#include <math.h>
+#include <string.h>
+#include "../quads/vector.h"
+#include "report_shell.h"
+
+/* Position in space of a displaced node. */
+static void node_place(const shell *shell, int node, double place[3])
+{
+    for (int i = 0; i < 3; i++)
+        place[i] = shell->mesh->point[node].x[i] +
+                   (shell->vector ? shell->factor * shell->vector[3 * node + i] : 0);
+}
+
+/* Pixel coordinates of a displaced node. */
+static void node_at(const shell *shell, int node, double at[2])
+{
+    double place[3];
+    node_place(shell, node, place);
+    view_project(&shell->view, place, at);
+}
+
+void shell_node(const shell *shell, int node, const char *style, double radius)
+{
+    double at[2];
+    node_at(shell, node, at);
+    draw_disc(shell->file, style, at, radius);
+}
+
+void shell_component(const surface_point *point, scene_component component, double along[3])
+{
+    for (int i = 0; i < 3; i++) {
+        along[i] = (int)component - (int)COMPONENT_X == i;
+        if (component <= COMPONENT_U3)
+            along[i] = point->e[component - COMPONENT_U1][i];
+    }
+}
+
+/*
+ * Draw a point load as an arrow whose tip is at the loaded node. All arrows have the same length in
+ * space, so that an arrow along the line of sight is only a disc.
+ */
+static void draw_load(const shell *shell, const scene_load *load)
+{
+    const double degree = 0.017453292519943295, length = 46;
+    const int node = mesh_point_node(shell->mesh, &load->where);
+    const expr_point place = mesh_place(shell->mesh, node);
+    const double sign = expr_value(load->value, &place) < 0 ? -1 : 1;
+    double along[3], tip[2];
+    shell_component(&shell->mesh->point[node], load->component, along);
+    const double right = sign * vector_dot(shell->view.axis[0], along);
+    const double up = sign * vector_dot(shell->view.axis[1], along);
+    node_at(shell, node, tip);
+    if (hypot(right, up) < 0.25)
+        draw_disc(shell->file, "force", tip, 4);
+    else
+        put(shell->file,
+            "<path class=\"force\" transform=\"translate(%f %f) rotate(%f)\" "
+            "d=\"M-8 0H-%fM-1 0l-8 -3.5v7z\"/>\n",
+            tip[0], tip[1], atan2(-up, right) / degree, length * hypot(right, up));
+}
+
+void shell_loads(const shell *shell)
+{
+    for (int k = 0; k < shell->mesh->scene->loads; k++)
+        if (shell->mesh->scene->load[k].type == LOAD_POINT)
+            draw_load(shell, &shell->mesh->scene->load[k]);
+}
+
+/* Node of an output at a single node, or -1. */
+static int output_node(const shell *shell, int output)
+{
+    const scene_where *where = &shell->mesh->scene->output[output].where;
+    if (where->type != WHERE_POINT && where->type != WHERE_PLACE)
+        return -1;
+    return mesh_point_node(shell->mesh, where);
+}
+
+void shell_outputs(const shell *shell)
+{
+    for (int k = 0; k < shell->mesh->scene->outputs; k++) {
+        const int node = output_node(shell, k);
+        int before = 0; /* number of earlier outputs at the same node */
+        double at[2];
+        if (node < 0)
+            continue;
+        for (int i = 0; i < k; i++)
+            before += output_node(shell, i) == node;
+        if (before == 0)
+            shell_node(shell, node, "dot", 3.5);
+        node_at(shell, node, at);
+        const bool is_left = at[0] > shell->view.width * 0.65;
+        put(shell->file, "<text class=\"tag%s\" x=\"%f\" y=\"%f\">%t</text>\n",
+            is_left ? " end" : "", at[0] + (is_left ? -8 : 8), at[1] + 14 + 13 * before,
+            shell->mesh->scene->output[k].name);
+    }
+}
+
+void shell_directions(const shell *shell)
+{
+    static const char *const name[3] = {"x", "y", "z"};
+    const double x = 34, y = shell->view.height - 20, length = 22;
+    for (int i = 0; i < 3; i++) {
+        const double right = length * shell->view.axis[0][i];
+        const double down = -length * shell->view.axis[1][i];
+        put(shell->file,
+            "<path class=\"axis\" d=\"M%f %fl%f %f\"/><text class=\"value\" x=\"%f\" y=\"%f\">%s"
+            "</text>\n",
+            x, y, right, down, x + 1.4 * right, y + 1.4 * down + 4, name[i]);
+    }
+}
+
+/*
+ * Gap between a point in space and the rigid body in its present position.
+ *   normal  out  gradient of the gap
+ */
+static double gap_at(const equilibrium *equilibrium, const double place[3], double normal[3])
+{
+    const double *move = equilibrium->design->scene->contact.move;
+    double from[3], hessian[3][3];
+    for (int i = 0; i < 3; i++)
+        from[i] = place[i] - equilibrium->solver.info.load_factor * move[i];
+    return equilibrium->body.gap(&equilibrium->body, from, normal, hessian);
+}
+
+/*
+ * Move a point onto the surface of the body. This takes several iterations, because the gap
+ * function need not be the exact distance.
+ */
+static void pull_to_body(const equilibrium *equilibrium, double place[3], double normal[3])
+{
+    enum { ITERATIONS = 4 };
+    for (int k = 0; k < ITERATIONS; k++) {
+        const double gap = gap_at(equilibrium, place, normal);
+        for (int i = 0; i < 3; i++)
+            place[i] -= gap * normal[i];
+    }
+}
+
+/* Return the node that is nearest to the body. */
+static int nearest_node(const equilibrium *equilibrium, const shell *shell)
+{
+    double least = HUGE_VAL, place[3], unused[3];
+    int nearest = 0;
+    for (int n = 0; n < shell->mesh->nodes; n++) {
+        node_place(shell, n, place);
+        const double gap = gap_at(equilibrium, place, unused);
+        if (gap >= least)
+            continue;
+        least = gap;
+        nearest = n;
+    }
+    return nearest;
+}
+
+void shell_body_find(shell_body *body, const analysis *analysis, shell *shell)
+{
+    const equilibrium *equilibrium = &analysis->equilibrium;
+    body->is_given = analysis->nonlinear && analysis->design.scene->contact.given;
+    if (!body->is_given)
+        return;
+    const double half = 0.2 * equilibrium->contact_face.size;
+    double foot[3], axis[3] = {0, 0, 0}, along[2][3], unused[3];
+    int least = 0;
+    node_place(shell, nearest_node(equilibrium, shell), foot);
+    pull_to_body(equilibrium, foot, body->normal);
+    for (int i = 1; i < 3; i++)
+        least = fabs(body->normal[i]) < fabs(body->normal[least]) ? i : least;
+    axis[least] = 1;
+    vector_cross(body->normal, axis, along[0]);
+    vector_normalise(along[0]);
+    vector_cross(along[0], body->normal, along[1]);
+    for (int k = 0; k < SHELL_NET * SHELL_NET; k++) {
+        const double first = half * (2.0 * (k / SHELL_NET) / (SHELL_NET - 1) - 1);
+        const double second = half * (2.0 * (k % SHELL_NET) / (SHELL_NET - 1) - 1);
+        double *place = body->place[k / SHELL_NET][k % SHELL_NET];
+        for (int i = 0; i < 3; i++)
+            place[i] = foot[i] + first * along[0][i] + second * along[1][i];
+        pull_to_body(equilibrium, place, unused);
+        view_include(&shell->view, place);
+    }
+}
+
+void shell_body_draw(const shell *shell, const shell_body *body, bool is_in_front)
+{
+    const view *view = &shell->view;
+    if (!body->is_given || (vector_dot(body->normal, view->axis[2]) < 0) != is_in_front)
+        return;
+    draw_path(shell->file, "body");
+    for (int i = 0; i + 1 < SHELL_NET; i++)
+        for (int j = 0; j + 1 < SHELL_NET; j++) {
+            double at[4][2];
+            for (int r = 0; r < 4; r++)
+                view_project(view, body->place[i + (r == 1 || r == 2)][j + (r >= 2)], at[r]);
+            draw_polygon(shell->file, (const double(*)[2])at, 4);
+        }
+    draw_path_end(shell->file);
+}
