@@ -315,7 +315,7 @@ static void write_shapes(simulate_page *self)
     double misfit;
     fit_shapes(self);
     page_keys(page, "");
-    fputs("<div class=\"row three\">\n", page->file);
+    fputs("<div class=\"row\">\n", page->file);
     for (int k = 0; k < self->simulation->phases; k++) {
         const simulate_phase *phase = &self->simulation->phase[k];
         char name[SIMULATE_PHASE_TEXT];

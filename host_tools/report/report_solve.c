@@ -192,7 +192,7 @@ static void write_components(const page *page)
 {
     static const char *const name[3] = {"u₁ along e₁", "u₂ along e₂", "u₃ outwards"};
     fputs("<section>\n<h2>Displacement of the middle surface</h2>\n<p class=\"soft\">Each on a "
-          "scale of its own.</p>\n<div class=\"row three\">\n",
+          "scale of its own.</p>\n<div class=\"row\">\n",
           page->file);
     for (int a = 0; a < 3; a++) {
         draw_scale scale = {true, 0, page->scale.unit};
@@ -232,7 +232,7 @@ static void write_page(const solve_page *solve)
     page_begin(page, "Displacement under loads and applied voltages",
                analysis->nonlinear ? analysis->equilibrium.solver.info.residual
                                    : analysis->model.info.residual);
-    fputs("<section>\n<h2>Result</h2>\n<div class=\"row two\">\n", page->file);
+    fputs("<section>\n<h2>Result</h2>\n<div class=\"row\">\n", page->file);
     write_deformed(solve);
     fputs("<div>\n", page->file);
     write_outputs(solve);

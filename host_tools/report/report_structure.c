@@ -62,7 +62,7 @@ void page_structure(const page *page)
 {
     fputs("<section>\n<h2>Structure</h2>\n", page->file);
     if (page->analysis->source->has_structure) {
-        fputs("<div class=\"row uneven\">\n", page->file);
+        fputs("<div class=\"row\">\n", page->file);
         write_layers(page);
         write_materials(page);
         fputs("</div>\n", page->file);
