@@ -21,7 +21,8 @@ typedef struct run {
     const scene *scene;
     number_table voltages, shapes;
     pokes pokes;
-    calibration_model model; /* fitted structure; empty where the model is no structure */
+    calibration_model model; /* scene with fitted material factors; empty where the model is a
+                                measured matrix or there is none */
     int faults;
     wiring_fault fault[WIRING_FAULTS];
     double *acting; /* [pokes][actuators] voltages that act on the electrodes with the wiring faults

@@ -43,8 +43,9 @@ typedef struct damper_settings {
                      explain */
     int later;    /* number of ticks by which the readings are assumed to be older than the scene
                      states; the observer tolerates newer readings better than older ones */
-    bool is_gradient; /* true: use a damping gradient whose energy decays at any limits; false: use
-                         the gradient of the squared error of the shape that damps */
+    bool is_gradient; /* true: damp with a gradient that reduces the energy of the vibration even
+                         where voltages are at their limits; false: damp with the gradient of the
+                         squared error of the shape */
 } damper_settings;
 
 /*

@@ -26,16 +26,16 @@ typedef struct walk {
     double *memory;
     double *metric;      /* [free_dof] weight of each dof in the norm of a displacement: 1 for
                             displacements of the middle surface, thickness^2 for the other dof */
-    double *start;       /* [free_dof] displacement at the last converged point */
-    double *direction;   /* [free_dof] increment of the last converged step */
+    double *start;       /* [free_dof] displacement at the last converged point of the load path */
+    double *direction;   /* [free_dof] increment of the displacement in the last converged step */
     double *increment;   /* [free_dof] displacement since the last converged point */
     double *by_residual; /* [free_dof] inverse tangent stiffness times (load minus internal force)
                           */
     double *by_load;    /* [free_dof] inverse tangent stiffness times the force per unit of the load
                            factor */
     double *unit;       /* [free_dof] force per unit of one input */
-    double load_factor; /* load factor at the present point */
-    double start_factor; /* load factor at the last converged point */
+    double load_factor; /* load factor at the present point of the load path */
+    double start_factor; /* load factor at the last converged point of the load path */
     int iterations;
 } walk;
 
@@ -142,8 +142,10 @@ static double constrained_change(const walk *walk, double arc)
     const double rest = inner(walk, increment, increment) + 2 * inner(walk, increment, residual) +
                         inner(walk, residual, residual) - arc * arc;
     const double root = sqrt(half * half - load2 * rest);
-    const double along = inner(walk, increment, load); /* the angle to the old direction decreases
-                                                          with change * along */
+    const double along = inner(walk, increment, load); /* scalar product of the increment and the
+                                                          change of displacement per unit of the
+                                                          load factor; its sign decides which of the
+                                                          two solutions turns the increment less */
     return (-half + (along < 0 ? -root : root)) / load2;
 }
 

@@ -22,8 +22,8 @@ typedef enum load_path_event_type {
 } load_path_event_type;
 
 /*
- * Critical point between two computed points of the load path, with the indices `point` and `point`
- * + 1.
+ * Critical point (limit point or bifurcation) between two computed points of the load path, with
+ * the indices `point` and `point` + 1.
  */
 typedef struct load_path_event {
     load_path_event_type type;

@@ -64,7 +64,8 @@ typedef struct search {
                      */
     double *ritz, *turn; /* ritz [done][done]: Ritz values on the diagonal; turn [done][done]:
                             eigenvectors as columns */
-    size_t *order;       /* [done] indices of the Ritz pairs by decreasing Ritz value */
+    size_t *order; /* [done] indices of the Ritz pairs (approximate eigenvalues with eigenvectors)
+                      by decreasing Ritz value */
     uint64_t seed;
     int solves;
 } search;

@@ -13,8 +13,8 @@
 enum {
     PLANTS = 5, /* number of structures in storms (simulations with fast jumps of the target): the
                    model and four around it */
-    ENOUGH = 3, /* number of simulations with fast target jumps that do not settle after which no
-                   further one is run */
+    ENOUGH = 3, /* number of failures (simulations with fast target jumps that do not settle) after
+                   which no further simulation is run */
     SEEDS = 3,  /* number of random sequences of targets for the simulations with fast target jumps
                  */
     STORMS = PLANTS * 2 * SEEDS,

@@ -258,8 +258,8 @@ static void advance_plant(loop *loop, const double *output, double seconds)
 }
 
 /*
- * Random fraction of the interval by which a disturbance changes a tick; 0 where the disturbance
- * has ended.
+ * Random part of the tick interval by which a disturbance delays or shifts a tick, as a fraction of
+ * the interval; 0 where the disturbance has ended.
  */
 static double random_part(loop *loop, const disturbance *disturbance, int tick)
 {
@@ -408,10 +408,7 @@ static void count_detections(loop *loop, int tick)
     }
 }
 
-/*
- * Copy the voltages of the board into the controller on the host, whose voltages are computed by
- * the board.
- */
+/* Copy the voltages that the firmware on the board has computed into the controller on the host. */
 static void copy_board_voltages(loop *loop)
 {
     pzs_control *control = loop->controller.info.control;

@@ -75,8 +75,9 @@ void storm_close(storm_rig *rig);
 
 /*
  * Set the control loop of the next storms (simulations with fast target jumps).
- *   block [blocks] in  copied; the tables of the blocks must outlive the rig
- *   delay          in  age of the readings that the scene states (ticks)
+ *   rig            in/out  data that all storms share
+ *   block [blocks] in      blocks of the control tick, copied; their tables must outlive the rig
+ *   delay          in      age of the readings that the scene states (ticks)
  */
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay);
 

@@ -462,7 +462,10 @@ static int write_blocks(emitter *emitter, const analysis *analysis)
 
 /* ---- header ----------------------------------------------------------- */
 
-/* Write the comment at the top of the tables: scene, image, purpose and units. */
+/*
+ * Write the comment at the top of the tables: name and purpose of the scene, part of the library
+ * that the tables are for, and units.
+ */
 static void write_title(const emitter *emitter, const scene *scene, const char *image)
 {
     char line[4 * SCENE_NAME + 80];
