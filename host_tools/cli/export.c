@@ -15,7 +15,7 @@ typedef struct arrays {
     named_array array[NAMED_ARRAY_MOST];
     double *owned[NAMED_ARRAY_MOST];
     size_t count, owners;
-    bool is_full; /* true where memory has run out */
+    bool is_full; /* true after an allocation of memory has failed */
 } arrays;
 
 bool export_is_wanted(const options *options)

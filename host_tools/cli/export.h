@@ -9,7 +9,7 @@
 #include "history.h"
 #include "print.h"
 
-/* Whether the options ask for files with arrays. */
+/* Whether the options of the command line ask for files with arrays of numbers. */
 bool export_is_wanted(const options *options);
 
 /*

@@ -12,7 +12,7 @@ typedef struct history {
     double *row;     /* [ticks][HISTORY_COLUMNS] time (s), relative shape error, relative vibration,
                         relative error of the measured shape, number of active limits, iterations,
                         status, missed (0 or 1) */
-    double *voltage; /* [ticks][amplifiers] output voltages (V) */
+    double *voltage; /* [ticks][amplifiers] output voltages of the amplifiers in every tick (V) */
 } history;
 /* Allocate memory for the ticks of a simulation. Returns whether memory sufficed. */
 bool history_open(history *history, const scene *scene);

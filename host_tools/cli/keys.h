@@ -13,7 +13,7 @@
  */
 void keys_print(FILE *file, const char *section);
 
-/* Whether a scene has a section with this key. */
+/* Whether scenes may have a section with this key. */
 bool keys_has(const char *section);
 
 /* Print the keys of all sections, separated by blanks. */

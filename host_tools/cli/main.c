@@ -299,7 +299,7 @@ static int command_solve(const options *options, analysis *analysis)
 
 /* ---- shape ------------------------------------------------------------ */
 
-/* Compute the result with all voltages zero. */
+/* Compute the displacements and the shape error of a scene with all voltages zero. */
 static int shape_before(shape_run *run, char *error)
 {
     const design *design = &run->analysis->design;

@@ -14,7 +14,7 @@ typedef struct shape_run {
                           the optimum, on a nonlinear structure also that of the linear model,
                           clipped and regularised clipped least squares; then the sets that the
                           scene gives */
-    voltages before;   /* result with all voltages zero */
+    voltages before;   /* displacements and shape error with all voltages zero */
     int count, compared; /* number of results; index of the first result whose voltages the scene
                             gives */
     modes modes; /* results for each mode of the target; empty where the target is no list of modes

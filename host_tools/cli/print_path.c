@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* A load path on standard output (print_path.h). */
+/* A load path (equilibria from zero to full load) on standard output (print_path.h). */
 #include "print_path.h"
 #include <stdio.h>
 #include "print_outputs.h"

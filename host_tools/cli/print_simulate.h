@@ -9,10 +9,10 @@
 
 /* Receivers of the results of every tick of a simulation. */
 typedef struct simulate_sinks {
-    simulate_record *record; /* opened record of the results of all control laws */
+    simulate_record *record; /* record of the errors of all control laws, opened by the caller */
     FILE *csv; /* CSV file that receives a header and one line for each tick of the controller, or
                   NULL */
-    history *history; /* opened record of every tick of the controller, or NULL */
+    history *history; /* record of every tick of the controller, opened by the caller, or NULL */
 } simulate_sinks;
 
 /*

@@ -64,7 +64,7 @@ typedef struct analysis {
                        they solve linearly. Set from the scene at first */
     double *influence; /* [outputs][inputs] influence matrix in the reference state, filled by
                           analysis_influence */
-    pzs_status status; /* status of the last equilibrium computation */
+    pzs_status status; /* status of the last computation of a nonlinear equilibrium */
     struct {
         double assemble, factor, solve;
     } seconds; /* durations of assembling and factoring the stiffness matrix and of the last

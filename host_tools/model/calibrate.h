@@ -19,7 +19,8 @@
 /* Measured pokes: sets of voltages and the shapes measured under them. */
 typedef struct pokes {
     size_t count, actuators, outputs;
-    const double *voltage; /* [count][actuators] voltages of each poke (V) */
+    const double *voltage; /* [count][actuators] voltages of each poke, a measurement under one set
+                              of voltages (V) */
     const double *shape; /* [count][outputs] measured shape of each poke, in the unit of the outputs
                           */
 } pokes;

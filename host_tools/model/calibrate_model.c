@@ -106,13 +106,13 @@ static void predict(const pokes *pokes, const double *influence, double *shape)
 /* Arrays of one fit of material factors, in one allocation that begins at `shape`. */
 typedef struct fit {
     size_t entries; /* number of entries of all shapes: pokes times outputs */
-    double *shape;  /* [entries] predicted shapes */
+    double *shape;  /* [entries] shapes that the model predicts for the measured voltages */
     double *slope; /* [factors][entries] derivative of the predicted shapes by the logarithm of each
                       factor */
     double *influence; /* [outputs][actuators] influence matrix with one changed factor */
-    double *normal;    /* [factors][factors] matrix of the normal equations */
-    double *change;    /* [factors] right-hand side of the normal equations, then change of the
-                          logarithms */
+    double *normal; /* [factors][factors] matrix of the normal equations for the material factors */
+    double *change; /* [factors] right-hand side of the normal equations, then change of the
+                       logarithms */
 } fit;
 
 static int fit_open(fit *fit, const calibration_model *model, const pokes *pokes)

@@ -15,12 +15,12 @@
 typedef struct model_factor {
     int material;
     bool is_piezo;
-    double value; /* fitted factor (1: the constants of the scene) */
+    double value; /* fitted factor of material constants; 1 leaves the constants of the scene */
 } model_factor;
 
 typedef struct calibration_model {
     int factors;
-    model_factor *factor; /* [factors] factors of the material constants */
+    model_factor *factor; /* [factors] fitted factors of the material constants of the scene */
     double *influence;    /* [outputs][amplifiers] influence matrix of the scene with the fitted
                              factors */
     double (*place)[3];   /* [outputs] coordinates x, y, z of the target nodes */

@@ -36,7 +36,7 @@ typedef struct certificate_loop {
     bool is_made;
     bool is_stable; /* true where small vibrations decay on every simulated structure and every
                        storm (simulation with fast jumps of the target) settles */
-    int modes;      /* number of modes of the simulated structure */
+    int modes;      /* number of modes of the structure in these simulations */
     int observed;   /* number of modes that the observer of the control tick estimates */
     double radius;  /* largest growth factor of small vibrations per tick, without limits */
     double at_gain, at_frequency; /* gain and natural frequencies of the structure with the largest
@@ -69,7 +69,7 @@ typedef struct certificate_loop {
 } certificate_loop;
 
 typedef struct certificate {
-    bool is_made;   /* true after certificate_make has run */
+    bool is_made;   /* true after certificate_make has filled the certificate */
     bool has_modes; /* true where the modes could be computed, which needs all densities */
     char reason[SCENE_ERROR]; /* why the modes are unknown or the loop was not assessed, and what
                                  the user can do */
@@ -78,8 +78,8 @@ typedef struct certificate {
                               assessed; the following members are valid only then */
     bool assumes_measured; /* true where the loop was assessed as if every target node were
                               measured, because some readings come from electrodes */
-    int modes;             /* number of modes in the loop */
-    double damping;        /* damping ratio of the first mode */
+    int modes;             /* number of modes of the structure with which the loop is assessed */
+    double damping;        /* damping ratio of the structure's first mode */
     bool has_own_damping;  /* true where the scene gives the damping ratio; false where it is an
                               assumption */
     double rate;           /* tick rate of the scene (1/s); 0 where the scene gives none */
@@ -90,7 +90,7 @@ typedef struct certificate {
     bool has_settings; /* true where `settings` were chosen by simulations with fast jumps of the
                           target */
     damper_settings settings; /* settings of the control tick that damps vibration */
-    certificate_loop loop;    /* certificate of the loop with a vibration model */
+    certificate_loop loop;    /* certificate of the loop whose control tick damps vibration */
     double stable_rate; /* highest tick rate (1/s) up to which every rate is stable; 0 where no
                            stable rate was found, infinite where every rate is stable */
 } certificate;

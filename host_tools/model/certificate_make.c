@@ -23,7 +23,7 @@ enum {
     RATE_LIMIT = 2000, /* largest number of scanned tick rates */
     PHASES = 8, /* number of intervals between ticks that are tried within one period of the first
                    mode */
-    STARTS = 4  /* number of attempts to find a first stable tick rate */
+    STARTS = 4  /* number of tick rates at which a first stable one is searched */
 };
 
 static const double two_pi = 6.283185307179586;

@@ -39,13 +39,13 @@ typedef struct builder {
     damper_settings settings;
     damper_model model;
     double interval; /* time between ticks (s) */
-    int delay;       /* age of the readings (ticks) */
+    int delay;       /* age of the readings of the sensors (ticks) */
     size_t targets, sensors, amplifiers;
     size_t *mode; /* [modes] index of each observed mode in `vibration` */
     double *angle, *ratio, *overlap, *lift, *square, *precision; /* arrays of the modal model
                                                                     (damper_model), and inverse
                                                                     variance of each sensor */
-    double *column;                                              /* [targets] work vector */
+    double *column; /* [targets] work vector for one mode shape at the target nodes */
     double *shape, *reading, *modal; /* mode shapes at the outputs, readings of the sensors in each
                                         mode, and static modal coordinate per volt */
     damper_gains gains;
@@ -98,7 +98,7 @@ static size_t mode_limit(const builder *builder)
     return moving < builder->sensors ? moving : builder->sensors - 1;
 }
 
-/* List the modes to observe. Returns their number. */
+/* List the modes that the control tick observes. Returns the number of these modes. */
 static size_t list_modes(builder *builder)
 {
     const size_t limit = mode_limit(builder), count = (size_t)builder->vibration->count;

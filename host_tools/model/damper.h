@@ -19,7 +19,7 @@ typedef struct damper {
                      only then */
     char reason[SCENE_ERROR]; /* where the control tick must damp vibration but cannot, the reason;
                                  otherwise empty */
-    int modes;                /* number of observed modes */
+    int modes;                /* number of modes that the control tick observes */
     double *frequency;        /* [modes] natural frequencies of the observed modes (Hz) */
     double rate;              /* tick rate (1/s) */
     double *memory;           /* one allocation that holds all arrays of the damper */
@@ -32,7 +32,7 @@ typedef struct damper {
  */
 typedef struct damper_options {
     double rate; /* tick rate (1/s) */
-    int delay;   /* age of the readings (ticks) */
+    int delay;   /* age of the readings of the sensors (ticks) */
     damper_settings settings;
 } damper_options;
 

@@ -62,7 +62,7 @@ typedef struct damper_model {
     size_t modes, inputs, sensors;
     const double *angle; /* [modes] angle of each mode in a tick, ascending (rad): angular frequency
                             times tick interval */
-    const double *ratio; /* [modes] damping ratios */
+    const double *ratio; /* [modes] damping ratios of the modes */
     const double *modal; /* [modes][inputs] static modal coordinate per volt of each input */
     const double *overlap; /* [modes][modes] products of the modes' readings, summed over the
                               sensors with their inverse variances */

@@ -19,7 +19,7 @@ typedef struct row_builder {
     uint16_t *dof;
     double *value;
     size_t rows, terms, room_rows, room_terms;
-    int is_full; /* 1 where memory has run out */
+    int is_full; /* 1 after an allocation of memory has failed */
 } row_builder;
 
 void *design_grow(void *old, size_t count, size_t size, int *full)

@@ -94,7 +94,7 @@ static void fit(const design *design, const double *shape, const double *wanted,
     }
 }
 
-/* Weighted sum of squares of a shape [targets]. */
+/* Sum of the squares of a shape [targets], weighted with the weights of the target rows. */
 static double weighted_squares(const design *design, const double *shape)
 {
     double sum = 0;

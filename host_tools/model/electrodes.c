@@ -19,7 +19,7 @@ typedef struct across_list {
     across *entry;
     design_part *part; /* work array for the patches of one actuator or sensor in the element */
     int count, room;
-    bool is_full; /* true where memory has run out */
+    bool is_full; /* true after an allocation of memory has failed */
 } across_list;
 
 /* Enlarge a list so that `more` further entries fit. */

@@ -21,7 +21,7 @@ typedef struct resultant_builder {
     uint16_t *element, *which;
     double (*value)[LAMINATE_STRAINS];
     size_t entries, room, values, room_values;
-    int is_full; /* 1 where memory has run out */
+    int is_full; /* 1 after an allocation of memory has failed */
 } resultant_builder;
 
 /*

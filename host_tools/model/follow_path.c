@@ -21,7 +21,7 @@
  */
 typedef struct walk {
     pzs_solver *solver;
-    const double *full; /* [inputs] input values at full load */
+    const double *full; /* [inputs] input values of the scene at full load */
     size_t n;
     double *memory;
     double *metric;      /* [free_dof] weight of each dof in the norm of a displacement: 1 for
@@ -33,7 +33,7 @@ typedef struct walk {
                           */
     double *by_load;    /* [free_dof] inverse tangent stiffness times the force per unit of the load
                            factor */
-    double *unit;       /* [free_dof] force per unit of one input */
+    double *unit;       /* [free_dof] nodal forces per unit of one input */
     double load_factor; /* load factor at the present point of the load path */
     double start_factor; /* load factor at the last converged point of the load path */
     int iterations;
@@ -207,7 +207,10 @@ static bool try_step(walk *walk, double arc)
     return correct(walk, arc) && solve_both(walk);
 }
 
-/* Make the present point the last converged point. */
+/*
+ * Make the present point of the load path the last converged point, from which the next step
+ * starts.
+ */
 static void accept(walk *walk)
 {
     for (size_t i = 0; i < walk->n; i++) {

@@ -208,7 +208,7 @@ void mass_multiply(const mass *mass, const pzs_model *model, const double *vecto
 /* ---- rigid motion ----------------------------------------------------- */
 
 /*
- * Dof of a node in a rigid motion.
+ * Values of the dof of a node when the structure moves as a rigid body.
  *   unit [7] out
  */
 static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], const double spin[3],

@@ -21,7 +21,7 @@ typedef struct mesh_values {
 
 /* Estimated discretisation error of one result. */
 typedef struct mesh_estimate {
-    double value;        /* result on the mesh of the scene */
+    double value;        /* value of the result on the mesh of the scene */
     double extrapolated; /* extrapolated result for infinitely many elements */
     double uncertainty;  /* half width of the interval around `extrapolated` in which the exact
                             result is expected */
@@ -33,7 +33,7 @@ typedef struct mesh_error {
     int meshes; /* number of meshes that were analysed, 2 or 3; 0: no estimate was asked for */
     int elements[MESH_LEVELS][2]; /* number of elements along theta1 and theta2 on each mesh, the
                                      scene's mesh first */
-    mesh_values values;           /* results on the mesh of the scene */
+    mesh_values values;           /* all results on the mesh of the scene */
     mesh_estimate estimate[MESH_VALUES];
     char why_two[SCENE_ERROR]; /* where only two meshes were analysed, the reason why there is no
                                   third one */

@@ -15,8 +15,8 @@
 
 typedef struct modal {
     size_t modes, rows, inputs;
-    double *frequency; /* [modes] angular frequencies (rad/s) */
-    double *damping;   /* [modes] damping ratios */
+    double *frequency; /* [modes] angular frequencies of the modes (rad/s) */
+    double *damping;   /* [modes] damping ratios of the modes */
     double *shape; /* [rows][modes] displacement of each output row per unit of a modal coordinate
                     */
     double *response; /* [modes][inputs] static modal coordinate per unit of each input */

@@ -38,7 +38,7 @@ static int run_limited(analysis *analysis, common_limits limit, mode_left *resul
     return failed ? -1 : 0;
 }
 
-/* Weighted root mean square of the target. */
+/* Root mean square of the target displacements, weighted with the weights of the target rows. */
 static double target_size(const design *design)
 {
     double weights = 0;

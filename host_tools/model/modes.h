@@ -21,8 +21,8 @@ typedef struct mode_left {
 
 typedef struct mode {
     double size; /* root mean square of the mode's displacements at the target nodes */
-    double unconstrained_error; /* relative shape error without voltage limits */
-    double largest_voltage;     /* largest absolute voltage without voltage limits (V) */
+    double unconstrained_error; /* relative shape error of the optimum without voltage limits */
+    double largest_voltage; /* largest absolute voltage of the optimum without voltage limits (V) */
 } mode;
 
 typedef struct modes {

@@ -31,7 +31,7 @@ static const struct rule {
     const char *name;
     subject_type of;
     measure *measure;
-    double low, high; /* range without a warning, both ends included */
+    double low, high; /* range of the measured number without a warning, both ends included */
     const char *unit, *cure;
 } rules[] = {
     {"displacement", SUBJECT_RESULT, measure_displacement, 0, 1, "times the thickness",

@@ -18,7 +18,7 @@ typedef struct plausible_warning {
     const char *rule;    /* name of the rule that led to the warning */
     double value, limit; /* number that was found, and end of the usual range that it exceeds; in SI
                             units, or a ratio */
-    const char *unit;    /* unit of the number and of the end of the range */
+    const char *unit;    /* unit of the number that was found and of the range that it exceeds */
     scene_at at;         /* position in the scene file; line 0: the scene as a whole */
     char text[SCENE_ERROR]; /* warning as text: "file:line:column: what was found; what to do" */
 } plausible_warning;

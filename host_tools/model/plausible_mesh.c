@@ -134,7 +134,10 @@ static scene_at at_of_item(const scene *scene, int item)
                                  : scene->actuator[item - scene->springs].at;
 }
 
-/* Springs of an item that no free dof elongates. */
+/*
+ * Number of those springs of a spring entry or stack actuator of the scene that no free dof
+ * elongates, so that they have no effect.
+ */
 int measure_held_spring(const subject *of, int k, measured *found)
 {
     const mesh_springs *springs = &of->mesh->springs;
@@ -149,7 +152,7 @@ int measure_held_spring(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Numbers of the stiffness factor relative to those without springs. */
+/* Number of entries of the factored stiffness matrix relative to the number without springs. */
 int measure_long_spring(const subject *of, int k, measured *found)
 {
     const mesh_springs *springs = &of->mesh->springs;

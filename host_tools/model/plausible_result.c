@@ -34,7 +34,7 @@ int measure_found_field(const subject *of, int k, measured *found)
 
 /* ---- displacement and strain ------------------------------------------ */
 
-/* One displacement component of a node. */
+/* Displacement of a node along one component, from the displacement vector of the structure. */
 static double displacement_of(const mesh *mesh, const double *displacement, int node,
                               scene_component component, scene_face face)
 {

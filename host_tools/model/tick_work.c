@@ -28,7 +28,8 @@ uint64_t tick_work_limit(const design *design)
     if (!(control->clock > 0) || !(control->rate > 0))
         return 0;
     const double allowed = control->clock / control->rate / TICK_WORK_CYCLES - TICK_WORK_OTHERS;
-    const int steps = control->moving_target ? 2 : 1; /* a governor makes a step of its own */
+    const int steps = control->moving_target ? 2 : 1; /* a governor of the target computes a voltage
+                                                         step of its own in each tick */
     const double left = (allowed / steps - instructions(design, 0)) / TICK_WORK_PER_OPTIMISER;
     const double most = fmin(left, (double)PZS_WORK_LIMIT(inputs));
     return most > (double)least ? (uint64_t)most : least;

@@ -17,7 +17,7 @@
 #define TICK_WORK_PER_PRODUCT 3.0
 #define TICK_WORK_PER_OPTIMISER 7.0
 #define TICK_WORK_PER_OUTPUT 50.0
-#define TICK_WORK_CYCLES 2.0 /* assumed clock cycles per instruction */
+#define TICK_WORK_CYCLES 2.0 /* assumed number of clock cycles per instruction */
 #define TICK_WORK_OTHERS                                                                           \
     20000 /* number of instructions reserved for the other blocks of the tick */
 

@@ -17,7 +17,7 @@ typedef struct unconstrained {
     const pzs_problem *problem; /* voltage problem, from which influence matrix, weights and
                                    reference voltages are read */
     double regularisation;      /* regularisation that is contained in the factor (m2/V2) */
-    int rank;                   /* number of linearly independent inputs */
+    int rank;          /* number of inputs whose influence columns are linearly independent */
     double *normal;    /* [inputs][inputs] normal matrix B'W^2 B of influence matrix B and weights W
                           (m2/V2) */
     double *factor;    /* [inputs][inputs] Cholesky factor of the regularised normal matrix: one row

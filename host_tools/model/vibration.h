@@ -13,7 +13,7 @@
 #include "design.h"
 
 typedef struct vibration {
-    int count;   /* number of computed modes */
+    int count;   /* number of computed natural frequencies and mode shapes */
     int rigid;   /* number of rigid motions; they are the first modes and have the frequency 0 */
     int solves;  /* number of linear solves with the shifted stiffness matrix */
     double mass; /* mass of the whole structure, constrained nodes included */

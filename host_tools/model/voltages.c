@@ -93,7 +93,7 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
 static int explain(const analysis *analysis, pzs_status status, char *error)
 {
     if (status == PZS_E_LIMITS)
-        return -1; /* design_limits has already filled `error` */
+        return -1; /* the function design_limits has already filled `error` */
     return scene_fault(analysis->design.scene, analysis->design.scene->limits.at, error, "%s",
                        pzs_status_text(status));
 }
@@ -363,10 +363,10 @@ typedef struct newton {
     double *influence;      /* [targets][amplifiers] influence matrix of the voltage problem */
     double *wanted;      /* [targets] displacements that the voltages are to cause in the linearised
                             problem */
-    double *work;        /* [targets] work vector */
+    double *work;        /* [targets] work vector for a shape */
     double trust_radius; /* trust radius: largest change of any voltage (V) */
     void *state;         /* saved state of the equilibrium solver at the best result */
-    voltages best;       /* result with the smallest objective so far */
+    voltages best;       /* voltages and shape with the smallest objective so far */
 } newton;
 
 /* Save a result and the state of the equilibrium solver as the best ones so far. */

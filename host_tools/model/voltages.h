@@ -14,7 +14,8 @@ typedef struct voltages {
     int amplifiers;
     double *voltage; /* [amplifiers] computed voltages (V) */
     double *u;       /* [free_dof] displacement vector under the voltages and the scene's loads */
-    double *shape;   /* [targets] displacements of the target rows */
+    double *shape; /* [targets] displacements of the target rows under the voltages and the scene's
+                      loads */
     double *aligned_target; /* [targets] target plus the combination of its free functions (shapes
                                that may be added at no cost) that fits the shape best */
     double error; /* relative shape error: weighted norm of shape minus target over that of target
@@ -37,7 +38,7 @@ typedef struct voltages {
                                       iterations of the optimiser */
     int relinearised;  /* number of times that the influence matrix was computed again at the last
                           shape */
-    int linear_solves; /* number of linear solves on the nonlinear structure */
+    int linear_solves; /* number of linear solves that the nonlinear structure has needed */
 } voltages;
 
 /*

@@ -41,7 +41,7 @@ typedef struct wiring {
     double *matrix;   /* [n][n] matrix of the normal equations, then its Cholesky factor */
     double *gain; /* [n] right-hand side of the normal equations, then gain of each electrode (ratio
                      of its actual to its model influence) */
-    double *work; /* [n] work vector */
+    double *work; /* [n] work vector for one column of the normal equations */
     size_t *amplifier; /* [n] index of the amplifier to which each electrode is connected */
     double squares;    /* sum of squares of the measured shapes */
     double entries;    /* number of values of the measured shapes */

@@ -23,7 +23,7 @@ enum {
     TICKS_LEAST = 600, /* fewest and most ticks of a simulation that measures the growth of small
                           vibrations */
     TICKS_MOST = 3000,
-    HALVINGS = 5,   /* number of bisections for a margin */
+    HALVINGS = 5,   /* number of bisections with which a margin is determined */
     OLDER_MOST = 4, /* largest error of the readings' age that is tried (ticks) */
     OCTAVES = 5     /* octaves of tick rates that are tried on either side of the scene's rate */
 };

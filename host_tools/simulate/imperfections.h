@@ -50,8 +50,8 @@ typedef struct sensor {
 /* Electrodes, sensors and time of a running loop, on which the imperfections act. */
 typedef struct imperfections {
     const design *design;
-    electrode *electrode; /* [amplifiers] state of each electrode */
-    sensor *sensor;       /* [sensors] state of each sensor */
+    electrode *electrode; /* [amplifiers] state of the electrode of each amplifier */
+    sensor *sensor;       /* [sensors] faults and drift of each sensor */
     int sensors;
     uint64_t *random; /* state of the random number generator */
     double time;      /* time since the start of the simulation (s) */

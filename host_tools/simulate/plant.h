@@ -24,9 +24,9 @@ typedef struct plant {
     double *scene_input;    /* [inputs] loads and support displacements as given in the scene */
     double *value;          /* [output rows] output values of the latest shape */
     int temperature;        /* index of the temperature input, or -1 where the plant has none */
-    int has_shape;          /* 1: at least one shape has been computed */
-    bool is_at_rest;        /* true: no time has passed since plant_rest */
-    long linear_solves;     /* number of linear solves of the nonlinear equilibrium solver */
+    int has_shape;          /* 1: at least one shape of the plant has been computed */
+    bool is_at_rest;    /* true: no time has passed since plant_rest has set the plant to rest */
+    long linear_solves; /* number of linear solves of the nonlinear equilibrium solver */
     bool has_inertia;
     char reason[SCENE_ERROR]; /* the reason why a plant has no inertia */
     vibration vibration;      /* natural frequencies and mode shapes of a plant with inertia */

@@ -16,7 +16,7 @@
 #include "../tables/tables.h"
 
 enum {
-    LAST = 20,       /* fewest ticks that count as the end of a phase */
+    LAST = 20,       /* fewest ticks that count as the end of a phase of the simulation */
     LAST_MOST = 500, /* most ticks that count as the end of a phase; the end is one period of the
                         first mode where that is shorter */
     WINDOW = 1000    /* number of ticks in which the settling time is measured */
@@ -322,12 +322,13 @@ void simulate_close(simulation *simulation)
 /* ---- results of a phase ------------------------------------------------ */
 
 typedef struct course_log {
-    double *window; /* [WINDOW][targets] shapes at the start of the phase */
-    double *last;   /* [end_ticks][targets] shapes at the end of the phase */
+    double *window; /* [WINDOW][targets] shapes of the plant in the first ticks of the phase */
+    double *last;   /* [end_ticks][targets] shapes of the plant in the last ticks of the phase */
     double *mean;   /* [targets] mean of the shapes at the end of the phase */
-    int end_ticks;  /* number of ticks that count as the end of a phase */
+    int end_ticks;  /* number of ticks that count as the end of a phase of the simulation */
     double error[LAST_MOST], measurement_error[LAST_MOST], vibration[LAST_MOST];
-    double *initial_voltage; /* [amplifiers] voltages before the phase (V) */
+    double *initial_voltage; /* [amplifiers] output voltages before the phase of the simulation (V)
+                              */
     int ticks;
 } course_log;
 

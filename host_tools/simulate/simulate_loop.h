@@ -13,8 +13,8 @@
 /* Sinusoidal part of the factor of a load. */
 typedef struct wave {
     double amplitude, frequency; /* amplitude of the load factor (no unit); frequency (Hz) */
-    double start;                /* time at which the phase of the sine is 0 (s) */
-    int until;                   /* tick at which the sinusoidal part ends */
+    double start;                /* time at which the sine is 0 and increasing (s) */
+    int until;                   /* tick at which the sinusoidal part of the load ends */
 } wave;
 
 /* Disturbance of the time or the readings of a tick: its size, and the tick at which it ends. */
@@ -37,9 +37,10 @@ typedef struct loop {
     const design *design; /* nominal design from which the controller is made */
     simulation *simulation;
     simulate_law law;
-    bool is_damped;   /* true: the controller has a vibration block */
+    bool is_damped;   /* true: the controller has a block that damps vibration */
     int missed_ticks; /* number of ticks missed since the last tick in which the controller ran */
-    pzs_block block[PZS_BLOCK_LIMIT]; /* blocks of the control law */
+    pzs_block block[PZS_BLOCK_LIMIT]; /* blocks of the control law, run in this order in each tick
+                                       */
     law_tables tables; /* tables of the simulation's own block for the voltages; unused where the
                           library's step block computes the voltages */
     law compared; /* tables of the block that computes the voltages of LAW_CLAMP and LAW_REGULARISED
@@ -61,12 +62,12 @@ typedef struct loop {
     double *load, *scheduled_load; /* [loads + 1] factors of the loads: present values, and values
                                       by the schedule alone, without random events; the last entry
                                       is the temperature change (K) */
-    double *shape;                 /* [targets] displacements of the plant */
-    double *scratch;               /* [targets] scratch memory */
-    double *command;               /* [amplifiers] voltages that the controller commands (V) */
-    double *output;                /* [amplifiers] output voltages of the amplifiers (V) */
-    double *effect; /* [amplifiers] voltages that act on the ceramic, after faults and hysteresis
-                       (V) */
+    double *shape;   /* [targets] present displacements of the plant at the target rows */
+    double *scratch; /* [targets] scratch memory for a shape */
+    double *command; /* [amplifiers] voltages that the controller commands (V) */
+    double *output;  /* [amplifiers] output voltages of the amplifiers (V) */
+    double *effect;  /* [amplifiers] voltages that act on the ceramic, after faults and hysteresis
+                        (V) */
     double *previous_output; /* [amplifiers] output voltages of the amplifiers before the last
                                 change (V) */
     double time;             /* time since the start of the simulation (s) */
@@ -101,7 +102,7 @@ typedef struct loop {
     uint8_t *state, *twin_state; /* [amplifiers] electrode states by the fault detector, of the loop
                                     and of the board's twin (the firmware's C code on this computer)
                                   */
-    void *controller_memory;     /* memory of the library's control loop */
+    void *controller_memory;     /* memory that the library's control loop works in */
     double error;                /* relative shape error at the start of the last tick */
     pzs_status status;           /* status of the controller in the last tick */
     int iterations;

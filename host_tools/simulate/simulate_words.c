@@ -10,7 +10,7 @@ const char *simulate_words_influence(const scene *scene)
     return scene->simulate.at_target ? "at the target" : "at rest";
 }
 
-/* Name of the type of a load. */
+/* Name of the type of a load, for a text. */
 static const char *name_of_load(const scene_load *load)
 {
     static const char *const word[] = {"point force", "line force",       "pressure",

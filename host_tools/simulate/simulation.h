@@ -30,7 +30,7 @@ struct loop_blocks;
  */
 typedef enum simulate_law { LAW_CONTROLLER, LAW_CLAMP, LAW_REGULARISED, LAWS } simulate_law;
 
-/* Results of one tick of a simulation. */
+/* Results of one tick of a simulation, passed to the callback of simulate_run. */
 typedef struct simulate_sample {
     simulate_law law;
     int tick;
@@ -54,7 +54,7 @@ typedef void simulate_tick_callback(void *context, const simulate_sample *sample
 typedef struct simulate_course {
     double steady; /* relative shape error, root mean square over the last ticks of the phase;
                       infinite for a law for comparison that has diverged */
-    double worst;  /* largest relative shape error in the phase */
+    double worst;  /* largest relative shape error in the phase of the simulation */
     double measurement_error; /* relative measurement error, root mean square over the last ticks of
                                  the phase */
     double vibration; /* relative deviation from the static equilibrium, root mean square over the
@@ -65,8 +65,9 @@ typedef struct simulate_course {
                     within 5 % of the largest distance; -1: never */
     int step_limit_ticks; /* number of ticks that the step limit alone requires from the initial to
                              the final voltages */
-    double *voltage;      /* [amplifiers] voltages at the end of the phase (V) */
-    double *shape;        /* [targets] displacements of the target rows at the end of the phase */
+    double *voltage; /* [amplifiers] output voltages at the end of the phase of the simulation (V)
+                      */
+    double *shape;   /* [targets] displacements of the target rows at the end of the phase */
     double *displacement; /* [free_dof] displacement vector of the plant at the end of the phase */
 } simulate_course;
 
@@ -92,7 +93,7 @@ typedef struct simulate_phase {
 typedef struct simulate_count {
     long beyond_limits; /* number of commanded or output voltages beyond a voltage limit or the step
                            limit */
-    long not_finite;    /* number of voltages that are not finite */
+    long not_finite;    /* number of commanded or output voltages that are not finite */
     long iterations;    /* number of iterations of the optimiser in all ticks */
     int iterations_most;
     long status[PZS_W_OUTPUT + 1]; /* number of ticks with each status of the controller */

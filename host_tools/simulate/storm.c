@@ -13,7 +13,7 @@ enum {
     TARGETS = 10, /* number of targets in a storm (a simulation with fast target jumps) before the
                      last target */
     REST_PERIODS = 12, /* periods of the first mode during which the last target stays */
-    EVERY_LEAST = 10,  /* fewest and most ticks between two targets */
+    EVERY_LEAST = 10,  /* fewest and most ticks between two jumps of the target */
     EVERY_MOST = 1200,
     REST_LEAST = 1200, /* fewest ticks during which the last target stays: six time constants of the
                           low-pass filter of what the modes do not explain */
@@ -165,15 +165,15 @@ typedef struct storm {
     double *memory; /* one allocation that holds the arrays from `limits` on */
     double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
                        the simulation (V) */
-    double *voltage; /* [amplifiers] present voltages (V) */
-    double *before;  /* [amplifiers] voltages before the last tick (V) */
-    double *thrown;  /* [targets] present target */
+    double *voltage; /* [amplifiers] voltages in the present tick (V) */
+    double *before;  /* [amplifiers] voltages before the last control tick (V) */
+    double *thrown;  /* [targets] target in the present tick */
     double *goal;    /* [targets] last target of the simulation: the target of the scene */
     double *best; /* [targets] best shape for the last target that the limits allow on the simulated
                      structure */
-    double *shape;   /* [targets] present shape */
-    double *part;    /* [targets] work vector */
-    double *sensed;  /* [sensors] readings passed to the loop */
+    double *shape;   /* [targets] shape of the structure in the present tick */
+    double *part;    /* [targets] work vector for a part of the shape */
+    double *sensed;  /* [sensors] readings that the control loop receives in the present tick */
     double *reading; /* [kept][sensors] noise-free readings of the last ticks */
 } storm;
 

@@ -22,14 +22,15 @@
  * and step limits of the voltages.
  */
 typedef struct storm_plant {
-    double gain;       /* static response to voltages, relative to the model */
-    double frequency;  /* natural frequencies, relative to the model */
+    double gain; /* static response of the structure to voltages, relative to the controller's model
+                  */
+    double frequency; /* natural frequencies of the structure, relative to the controller's model */
     double step_limit; /* step limits relative to the scene's; HUGE_VAL: neither step limits nor
                           voltage limits, to measure the growth of small vibrations */
     int more_delay; /* number of ticks by which readings are older than the scene states; negative:
                        newer */
-    uint64_t seed;  /* seed of the random sequence of targets */
-    double missed;  /* share of the ticks that are missed, from 0 to 1 */
+    uint64_t seed;  /* seed of the random sequence of target jumps */
+    double missed;  /* share of the ticks that the controller misses, from 0 to 1 */
     bool is_untold; /* true: the loop is not informed of missed ticks by pzs_loop_skip */
 } storm_plant;
 
@@ -48,7 +49,7 @@ typedef struct storm_rig {
     double *memory;    /* one allocation that holds the arrays from `direct` on */
     double *direct;    /* [sensors][amplifiers] static reading of each sensor per volt */
     double *influence; /* [targets][amplifiers] static displacements of the target rows per volt */
-    uint32_t *row;     /* [sensors] output row of each sensor */
+    uint32_t *row;     /* [sensors] index of the structure's output row that each sensor measures */
     double *lower, *upper; /* [amplifiers] finite limits within which random voltages are drawn (V)
                             */
 } storm_rig;

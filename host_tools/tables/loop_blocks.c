@@ -140,7 +140,7 @@ static const void *detection_tables(loop_blocks *blocks)
     return &blocks->detection;
 }
 
-/* Root mean square of the wanted displacements (m). */
+/* Root mean square of the displacements that the voltages must cause (m). */
 static double target_rms(const design *design)
 {
     double sum = 0;

@@ -338,7 +338,7 @@ tables_memory tables_need(const analysis *analysis, tables_image image)
 
 /* ---- estimator, feed-forward, blocks ---------------------------------- */
 
-/* Write the tables of the estimator. */
+/* Write the tables of the estimator, which computes the shape from few sensors. */
 static void write_estimator(emitter *emitter, const estimator *estimator)
 {
     const pzs_estimator *tables = &estimator->tables;
