@@ -7,6 +7,7 @@
 #include <string.h>
 #include "../../lib/model/model.h"
 #include "print_mesh_error.h"
+#include "print_outlines.h"
 #include "print_matrix.h"
 #include "print_outputs.h"
 #include "print_path.h"
@@ -88,6 +89,7 @@ static void print_structure(const analysis *analysis)
     printf("  element: %s kinematics, %s through the thickness, %d dof per node\n",
            scene->element.cartesian ? "Cartesian" : "local", metric_word(scene),
            scene->element.dof_per_node);
+    print_outlines(mesh);
     if (analysis->model.info.condition > 0)
         printf("  condition %.1e after scaling: %s\n", analysis->model.info.condition,
                precision_needed(analysis));
@@ -114,6 +116,7 @@ static void json_structure(json *json, const analysis *analysis)
     json_string(json, "kinematics_of_element",
                 analysis->design.scene->element.cartesian ? "cartesian" : "local");
     json_string(json, "metric", analysis->design.scene->element.metric ? "exact" : "flat");
+    print_outlines_json(json, mesh);
     json_number(json, "condition", analysis->model.info.condition);
 }
 

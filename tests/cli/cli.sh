@@ -153,6 +153,8 @@ for s in plate-50-patches plate-closed-loop plate-few-sensors hyperboloid-patche
 done
 run 0 migrate scordelis-lo && cmp -s "$dir/out" host_tools/scenes/scordelis-lo.yaml; check 'migrate: a scene that needs nothing is printed unchanged' $?
 run 2 migrate && says 'name a scene'; check 'migrate without a scene' $?
+run 0 check tests/rigs/scenes/outline-plate.yaml --json && json "abs(j['electrode_areas']['up'][0] / (0.01 * 3.141592653589793) - 1) < 1e-12"
+check 'check tells the areas of electrodes of any outline' $?
 run 0 schema && cmp -s "$dir/out" host_tools/scenes/scene.schema.json; check 'scene.schema.json is what pzs schema writes (else: make schema)' $?
 /usr/bin/python3 tests/cli/schema.py "$PZS" host_tools/scenes/scene.schema.json "${SCHEMA_EVERY:-25}" tests/cli/schema/scenes.yaml host_tools/scenes/*.yaml >"$dir/out" 2>"$dir/err"
 check 'schema and reader agree on every shipped scene and on changed ones' $?

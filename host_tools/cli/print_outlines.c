@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Areas of electrodes of any outline on standard output (print_outlines.h). */
+#include "print_outlines.h"
+#include <math.h>
+#include <stdlib.h>
+
+/* Areas of the electrodes of one item of the section `patches`, or NULL where memory runs out. */
+static double *areas_of(const mesh *mesh, const scene_outlines *outlines)
+{
+    double *area = calloc((size_t)outlines->electrodes, sizeof *area);
+    for (int element = 0; area && element < outlines->elements; element++)
+        for (size_t i = outlines->start[element]; i < outlines->start[element + 1]; i++)
+            area[outlines->electrode_of[i]] +=
+                outlines->share[i] * mesh->place[mesh->element_type[element]].area;
+    return area;
+}
+
+static void print_item(const mesh *mesh, const scene_patches *patches)
+{
+    const char *unit = mesh->scene->unit_length;
+    const int count = patches->outlines->electrodes;
+    double *area = areas_of(mesh, patches->outlines), least = HUGE_VAL, most = 0;
+    for (int k = 0; area && k < count; k++) {
+        least = fmin(least, area[k]);
+        most = fmax(most, area[k]);
+    }
+    printf("  patches '%s': %d electrode%s, areas from %.4g to %.4g", patches->name, count,
+           count == 1 ? "" : "s", least, most);
+    printf(*unit ? " %s2\n" : "\n", unit);
+    free(area);
+}
+
+void print_outlines(const mesh *mesh)
+{
+    for (int k = 0; k < mesh->scene->patch_grids; k++)
+        if (mesh->scene->patches[k].outlines)
+            print_item(mesh, &mesh->scene->patches[k]);
+}
+
+void print_outlines_json(json *json, const mesh *mesh)
+{
+    int items = 0;
+    for (int k = 0; k < mesh->scene->patch_grids; k++)
+        items += mesh->scene->patches[k].outlines != NULL;
+    if (items == 0)
+        return;
+    json_open(json, "electrode_areas", '{');
+    for (int k = 0; k < mesh->scene->patch_grids; k++) {
+        const scene_patches *patches = &mesh->scene->patches[k];
+        double *area = patches->outlines ? areas_of(mesh, patches->outlines) : NULL;
+        if (area)
+            json_numbers(json, patches->name, area, patches->outlines->electrodes);
+        free(area);
+    }
+    json_close(json, '}');
+}

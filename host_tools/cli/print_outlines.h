@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Areas of electrodes of any outline on standard output, as text and as JSON. */
+#ifndef PRINT_OUTLINES_H
+#define PRINT_OUTLINES_H
+
+#include "../mesh/mesh.h"
+#include "../text/json.h"
+
+/* Print a line for each item of the section `patches` that has outlines. */
+void print_outlines(const mesh *mesh);
+
+/*
+ * Write the areas of the electrodes of each item of the section `patches` that has outlines, in the
+ * order of the electrodes; nothing where no item has outlines.
+ */
+void print_outlines_json(json *json, const mesh *mesh);
+
+#endif
