@@ -110,8 +110,8 @@ void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work)
 /* ---- gradients ------------------------------------------------------ */
 
 /* Multiply a symmetric matrix [inputs][width] by a vector [width], and count the multiply-adds. */
-static void symmetric(pzs_optimiser *optimiser, pzs_real *restrict product,
-                      const pzs_real *restrict matrix, const pzs_real *restrict vector)
+static void multiply_symmetric(pzs_optimiser *optimiser, pzs_real *restrict product,
+                               const pzs_real *restrict matrix, const pzs_real *restrict vector)
 {
     pzs_product_sum_rows(product, matrix, optimiser->width, vector, optimiser->inputs,
                          optimiser_span(optimiser));
@@ -122,10 +122,10 @@ static void symmetric(pzs_optimiser *optimiser, pzs_real *restrict product,
  * Compute gradient = model gradient - target gradient for all inputs; next receives the gradient of
  * the free inputs, and 0 for the active inputs.
  */
-static void combine(pzs_real *restrict gradient, pzs_real *restrict next,
-                    const pzs_real *restrict model_gradient,
-                    const pzs_real *restrict target_gradient, const pzs_real *restrict free_set,
-                    size_t span)
+static void combine_gradients(pzs_real *restrict gradient, pzs_real *restrict next,
+                              const pzs_real *restrict model_gradient,
+                              const pzs_real *restrict target_gradient,
+                              const pzs_real *restrict free_set, size_t span)
 {
     for (size_t i = 0; i < span; i++) {
         const pzs_real difference = model_gradient[i] - target_gradient[i];
@@ -136,18 +136,18 @@ static void combine(pzs_real *restrict gradient, pzs_real *restrict next,
 
 void pzs_boxls_gradient(pzs_optimiser *optimiser)
 {
-    combine(optimiser->gradient, optimiser->next_voltage, optimiser->model_gradient,
-            optimiser->target_gradient, optimiser->free_set, optimiser_span(optimiser));
+    combine_gradients(optimiser->gradient, optimiser->next_voltage, optimiser->model_gradient,
+                      optimiser->target_gradient, optimiser->free_set, optimiser_span(optimiser));
 }
 
-static void subtract(pzs_real *restrict difference, const pzs_real *restrict left,
-                     const pzs_real *restrict right, size_t span)
+static void set_difference(pzs_real *restrict difference, const pzs_real *restrict left,
+                           const pzs_real *restrict right, size_t span)
 {
     for (size_t i = 0; i < span; i++)
         difference[i] = left[i] - right[i];
 }
 
-static void add(pzs_real *restrict sum, const pzs_real *restrict vector, size_t span)
+static void add_vector(pzs_real *restrict sum, const pzs_real *restrict vector, size_t span)
 {
     for (size_t i = 0; i < span; i++)
         sum[i] += vector[i];
@@ -163,10 +163,13 @@ static pzs_real rounding_of_product(const pzs_optimiser *optimiser, const pzs_re
 
 void pzs_boxls_true_gradient(pzs_optimiser *optimiser)
 {
-    subtract(optimiser->scratch, optimiser->voltage, optimiser->base, optimiser_span(optimiser));
+    set_difference(optimiser->scratch, optimiser->voltage, optimiser->base,
+                   optimiser_span(optimiser));
     optimiser->model_rounding = rounding_of_product(optimiser, optimiser->scratch);
-    symmetric(optimiser, optimiser->model_gradient, optimiser->hessian, optimiser->scratch);
-    add(optimiser->model_gradient, optimiser->regularisation_gradient, optimiser_span(optimiser));
+    multiply_symmetric(optimiser, optimiser->model_gradient, optimiser->hessian,
+                       optimiser->scratch);
+    add_vector(optimiser->model_gradient, optimiser->regularisation_gradient,
+               optimiser_span(optimiser));
     optimiser->is_predicted = false;
     pzs_boxls_gradient(optimiser);
 }
@@ -214,7 +217,8 @@ static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
 
 uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding)
 {
-    symmetric(optimiser, optimiser->direction, optimiser->tableau, optimiser->next_voltage);
+    multiply_symmetric(optimiser, optimiser->direction, optimiser->tableau,
+                       optimiser->next_voltage);
     return predict_step(optimiser->direction, optimiser->next_voltage, optimiser->scratch,
                         optimiser->free_set, optimiser->gradient, optimiser->voltage,
                         optimiser->lower, optimiser->upper, optimiser->base, rounding,
@@ -311,7 +315,8 @@ static inline bool is_free(const pzs_optimiser *optimiser, uint32_t i)
 }
 
 /* Return the distance of a voltage from the bound in the direction of `way` (V). */
-static inline pzs_real room_towards(pzs_real way, pzs_real voltage, pzs_real lower, pzs_real upper)
+static inline pzs_real distance_to_bound(pzs_real way, pzs_real voltage, pzs_real lower,
+                                         pzs_real upper)
 {
     return way < 0 ? voltage - lower : upper - voltage;
 }
@@ -331,7 +336,7 @@ static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *m
         if (!(free_set[i] > 0))
             continue;
         const pzs_real way = sense * move[i], size = number_absolute(way);
-        const pzs_real room = room_towards(way, voltage[i], lower[i], upper[i]);
+        const pzs_real room = distance_to_bound(way, voltage[i], lower[i], upper[i]);
         if (room < first.part * size) {
             first.part = room / size;
             first.input = i;
@@ -378,8 +383,8 @@ static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
  * go (V).
  *   row [width] in  row of this input in the tableau
  */
-static void redirect(pzs_real *restrict direction, const pzs_real *restrict row,
-                     const pzs_real *restrict free_set, pzs_real remaining, size_t span)
+static void update_direction(pzs_real *restrict direction, const pzs_real *restrict row,
+                             const pzs_real *restrict free_set, pzs_real remaining, size_t span)
 {
     for (size_t i = 0; i < span; i++)
         direction[i] += (free_set[i] > 0 ? remaining : -remaining) * row[i];
@@ -402,8 +407,8 @@ static bool descend(pzs_optimiser *optimiser)
     }
     const pzs_real remaining = direction[first.input];
     leave_free_set(optimiser, first.input);
-    redirect(direction, optimiser->next_voltage, optimiser->free_set, remaining,
-             optimiser_span(optimiser));
+    update_direction(direction, optimiser->next_voltage, optimiser->free_set, remaining,
+                     optimiser_span(optimiser));
     return true;
 }
 
@@ -423,7 +428,7 @@ static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real roundi
         const pzs_real slope = optimiser->direction[i], size = number_absolute(slope);
         if (free_set[i] > 0 || !(size > most_at_bound || size > most_between))
             continue;
-        if (!(room_towards(-slope, voltage[i], lower[i], upper[i]) > 0))
+        if (!(distance_to_bound(-slope, voltage[i], lower[i], upper[i]) > 0))
             continue;
         if (voltage[i] > lower[i] && voltage[i] < upper[i]) {
             most_between = size > most_between ? size : most_between;
@@ -444,8 +449,8 @@ static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real 
                            bool *to_limit)
 {
     const pzs_real slope = number_absolute(optimiser->direction[k]);
-    const pzs_real room = room_towards(-optimiser->direction[k], optimiser->voltage[k],
-                                       optimiser->lower[k], optimiser->upper[k]);
+    const pzs_real room = distance_to_bound(-optimiser->direction[k], optimiser->voltage[k],
+                                            optimiser->lower[k], optimiser->upper[k]);
     const pzs_real floor = number_is_finite(room) ? PZS_EPSILON : optimiser->pivot_floor;
     const pzs_real least = floor * optimiser->diagonal[k];
     const pzs_real curvature = pivot > least ? pivot : least;
@@ -457,8 +462,8 @@ static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real 
  * Move active input k along its ray, on which the free inputs keep zero gradient, and update the
  * gradients of the active inputs. Returns the bound that stopped the move.
  */
-static blocking follow_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_real *row,
-                           pzs_real length)
+static blocking move_along_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_real *row,
+                               pzs_real length)
 {
     const pzs_real sense = optimiser->direction[k] > 0 ? (pzs_real)1 : (pzs_real)-1;
     const blocking first = first_blocking(optimiser, row, sense, length);
@@ -484,7 +489,7 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
     bool to_limit;
     pzs_tableau_row(optimiser, k, row);
     const pzs_real length = ray_length(optimiser, k, row[k], &to_limit);
-    const blocking first = follow_ray(optimiser, k, row, length);
+    const blocking first = move_along_ray(optimiser, k, row, length);
     if (first.input < optimiser->inputs) {
         leave_free_set(optimiser, first.input);
     } else if (to_limit && number_is_finite(first.part)) {
@@ -528,7 +533,7 @@ static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real roundi
         const pzs_real slope = optimiser->direction[i], size = number_absolute(slope);
         if (free_set[i] > 0 || !(size > rounding))
             continue;
-        const pzs_real room = room_towards(-slope, voltage[i], lower[i], upper[i]);
+        const pzs_real room = distance_to_bound(-slope, voltage[i], lower[i], upper[i]);
         if (number_is_finite(room) && room > 0 && size > room * optimiser->pivot[i]) {
             way[i] = slope > 0 ? -room : room;
             count++;
@@ -549,7 +554,7 @@ static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
         !may_iterate(optimiser, PZS_PRODUCT_WORK(optimiser->inputs)))
         return false;
     pzs_tableau_apply(optimiser);
-    symmetric(optimiser, change, optimiser->tableau, way);
+    multiply_symmetric(optimiser, change, optimiser->tableau, way);
     const pzs_real slope = pzs_product_dot(optimiser->direction, way, optimiser->width);
     const pzs_real curvature = pzs_product_dot(change, way, optimiser->width);
     const pzs_real most = -slope < curvature ? -slope / curvature : 1;
@@ -667,8 +672,8 @@ static bool take_direct_iteration(pzs_optimiser *optimiser)
         (optimiser->kkt_violation > optimiser->rounding_bound &&
          !is_negligible(optimiser, UNMEASURED_FACTOR * optimiser->kkt_violation))) {
         optimiser->is_verified = false;
-        subtract(optimiser->gradient, optimiser->model_gradient, optimiser->target_gradient,
-                 optimiser_span(optimiser));
+        set_difference(optimiser->gradient, optimiser->model_gradient, optimiser->target_gradient,
+                       optimiser_span(optimiser));
         return false;
     }
     optimiser->model_rounding = rough;
@@ -685,10 +690,10 @@ static bool take_direct_iteration(pzs_optimiser *optimiser)
 
 /* ---- rounds --------------------------------------------------------- */
 
-static void difference(pzs_real *restrict way, pzs_real *restrict slope,
-                       const pzs_real *restrict voltage, const pzs_real *restrict start,
-                       const pzs_real *restrict gradient, const pzs_real *restrict start_gradient,
-                       size_t span)
+static void find_way_and_slope(pzs_real *restrict way, pzs_real *restrict slope,
+                               const pzs_real *restrict voltage, const pzs_real *restrict start,
+                               const pzs_real *restrict gradient,
+                               const pzs_real *restrict start_gradient, size_t span)
 {
     for (size_t i = 0; i < span; i++) {
         way[i] = voltage[i] - start[i];
@@ -703,9 +708,9 @@ static void difference(pzs_real *restrict way, pzs_real *restrict slope,
  */
 static bool has_decreased(const pzs_optimiser *optimiser)
 {
-    difference(optimiser->scratch, optimiser->direction, optimiser->voltage,
-               optimiser->start_voltage, optimiser->gradient, optimiser->start_gradient,
-               optimiser_span(optimiser));
+    find_way_and_slope(optimiser->scratch, optimiser->direction, optimiser->voltage,
+                       optimiser->start_voltage, optimiser->gradient, optimiser->start_gradient,
+                       optimiser_span(optimiser));
     const pzs_real change =
                        pzs_product_dot(optimiser->scratch, optimiser->direction, optimiser->width),
                    sure = -change / SIGNIFICANT;
@@ -725,7 +730,7 @@ static void undo_round(pzs_optimiser *optimiser)
     memcpy(optimiser->voltage, optimiser->start_voltage, bytes);
     memcpy(optimiser->gradient, optimiser->start_gradient, bytes);
     memcpy(optimiser->model_gradient, optimiser->start_gradient, bytes);
-    add(optimiser->model_gradient, optimiser->target_gradient, optimiser_span(optimiser));
+    add_vector(optimiser->model_gradient, optimiser->target_gradient, optimiser_span(optimiser));
     optimiser->model_rounding = optimiser->start_rounding;
     if (optimiser->is_predicted)
         pzs_boxls_true_gradient(optimiser);
@@ -753,7 +758,7 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
  * Compute the KKT violation at the present voltages, and the bound up to which rounding errors
  * explain it.
  */
-static void assess(pzs_optimiser *optimiser)
+static void measure_violation(pzs_optimiser *optimiser)
 {
     optimiser->kkt_violation =
         pzs_boxls_violation(optimiser, optimiser->voltage, optimiser->gradient);
@@ -793,7 +798,7 @@ bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser)
 static void conclude_round(pzs_optimiser *optimiser, bool moved)
 {
     const pzs_real rounding = optimiser->rounding_bound;
-    assess(optimiser);
+    measure_violation(optimiser);
     optimiser->is_optimal = is_converged(optimiser);
     if (optimiser->is_optimal && moved && !optimiser->is_verified) {
         optimiser->is_verified = true;
@@ -806,7 +811,7 @@ static void conclude_round(pzs_optimiser *optimiser, bool moved)
     }
     undo_round(optimiser);
     optimiser->is_verified = false;
-    assess(optimiser);
+    measure_violation(optimiser);
     optimiser->is_optimal = is_converged(optimiser);
 }
 
@@ -892,7 +897,7 @@ void pzs_boxls_optimise(pzs_optimiser *optimiser)
         again = may_make_round(optimiser) && make_round(optimiser);
         if (optimiser->is_cut) {
             (void)pzs_boxls_enforce_limits(optimiser);
-            assess(optimiser);
+            measure_violation(optimiser);
         }
     }
     /*

@@ -26,8 +26,8 @@ void pzs_tableau_read_pivots(pzs_optimiser *optimiser)
         optimiser->pivot[i] = optimiser->tableau[(size_t)i * optimiser->width + i];
 }
 
-static void multiple(pzs_real *restrict to, const pzs_real *restrict from, pzs_real factor,
-                     size_t span)
+static void set_multiple(pzs_real *restrict to, const pzs_real *restrict from, pzs_real factor,
+                         size_t span)
 {
     for (size_t i = 0; i < span; i++)
         to[i] = factor * from[i];
@@ -59,7 +59,7 @@ static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *re
         j--;
     if (j > 0) {
         const pzs_exchange *own = &optimiser->exchange[j - 1u];
-        multiple(row, optimiser->pending + (j - 1u) * width, own->scale, span);
+        set_multiple(row, optimiser->pending + (j - 1u) * width, own->scale, span);
         row[k] = own->pivot;
     } else {
         memcpy(row, optimiser->tableau + k * width, width * sizeof *row);
@@ -86,11 +86,11 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
     const pzs_real pivot = row[k], scale = 1 / PZS_SQRT(number_absolute(pivot));
     const pzs_real sign = pivot < 0 ? (pzs_real)-1 : (pzs_real)1;
     pzs_real *update = optimiser->pending + optimiser->pending_count * width;
-    multiple(update, row, scale, span);
+    set_multiple(update, row, scale, span);
     for (size_t i = 0; i < span; i++)
         optimiser->pivot[i] -= sign * update[i] * update[i];
     update[k] = -sign * scale;
-    multiple(row, update, scale, span);
+    set_multiple(row, update, scale, span);
     row[k] = optimiser->pivot[k] = -1 / pivot;
     optimiser->exchange[optimiser->pending_count++] = (pzs_exchange){k, sign, scale, row[k]};
     optimiser->free_set[k] = 1 - optimiser->free_set[k];

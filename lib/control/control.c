@@ -152,7 +152,7 @@ static pzs_status finish(pzs_control *control, pzs_status status, int32_t where)
     return status;
 }
 
-static pzs_status ready(const pzs_control *control, const void *argument)
+static pzs_status check_ready(const pzs_control *control, const void *argument)
 {
     if (control == NULL || argument == NULL)
         return PZS_E_ARGUMENT;
@@ -160,7 +160,7 @@ static pzs_status ready(const pzs_control *control, const void *argument)
 }
 
 /* Return the measurements to expect: predicted shape plus disturbance (m). */
-static const pzs_real *expected(const pzs_control *control)
+static const pzs_real *expected_measurements(const pzs_control *control)
 {
     const uint32_t outputs = control->state.problem->outputs;
     pzs_real *sum = control->state.weighted + outputs;
@@ -191,7 +191,8 @@ static void optimise(pzs_optimiser *optimiser, pzs_control *control, const pzs_r
     optimiser->work += products;
     rebase(optimiser, control);
     (void)project_target(optimiser, control, wanted,
-                         shown == control->state.predicted ? shown : expected(control));
+                         shown == control->state.predicted ? shown
+                                                           : expected_measurements(control));
     pzs_boxls_optimise(optimiser);
 }
 
@@ -291,7 +292,7 @@ static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs
 
 pzs_status pzs_step(pzs_control *control, const pzs_real *error)
 {
-    const pzs_status status = ready(control, error);
+    const pzs_status status = check_ready(control, error);
     if (status != PZS_OK)
         return status;
     pzs_optimiser *optimiser = &control->state.optimiser;
@@ -355,7 +356,7 @@ static uint32_t compare(const pzs_control *control, const pzs_real *measured, in
 
 pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real *measured)
 {
-    const pzs_status status = ready(control, wanted);
+    const pzs_status status = check_ready(control, wanted);
     if (status != PZS_OK)
         return status;
     pzs_optimiser *optimiser = &control->state.optimiser;
@@ -365,9 +366,10 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
     const uint32_t unusable = measured != NULL ? compare(control, measured, &where) : 0;
     if (unusable == outputs)
         return hold_voltages(optimiser, control, where);
-    const pzs_status stepped = step(
-        optimiser, control, wanted,
-        measured != NULL && unusable == 0 ? measured : expected(control), control->state.damping);
+    const pzs_status stepped =
+        step(optimiser, control, wanted,
+             measured != NULL && unusable == 0 ? measured : expected_measurements(control),
+             control->state.damping);
     if (stepped == PZS_E_NONFINITE)
         return hold_voltages(optimiser, control, control->info.where);
     rebase(optimiser, control);
@@ -554,7 +556,7 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
 
 pzs_status pzs_control_start(pzs_control *control, const pzs_real *voltage)
 {
-    const pzs_status status = ready(control, voltage);
+    const pzs_status status = check_ready(control, voltage);
     if (status != PZS_OK)
         return status;
     const int32_t bad = pzs_guard_nonfinite(voltage, control->state.problem->inputs);
@@ -570,7 +572,7 @@ pzs_status pzs_control_start(pzs_control *control, const pzs_real *voltage)
 
 pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real voltage)
 {
-    const pzs_status status = ready(control, control);
+    const pzs_status status = check_ready(control, control);
     if (status != PZS_OK)
         return status;
     const pzs_problem *problem = control->state.problem;
@@ -587,7 +589,7 @@ pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real voltage)
 
 pzs_status pzs_release(pzs_control *control, uint16_t input)
 {
-    const pzs_status status = ready(control, control);
+    const pzs_status status = check_ready(control, control);
     if (status != PZS_OK)
         return status;
     if (input >= control->state.problem->inputs)
@@ -603,7 +605,7 @@ pzs_status pzs_release(pzs_control *control, uint16_t input)
 
 pzs_status pzs_assess(pzs_control *control, const pzs_real *error, pzs_report *report)
 {
-    const pzs_status status = report != NULL ? ready(control, error) : PZS_E_ARGUMENT;
+    const pzs_status status = report != NULL ? check_ready(control, error) : PZS_E_ARGUMENT;
     if (status != PZS_OK)
         return status;
     const uint32_t outputs = control->state.problem->outputs;

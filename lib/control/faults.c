@@ -79,7 +79,7 @@ static pzs_real default_amplitude(const pzs_problem *problem, uint32_t j)
 }
 
 /* Reserve the next `count` reals of the workspace and return their address. */
-static pzs_real *take(pzs_real **next, size_t count)
+static pzs_real *take_reals(pzs_real **next, size_t count)
 {
     pzs_real *const taken = *next;
     *next += count;
@@ -91,17 +91,17 @@ static void lay_out(pzs_fault_detector *detector, void *work)
     const uint32_t inputs = detector->state.control->state.problem->inputs,
                    outputs = detector->state.control->state.problem->outputs;
     pzs_real *next = work;
-    pzs_real *const columns = take(&next, PZS_DENSE(inputs));
-    detector->settings.amplitude = take(&next, inputs);
-    detector->state.diagonal = take(&next, inputs);
-    detector->state.voltage = take(&next, (size_t)(detector->state.delay + 1u) * inputs);
-    detector->state.voltage_before = take(&next, inputs);
-    detector->state.deviation = take(&next, inputs);
-    detector->state.moved = take(&next, inputs);
-    detector->state.response = take(&next, inputs);
-    detector->state.lost_voltage = take(&next, inputs);
-    detector->state.disturbance = take(&next, outputs);
-    detector->state.change = take(&next, outputs);
+    pzs_real *const columns = take_reals(&next, PZS_DENSE(inputs));
+    detector->settings.amplitude = take_reals(&next, inputs);
+    detector->state.diagonal = take_reals(&next, inputs);
+    detector->state.voltage = take_reals(&next, (size_t)(detector->state.delay + 1u) * inputs);
+    detector->state.voltage_before = take_reals(&next, inputs);
+    detector->state.deviation = take_reals(&next, inputs);
+    detector->state.moved = take_reals(&next, inputs);
+    detector->state.response = take_reals(&next, inputs);
+    detector->state.lost_voltage = take_reals(&next, inputs);
+    detector->state.disturbance = take_reals(&next, outputs);
+    detector->state.change = take_reals(&next, outputs);
     pzs_linalg_dense_layout(&detector->state.columns, inputs, columns, next);
     detector->state.electrode =
         (uint8_t *)next + sizeof(uint32_t) * (inputs / PZS_TILE + 2u) + sizeof(uint16_t) * inputs;
@@ -171,7 +171,7 @@ static void form_row(const pzs_fault_detector *detector, uint32_t j, pzs_real *r
 }
 
 /* Compute and factor the matrix of the least-squares estimate. Returns whether it is regular. */
-static bool factor(pzs_fault_detector *detector)
+static bool factor_matrix(pzs_fault_detector *detector)
 {
     for (uint32_t j = 0; j < detector->state.columns.n; j++) {
         form_row(detector, j, detector->state.deviation);
@@ -232,7 +232,7 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
     const pzs_real least = 4 * (pzs_real)problem->inputs * PZS_EPSILON;
     detector->state.ridge = least > LEAST_RIDGE ? least : LEAST_RIDGE;
     find_diagonal(detector);
-    if (!factor(detector))
+    if (!factor_matrix(detector))
         return finish(detector, PZS_E_NONFINITE, -1);
     find_unobservable(detector);
     for (uint32_t k = 0; k <= delay; k++)
@@ -273,7 +273,8 @@ static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *mea
         detector->state.missing[i] = (uint8_t)(missing_bit | excluded_bit);
         excluded += is_excluded ? 1u : 0u;
     }
-    return MISSING_LIMIT * excluded <= outputs && (!detector->state.is_stale || factor(detector));
+    return MISSING_LIMIT * excluded <= outputs &&
+           (!detector->state.is_stale || factor_matrix(detector));
 }
 
 /*

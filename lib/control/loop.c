@@ -80,7 +80,7 @@ static pzs_status check_list(pzs_loop *loop, const pzs_block *blocks, size_t cou
 /* ---- layout ----------------------------------------------------------- */
 
 /* Return the constant part of the state of a loop, after a majority vote over its three copies. */
-static pzs_loop_core *trusted(pzs_loop *loop)
+static pzs_loop_core *voted_core(pzs_loop *loop)
 {
     pzs_loop_core *core = loop->state.core;
     pzs_guard_vote(&core[0], &core[1], &core[2], sizeof core[0]);
@@ -257,7 +257,7 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage)
 {
     if (loop == NULL)
         return PZS_E_ARGUMENT;
-    const pzs_loop_core *core = trusted(loop);
+    const pzs_loop_core *core = voted_core(loop);
     if (core->stage != READY)
         return PZS_E_STAGE;
     if (voltage == NULL)
@@ -278,7 +278,7 @@ pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *ne
 {
     if (loop == NULL)
         return PZS_E_ARGUMENT;
-    pzs_loop_core *core = trusted(loop);
+    pzs_loop_core *core = voted_core(loop);
     if (core->stage != READY)
         return PZS_E_STAGE;
     core->known_now = now;
@@ -291,7 +291,7 @@ pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks)
 {
     if (loop == NULL)
         return PZS_E_ARGUMENT;
-    if (trusted(loop)->stage != READY)
+    if (voted_core(loop)->stage != READY)
         return PZS_E_STAGE;
     const uint32_t room = PZS_MISSED_LIMIT - loop->state.missed % (PZS_MISSED_LIMIT + 1u);
     loop->state.missed = ticks < room ? PZS_MISSED_LIMIT - room + ticks : PZS_MISSED_LIMIT;
@@ -402,7 +402,7 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
 {
     if (loop == NULL || wanted == NULL)
         return PZS_E_ARGUMENT;
-    const pzs_loop_core *core = trusted(loop);
+    const pzs_loop_core *core = voted_core(loop);
     if (core->stage != READY)
         return PZS_E_STAGE;
     const pzs_problem *problem = problem_of(core);

@@ -5,7 +5,7 @@
 #include "../core/guard.h"
 
 /* Describe an array of `count` reals, which may be absent (NULL), as a part of a checksum. */
-static scrub_part reals(const pzs_real *value, size_t count)
+static scrub_part array_part(const pzs_real *value, size_t count)
 {
     const scrub_part part = {value, value != NULL ? count * sizeof *value : 0};
     return part;
@@ -16,14 +16,14 @@ void pzs_problem_parts(const pzs_problem *problem, scrub_part part[PROBLEM_PARTS
     const size_t inputs = problem->inputs, outputs = problem->outputs;
     part[0] = (scrub_part){&problem->inputs, sizeof problem->inputs};
     part[1] = (scrub_part){&problem->outputs, sizeof problem->outputs};
-    part[2] = reals(problem->influence, outputs * inputs);
-    part[3] = reals(problem->hessian, inputs * inputs);
-    part[4] = reals(problem->weight, outputs);
-    part[5] = reals(problem->lower, inputs);
-    part[6] = reals(problem->upper, inputs);
-    part[7] = reals(problem->step_limit, inputs);
-    part[8] = reals(problem->reference_voltage, inputs);
-    part[9] = reals(&problem->regularisation, 1);
+    part[2] = array_part(problem->influence, outputs * inputs);
+    part[3] = array_part(problem->hessian, inputs * inputs);
+    part[4] = array_part(problem->weight, outputs);
+    part[5] = array_part(problem->lower, inputs);
+    part[6] = array_part(problem->upper, inputs);
+    part[7] = array_part(problem->step_limit, inputs);
+    part[8] = array_part(problem->reference_voltage, inputs);
+    part[9] = array_part(&problem->regularisation, 1);
     part[10] = (scrub_part){&problem->work_limit, sizeof problem->work_limit};
 }
 

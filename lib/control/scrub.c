@@ -7,7 +7,7 @@
  * Compare the checksum after the last slice of the tables, and start again at the first slice.
  * Returns whether this checksum or the one before it was right.
  */
-static bool end_pass(pzs_scrub *scrub, uint32_t crc)
+static bool compare_checksum(pzs_scrub *scrub, uint32_t crc)
 {
     guard_repair_bool(&scrub->has_failed);
     const bool is_wrong = ~scrub->crc != crc;
@@ -32,5 +32,5 @@ bool pzs_scrub_slice(pzs_scrub *scrub, const scrub_part *part, uint32_t parts, u
         scrub->position += (uint32_t)count;
         room -= count;
     }
-    return room == 0 || end_pass(scrub, crc);
+    return room == 0 || compare_checksum(scrub, crc);
 }

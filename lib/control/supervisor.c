@@ -110,8 +110,8 @@ static uint32_t ticks_of(pzs_real way, pzs_real step_limit)
  * Return the larger one of `most` and the number of ticks that input i needs from one voltage to
  * another.
  */
-static uint32_t longer(uint32_t most, const pzs_problem *problem, uint32_t i, pzs_real from,
-                       pzs_real to)
+static uint32_t longer_duration(uint32_t most, const pzs_problem *problem, uint32_t i,
+                                pzs_real from, pzs_real to)
 {
     const uint32_t ticks = ticks_of(number_absolute(to - from), problem->step_limit[i]);
     return ticks > most ? ticks : most;
@@ -122,12 +122,12 @@ uint32_t pzs_supervisor_ramp(const pzs_supervision *tables, const pzs_problem *p
 {
     uint32_t most = tables->ramp_ticks;
     for (uint32_t i = 0; i < problem->inputs; i++)
-        most = longer(most, problem, i, from[i], to[i]);
+        most = longer_duration(most, problem, i, from[i], to[i]);
     return most;
 }
 
 /* Return a voltage of input i clamped to its limits (V). */
-static pzs_real inside(const pzs_problem *problem, uint32_t i, pzs_real voltage)
+static pzs_real clamped_to_limits(const pzs_problem *problem, uint32_t i, pzs_real voltage)
 {
     return number_clamp(voltage, problem->lower[i], problem->upper[i]);
 }
@@ -136,12 +136,12 @@ uint32_t pzs_supervisor_longest_ramp(const pzs_supervision *tables, const pzs_pr
 {
     uint32_t most = tables->ramp_ticks;
     for (uint32_t i = 0; i < problem->inputs; i++) {
-        const pzs_real park = inside(problem, i, tables->park[i]);
-        const pzs_real flat = inside(problem, i, problem->reference_voltage[i]);
-        most = longer(most, problem, i, problem->lower[i], park);
-        most = longer(most, problem, i, problem->upper[i], park);
-        most = longer(most, problem, i, problem->lower[i], flat);
-        most = longer(most, problem, i, problem->upper[i], flat);
+        const pzs_real park = clamped_to_limits(problem, i, tables->park[i]);
+        const pzs_real flat = clamped_to_limits(problem, i, problem->reference_voltage[i]);
+        most = longer_duration(most, problem, i, problem->lower[i], park);
+        most = longer_duration(most, problem, i, problem->upper[i], park);
+        most = longer_duration(most, problem, i, problem->lower[i], flat);
+        most = longer_duration(most, problem, i, problem->upper[i], flat);
     }
     return most;
 }
@@ -151,8 +151,8 @@ static pzs_real target_of(const pzs_supervisor *supervisor, uint32_t i)
 {
     const pzs_problem *problem = supervisor->state.problem;
     const bool is_flat = supervisor->state.core[0].is_flat != 0;
-    return inside(problem, i,
-                  is_flat ? problem->reference_voltage[i] : supervisor->state.tables->park[i]);
+    return clamped_to_limits(
+        problem, i, is_flat ? problem->reference_voltage[i] : supervisor->state.tables->park[i]);
 }
 
 /* Start a ramp from the voltages of the last tick. */
@@ -161,7 +161,7 @@ static void start_ramp(pzs_supervisor *supervisor, const pzs_real *given)
     const pzs_problem *problem = supervisor->state.problem;
     uint32_t most = supervisor->state.tables->ramp_ticks;
     for (uint32_t i = 0; i < problem->inputs; i++)
-        most = longer(most, problem, i, given[i], target_of(supervisor, i));
+        most = longer_duration(most, problem, i, given[i], target_of(supervisor, i));
     supervisor->state.core[0].remaining = most;
 }
 
@@ -184,8 +184,8 @@ static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *sign
 /* ---- events ------------------------------------------------------------- */
 
 /* Change the mode according to an event. */
-static void happen(pzs_supervisor *supervisor, pzs_supervisor_event event,
-                   const pzs_loop_signals *signals)
+static void process_event(pzs_supervisor *supervisor, pzs_supervisor_event event,
+                          const pzs_loop_signals *signals)
 {
     pzs_supervisor_core *core = &supervisor->state.core[0];
     const uint32_t before = core->mode;
@@ -217,23 +217,23 @@ static uint32_t command_word(const pzs_supervisor *supervisor)
 }
 
 /* Carry out the command given since the last tick. */
-static void obey(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
+static void carry_out_command(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
     pzs_supervisor_core *core = &supervisor->state.core[0];
     const uint32_t word = command_word(supervisor);
     const uint32_t command = word != core->obeyed ? word % COMMAND_STEP : PZS_COMMAND_NONE;
     core->obeyed = word;
     if (core->mode == PZS_MODE_INITIALISE && supervisor->state.tables->waits == 0)
-        happen(supervisor, PZS_EVENT_ARM, signals);
+        process_event(supervisor, PZS_EVENT_ARM, signals);
     switch (command) {
-    case PZS_COMMAND_ARM: happen(supervisor, PZS_EVENT_ARM, signals); break;
-    case PZS_COMMAND_RESUME: happen(supervisor, PZS_EVENT_RESUME, signals); break;
-    case PZS_COMMAND_STOP: happen(supervisor, PZS_EVENT_STOP, signals); break;
+    case PZS_COMMAND_ARM: process_event(supervisor, PZS_EVENT_ARM, signals); break;
+    case PZS_COMMAND_RESUME: process_event(supervisor, PZS_EVENT_RESUME, signals); break;
+    case PZS_COMMAND_STOP: process_event(supervisor, PZS_EVENT_STOP, signals); break;
     case PZS_COMMAND_PARK:
     case PZS_COMMAND_FLAT:
         if (core->mode != PZS_MODE_STOPPING && core->mode != PZS_MODE_LATCHED)
             core->is_flat = command == PZS_COMMAND_FLAT ? 1 : 0;
-        happen(supervisor, PZS_EVENT_PARK, signals);
+        process_event(supervisor, PZS_EVENT_PARK, signals);
         break;
     default: break;
     }
@@ -242,7 +242,7 @@ static void obey(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 #define WARNED(signals, status) (((signals)->warnings >> (status)&1u) != 0)
 
 /* Count ticks without usable readings, and change the mode when readings arrive or are missing. */
-static void judge_frame(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
+static void judge_readings(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
     pzs_supervisor_core *core = &supervisor->state.core[0];
     const bool is_usable =
@@ -250,9 +250,9 @@ static void judge_frame(pzs_supervisor *supervisor, const pzs_loop_signals *sign
     const bool is_whole = is_usable && !WARNED(signals, PZS_W_SENSOR) && core->remaining == 0;
     core->silent = is_usable ? 0 : core->silent + 1u + signals->missed;
     if (!is_usable)
-        happen(supervisor, PZS_EVENT_NO_FRAME, signals);
+        process_event(supervisor, PZS_EVENT_NO_FRAME, signals);
     else if (is_whole || core->mode != PZS_MODE_ARMED)
-        happen(supervisor, PZS_EVENT_FRAME, signals);
+        process_event(supervisor, PZS_EVENT_FRAME, signals);
 }
 
 /*
@@ -269,11 +269,11 @@ static void judge_health(pzs_supervisor *supervisor, const pzs_loop_signals *sig
         core->over = is_over ? core->over + 1u : less;
     }
     if (tables->timeout > 0 && core->silent >= tables->timeout)
-        happen(supervisor, PZS_EVENT_TIMEOUT, signals);
+        process_event(supervisor, PZS_EVENT_TIMEOUT, signals);
     if (core->over > tables->alarm_ticks)
-        happen(supervisor, PZS_EVENT_ALARM, signals);
+        process_event(supervisor, PZS_EVENT_ALARM, signals);
     if (PZS_IS_ERROR(signals->status))
-        happen(supervisor, PZS_EVENT_ERROR, signals);
+        process_event(supervisor, PZS_EVENT_ERROR, signals);
 }
 
 pzs_status pzs_supervisor_give(pzs_supervisor *supervisor, pzs_supervisor_command command)
@@ -356,14 +356,14 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     pzs_monitor_place(&supervisor->state.monitor, work_of(supervisor),
                       supervisor->state.problem->outputs);
     pzs_control_predict(signals->control);
-    judge_frame(supervisor, signals);
-    obey(supervisor, signals);
+    judge_readings(supervisor, signals);
+    carry_out_command(supervisor, signals);
     judge_health(supervisor, signals);
     const bool is_controlled = is_in_control(core->mode);
     if (!is_controlled) {
         follow_ramp(supervisor, signals);
         if (core->remaining == 0)
-            happen(supervisor, PZS_EVENT_ARRIVED, signals);
+            process_event(supervisor, PZS_EVENT_ARRIVED, signals);
     }
     copy_core(supervisor);
     report(supervisor);

@@ -42,12 +42,12 @@ static uint32_t smaller(uint32_t a, uint32_t b)
     return a < b ? a : b;
 }
 
-static pzs_real most(pzs_real a, pzs_real b)
+static pzs_real larger(pzs_real a, pzs_real b)
 {
     return a > b ? a : b;
 }
 
-static uint32_t panels_of(uint32_t rows)
+static uint32_t panel_count(uint32_t rows)
 {
     return rows / PZS_TILE + (rows % PZS_TILE != 0u ? 1u : 0u);
 }
@@ -70,7 +70,7 @@ size_t pzs_linalg_reals(const uint16_t *first, uint32_t rows)
 {
     size_t reals = 0;
 
-    for (uint32_t panel = 0; panel < panels_of(rows); panel++)
+    for (uint32_t panel = 0; panel < panel_count(rows); panel++)
         reals += panel_reals(first, rows, panel);
     return reals;
 }
@@ -78,7 +78,7 @@ size_t pzs_linalg_reals(const uint16_t *first, uint32_t rows)
 void pzs_linalg_layout(pzs_envelope *matrix)
 {
     matrix->start[0] = 0;
-    for (uint32_t panel = 0; panel < panels_of(matrix->n); panel++)
+    for (uint32_t panel = 0; panel < panel_count(matrix->n); panel++)
         matrix->start[panel + 1u] =
             matrix->start[panel] + panel_reals(matrix->first, matrix->n, panel);
 }
@@ -102,11 +102,11 @@ void pzs_linalg_dense_layout(pzs_envelope *dense, uint32_t rows, pzs_real *work,
 
 void pzs_linalg_clear(pzs_envelope *matrix)
 {
-    memset(matrix->value, 0, matrix->start[panels_of(matrix->n)] * sizeof *matrix->value);
+    memset(matrix->value, 0, matrix->start[panel_count(matrix->n)] * sizeof *matrix->value);
 }
 
 /* Return the leftmost stored column of a panel, which follows from its number of entries. */
-static uint32_t left_of(const pzs_envelope *matrix, uint32_t panel)
+static uint32_t leftmost_column(const pzs_envelope *matrix, uint32_t panel)
 {
     return (panel + 1u) * PZS_TILE - (matrix->start[panel + 1u] - matrix->start[panel]) / PZS_TILE;
 }
@@ -117,7 +117,8 @@ static uint32_t left_of(const pzs_envelope *matrix, uint32_t panel)
  */
 static pzs_real *column(const pzs_envelope *matrix, uint32_t panel, uint32_t k)
 {
-    return matrix->value + matrix->start[panel] + (size_t)(k - left_of(matrix, panel)) * PZS_TILE;
+    return matrix->value + matrix->start[panel] +
+           (size_t)(k - leftmost_column(matrix, panel)) * PZS_TILE;
 }
 
 pzs_real *pzs_linalg_entry(const pzs_envelope *matrix, uint32_t i, uint32_t j)
@@ -175,7 +176,7 @@ void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale)
     for (uint32_t row = 0; row < matrix->n; row += PZS_TILE) {
         pzs_real row_scale[PZS_TILE] = {0};
         copy_rows(row_scale, scale + row, smaller(PZS_TILE, matrix->n - row));
-        for (uint32_t k = left_of(matrix, row / PZS_TILE); k < row + PZS_TILE;
+        for (uint32_t k = leftmost_column(matrix, row / PZS_TILE); k < row + PZS_TILE;
              k++, entry += PZS_TILE) {
             const pzs_real column_scale = k < matrix->n ? scale[k] : 0;
             UNROLLED
@@ -201,7 +202,7 @@ pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
     for (uint32_t i = 0; i < matrix->n; i++) {
         if (!(sum[i] <= REAL_MOST))
             return sum[i];
-        norm = most(norm, sum[i]);
+        norm = larger(norm, sum[i]);
     }
     return norm;
 }
@@ -302,11 +303,12 @@ static uint32_t factor_tile(pzs_real *restrict tile, const pzs_real *restrict le
  */
 static void eliminate_panel(const pzs_envelope *matrix, uint32_t panel)
 {
-    const uint32_t left = left_of(matrix, panel);
+    const uint32_t left = leftmost_column(matrix, panel);
 
     for (uint32_t strip = left; strip < panel * PZS_TILE; strip += STRIP) {
-        const uint32_t from =
-            left_of(matrix, strip / PZS_TILE) > left ? left_of(matrix, strip / PZS_TILE) : left;
+        const uint32_t from = leftmost_column(matrix, strip / PZS_TILE) > left
+                                  ? leftmost_column(matrix, strip / PZS_TILE)
+                                  : left;
         eliminate(column(matrix, panel, strip), column(matrix, panel, from),
                   column(matrix, strip / PZS_TILE, from) + strip % PZS_TILE, strip - from);
     }
@@ -331,12 +333,12 @@ linalg_inertia pzs_linalg_factor(pzs_envelope *matrix)
 
         for (uint32_t local = 0; local < rows; local++) {
             least[local] = tolerance * PZS_ABS(tile[local * PZS_TILE + local]);
-            diagonal = most(diagonal, PZS_ABS(tile[local * PZS_TILE + local]));
+            diagonal = larger(diagonal, PZS_ABS(tile[local * PZS_TILE + local]));
         }
         eliminate_panel(matrix, row / PZS_TILE);
         usable = factor_tile(tile, least, matrix->inverse + row, rows);
         for (uint32_t local = 0; local < usable; local++) {
-            pivot = most(pivot, PZS_ABS(tile[local * PZS_TILE + local]));
+            pivot = larger(pivot, PZS_ABS(tile[local * PZS_TILE + local]));
             if (tile[local * PZS_TILE + local] < 0 && found.negative++ == 0)
                 found.first_negative = (int32_t)(row + local);
         }
@@ -367,7 +369,7 @@ static void forward_known(const pzs_envelope *matrix, uint32_t panel, pzs_real *
 {
     const uint32_t row = panel * PZS_TILE;
     const uint32_t rows = smaller(PZS_TILE, matrix->n - row);
-    const uint32_t left = left_of(matrix, panel);
+    const uint32_t left = leftmost_column(matrix, panel);
     const pzs_real *restrict lower = column(matrix, panel, left);
     pzs_real part[PZS_TILE] = {0};
 
@@ -412,7 +414,7 @@ static void backward(const pzs_envelope *matrix, uint32_t panel, pzs_real *vecto
 {
     const uint32_t row = panel * PZS_TILE;
     const uint32_t rows = smaller(PZS_TILE, matrix->n - row);
-    const uint32_t left = left_of(matrix, panel);
+    const uint32_t left = leftmost_column(matrix, panel);
     const pzs_real *restrict tile = column(matrix, panel, row);
     const pzs_real *restrict lower = column(matrix, panel, left);
     pzs_real part[PZS_TILE] = {0};
@@ -434,7 +436,7 @@ static void backward(const pzs_envelope *matrix, uint32_t panel, pzs_real *vecto
 void pzs_linalg_solve_many(const pzs_envelope *matrix, pzs_real *vector, uint32_t count,
                            size_t stride)
 {
-    const uint32_t panels = panels_of(matrix->n);
+    const uint32_t panels = panel_count(matrix->n);
 
     for (uint32_t panel = 0; panel < panels; panel++) {
         for (uint32_t side = 0; side < count; side++)
@@ -482,7 +484,7 @@ static uint32_t take_signs(pzs_real *vector, pzs_real *sign, uint32_t count)
     return changed;
 }
 
-static uint32_t largest(const pzs_real *vector, uint32_t count)
+static uint32_t index_of_largest(const pzs_real *vector, uint32_t count)
 {
     uint32_t at = 0;
 
@@ -497,7 +499,7 @@ static uint32_t largest(const pzs_real *vector, uint32_t count)
  * size. This vector is immune to the cancellation that can mislead the estimate of the condition
  * number (Higham 1988, section 3). `vector` [rows of the matrix] is a work array.
  */
-static pzs_real alternating(const pzs_envelope *matrix, pzs_real *vector)
+static pzs_real alternating_ratio(const pzs_envelope *matrix, pzs_real *vector)
 {
     pzs_real size;
 
@@ -536,12 +538,12 @@ pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_r
         if (take_signs(vector, sign, rows) == 0)
             break;
         pzs_linalg_solve(matrix, vector);
-        best = largest(vector, rows);
+        best = index_of_largest(vector, rows);
         if (!(PZS_ABS(vector[best]) > inverse))
             break;
         memset(vector, 0, rows * sizeof *vector);
         vector[best] = 1;
     }
-    other = alternating(matrix, vector);
+    other = alternating_ratio(matrix, vector);
     return norm_a * (other <= inverse ? inverse : other);
 }

@@ -365,8 +365,8 @@ static shell_corner deformed_corner(const pzs_element_type *type, const shell_co
     return corner;
 }
 
-static void derivatives(const pzs_element_type *type, unsigned dof_per_node,
-                        const pzs_real *displacement, shell_corner derivative[4])
+static void all_derivatives(const pzs_element_type *type, unsigned dof_per_node,
+                            const pzs_real *displacement, shell_corner derivative[4])
 {
     for (int corner = 0; corner < SHELL_NODES; corner++)
         derivative[corner] = corner_derivatives(type, dof_per_node, displacement, corner);
@@ -401,10 +401,10 @@ static void extrapolated_strains(const pzs_element_type *type, unsigned dof_per_
 {
     shell_corner derivative[4], variation[4];
     memset(strain, 0, sizeof(pzs_real[4][10]));
-    derivatives(type, dof_per_node, displacement, derivative);
+    all_derivatives(type, dof_per_node, displacement, derivative);
     add_variation(type, derivative, (pzs_real)0.5, derivative, strain);
     if (du) {
-        derivatives(type, dof_per_node, du, variation);
+        all_derivatives(type, dof_per_node, du, variation);
         add_variation(type, derivative, 1, variation, strain);
     }
     correct_modes(type, strain);

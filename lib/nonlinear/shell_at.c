@@ -85,7 +85,7 @@ static const uint8_t stress_row[4][ROWS] = {
 /* ---- nodal strains ---------------------------------------------------- */
 
 /* y = transposed matrix times x */
-static void transposed(pzs_real y[3], const pzs_real matrix[3][3], const pzs_real x[3])
+static void multiply_transposed(pzs_real y[3], const pzs_real matrix[3][3], const pzs_real x[3])
 {
     for (int j = 0; j < 3; j++)
         y[j] = matrix[0][j] * x[0] + matrix[1][j] * x[1] + matrix[2][j] * x[2];
@@ -101,8 +101,8 @@ static void transpose_derivative(const pzs_element_type *type, int node, int dir
                                  const pzs_real own[3], const pzs_real other[3], pzs_real row[3])
 {
     pzs_real from_other[3];
-    transposed(row, type->s[node][direction], own);
-    transposed(from_other, type->t[neighbour[node][direction]][direction], other);
+    multiply_transposed(row, type->s[node][direction], own);
+    multiply_transposed(from_other, type->t[neighbour[node][direction]][direction], other);
     for (int i = 0; i < 3; i++)
         row[i] += from_other[i];
 }
@@ -128,8 +128,8 @@ static void write_mean_and_difference(pzs_real thickness, const pzs_real mean[3]
  * Compute the rows of the in-plane strains of one node: 11 and 22 from one direction each, 12 from
  * both.
  */
-static void in_plane(const pzs_element_type *type, const shell_corner shape[4], int node,
-                     pzs_real nodal[ROWS][COLUMNS])
+static void write_in_plane_strains(const pzs_element_type *type, const shell_corner shape[4],
+                                   int node, pzs_real nodal[ROWS][COLUMNS])
 {
     const shell_corner *own = &shape[node];
     pzs_real mean[3], diff[3], more[3];
@@ -157,8 +157,8 @@ static void in_plane(const pzs_element_type *type, const shell_corner shape[4], 
 }
 
 /* Compute the rows of the transverse strains 33, 13 and 23 of one node. */
-static void transverse(const pzs_element_type *type, const shell_corner shape[4], int node,
-                       pzs_real nodal[ROWS][COLUMNS])
+static void write_transverse_strains(const pzs_element_type *type, const shell_corner shape[4],
+                                     int node, pzs_real nodal[ROWS][COLUMNS])
 {
     const shell_corner *own = &shape[node];
     const pzs_real quarter = (pzs_real)0.25, h2 = type->thickness / 2;
@@ -206,8 +206,8 @@ static void nodal_strains(const pzs_element_type *type, const shell_corner shape
                           pzs_real nodal[ROWS][COLUMNS])
 {
     for (int node = 0; node < SHELL_NODES; node++) {
-        in_plane(type, shape, node, nodal);
-        transverse(type, shape, node, nodal);
+        write_in_plane_strains(type, shape, node, nodal);
+        write_transverse_strains(type, shape, node, nodal);
         add_warp(type, node, nodal);
     }
 }
@@ -219,8 +219,8 @@ static void nodal_strains(const pzs_element_type *type, const shell_corner shape
  * stride] times row[t], from `column` on. The list of rows ends with NULL: with a known number of
  * rows, gcc would vectorise over the rows, with slow gather instructions.
  */
-static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
-                    const pzs_real *const *restrict row, int column)
+static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
+                     const pzs_real *const *restrict row, int column)
 {
     const pzs_real *first = *row + column;
     pzs_real sum[HALF];
@@ -243,8 +243,8 @@ static void combine(pzs_real *restrict to, const pzs_real *restrict factor, int 
  * Set the four columns of the seventh degree of freedom q to the sum of factors times rows, over
  * the `count` rows to which q contributes.
  */
-static void combine_q(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
-                      const pzs_real *const *row, int count)
+static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
+                       const pzs_real *const *row, int count)
 {
     const int leading = count < WITH_Q ? count : WITH_Q - 1;
     for (int node = 0; node < SHELL_NODES; node++) {
@@ -283,10 +283,10 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
                 const int j = in_d[mode->strain[index]];
                 factor[index] = type->d[number][i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
             }
-            combine(to, factor, 1, row, 0);
-            combine(to + HALF, factor, 1, row, HALF);
+            sum_rows(to, factor, 1, row, 0);
+            sum_rows(to + HALF, factor, 1, row, HALF);
             if (dof_per_node == 7 && has_q(mode, stress))
-                combine_q(to + FIRST_Q, factor, 1, row, mode->with_q);
+                sum_q_rows(to + FIRST_Q, factor, 1, row, mode->with_q);
         }
     }
 }
@@ -429,7 +429,7 @@ static void add_in_plane(const pzs_element_type *type, int corner, const pzs_rea
  * Address of an entry in a packed lower triangle, for a row and a column on either side of the
  * diagonal.
  */
-static pzs_real *entry(pzs_real *stiffness, unsigned row, unsigned column)
+static pzs_real *packed_entry(pzs_real *stiffness, unsigned row, unsigned column)
 {
     return row >= column ? stiffness + row * (row + 1) / 2 + column
                          : stiffness + column * (column + 1) / 2 + row;
@@ -449,20 +449,22 @@ static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, 
                        other = neighbour[corner][direction] * dof_per_node;
         for (unsigned j = 0; j < 3; j++) {
             for (unsigned i = 0; i < 3; i++) {
-                *entry(stiffness, beta + i, own + j) += shear * type->s[corner][direction][i][j];
-                *entry(stiffness, beta + i, other + j) += shear * type->t[corner][direction][i][j];
+                *packed_entry(stiffness, beta + i, own + j) +=
+                    shear * type->s[corner][direction][i][j];
+                *packed_entry(stiffness, beta + i, other + j) +=
+                    shear * type->t[corner][direction][i][j];
             }
             if (dof_per_node == 7) {
-                *entry(stiffness, q, own + 3 + j) += h2 * type->s[corner][direction][2][j];
-                *entry(stiffness, q, other + 3 + j) += h2 * type->t[corner][direction][2][j];
+                *packed_entry(stiffness, q, own + 3 + j) += h2 * type->s[corner][direction][2][j];
+                *packed_entry(stiffness, q, other + 3 + j) += h2 * type->t[corner][direction][2][j];
             }
         }
     }
     for (unsigned i = 0; i < 3; i++)
-        *entry(stiffness, beta + i, beta + i) += stress[E33M];
+        *packed_entry(stiffness, beta + i, beta + i) += stress[E33M];
     if (dof_per_node == 7) {
-        *entry(stiffness, q, beta + 2) -= 8 * stress[E33D];
-        *entry(stiffness, q, q) += 16 * stress[E33M];
+        *packed_entry(stiffness, q, beta + 2) -= 8 * stress[E33D];
+        *packed_entry(stiffness, q, q) += 16 * stress[E33M];
     }
 }
 
@@ -502,9 +504,9 @@ static void write_node(const pzs_element_type *type, unsigned dof_per_node, int 
     for (int i = 0; i < NODE_DOF; i++) {
         pzs_real sum[2 * HALF];
         const int first = i < 3 ? WITHOUT_MEAN : 0;
-        combine(sum, &nodal[first][NODE_DOF * node + i], COLUMNS, stress + first, 0);
+        sum_rows(sum, &nodal[first][NODE_DOF * node + i], COLUMNS, stress + first, 0);
         if (node >= 2)
-            combine(sum + HALF, &nodal[first][NODE_DOF * node + i], COLUMNS, stress + first, HALF);
+            sum_rows(sum + HALF, &nodal[first][NODE_DOF * node + i], COLUMNS, stress + first, HALF);
         write_row(sum, pair, hh4, dof_per_node, node, i, stiffness);
     }
 }
@@ -521,13 +523,13 @@ static void write_q(int node, pzs_real nodal[ROWS][COLUMNS], const pzs_real *con
         factor[index] = nodal[q_row[index]][FIRST_Q + node];
     }
     row[WITH_Q] = NULL;
-    combine(sum, factor, 1, row, 0);
-    combine(sum + HALF, factor, 1, row, HALF);
-    combine_q(sum + FIRST_Q, &nodal[0][FIRST_Q + node], COLUMNS, stress, WITH_Q);
+    sum_rows(sum, factor, 1, row, 0);
+    sum_rows(sum + HALF, factor, 1, row, HALF);
+    sum_q_rows(sum + FIRST_Q, &nodal[0][FIRST_Q + node], COLUMNS, stress, WITH_Q);
     for (unsigned other = 0; other < SHELL_NODES; other++) {
         for (unsigned j = 0; j < NODE_DOF; j++)
-            *entry(stiffness, row_of_q, 7 * other + j) = sum[NODE_DOF * other + j];
-        *entry(stiffness, row_of_q, 7 * other + 6) = sum[FIRST_Q + other];
+            *packed_entry(stiffness, row_of_q, 7 * other + j) = sum[NODE_DOF * other + j];
+        *packed_entry(stiffness, row_of_q, 7 * other + 6) = sum[FIRST_Q + other];
     }
 }
 
@@ -535,8 +537,9 @@ static void write_q(int node, pzs_real nodal[ROWS][COLUMNS], const pzs_real *con
  * Compute the packed tangent stiffness from the deformed base vectors and the stresses [4][10] at
  * the corners.
  */
-static void tangent(const pzs_element_type *type, unsigned dof_per_node,
-                    const shell_corner shape[4], pzs_real corner_stress[4][10], pzs_real *stiffness)
+static void compute_tangent(const pzs_element_type *type, unsigned dof_per_node,
+                            const shell_corner shape[4], pzs_real corner_stress[4][10],
+                            pzs_real *stiffness)
 {
     pzs_real nodal[ROWS][COLUMNS], stress_row_of[22][COLUMNS];
     block pair[10];
@@ -574,7 +577,7 @@ void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node,
     pzs_shell_corner_force(type, dof_per_node, shape, stress, force);
     if (resultant)
         pzs_shell_stresses(type, resultant, stress);
-    tangent(type, dof_per_node, shape, stress, stiffness);
+    compute_tangent(type, dof_per_node, shape, stress, stiffness);
 }
 
 #endif
