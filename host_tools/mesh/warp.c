@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Return the share of the warp in the membrane shear of an element (warp.h), dimensionless. */
+/* Warping correction of the membrane shear strain of an element (warp.h). */
 #include "warp.h"
 #include "../quads/vector.h"
 #include <math.h>
