@@ -23,8 +23,9 @@ polygon_sums polygon_sums_of(const double (*point)[2], size_t count, const doubl
         const double *from = point[i], *to = point[(i + 1) % count];
         const double area = turn(origin, from, to) / 2;
         sums.area += area;
-        for (int a = 0; a < 2; a++)
-            sums.moment[a] += area * ((from[a] - origin[a]) + (to[a] - origin[a])) / 3;
+        for (int axis = 0; axis < 2; axis++)
+            sums.moment[axis] +=
+                area * ((from[axis] - origin[axis]) + (to[axis] - origin[axis])) / 3;
     }
     return sums;
 }
@@ -33,17 +34,17 @@ polygon_box polygon_box_of(const double (*point)[2], size_t count)
 {
     polygon_box box = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
     for (size_t i = 0; i < count; i++)
-        for (int a = 0; a < 2; a++) {
-            box.low[a] = fmin(box.low[a], point[i][a]);
-            box.high[a] = fmax(box.high[a], point[i][a]);
+        for (int axis = 0; axis < 2; axis++) {
+            box.low[axis] = fmin(box.low[axis], point[i][axis]);
+            box.high[axis] = fmax(box.high[axis], point[i][axis]);
         }
     return box;
 }
 
 bool polygon_boxes_meet(const polygon_box *one, const polygon_box *other)
 {
-    for (int a = 0; a < 2; a++)
-        if (!(one->low[a] < other->high[a] && other->low[a] < one->high[a]))
+    for (int axis = 0; axis < 2; axis++)
+        if (!(one->low[axis] < other->high[axis] && other->low[axis] < one->high[axis]))
             return false;
     return true;
 }
@@ -148,10 +149,11 @@ static double area_below(const side *one, const side *other, double base)
  * signs.
  *   one, other  work  memory for the sides of each polygon
  */
-static double sum_pairs(const double (*a)[2], size_t a_count, side *one, const double (*b)[2],
-                        size_t b_count, side *other, double base)
+static double sum_pairs(const double (*one_points)[2], size_t a_count, side *one,
+                        const double (*b)[2], size_t b_count, side *other, double base)
 {
-    const size_t ones = list_sides(a, a_count, one), others = list_sides(b, b_count, other);
+    const size_t ones = list_sides(one_points, a_count, one),
+                 others = list_sides(b, b_count, other);
     double sum = 0;
     for (size_t i = 0; i < ones; i++)
         for (size_t j = 0; j < others; j++)
@@ -167,12 +169,14 @@ static double sum_pairs(const double (*a)[2], size_t a_count, side *one, const d
  */
 double polygon_common_area(const polygon *one, const polygon *other)
 {
-    const polygon_box a = polygon_box_of((const double(*)[2])one->point, one->count),
-                      b = polygon_box_of((const double(*)[2])other->point, other->count);
-    if (!polygon_boxes_meet(&a, &b))
+    const polygon_box one_box = polygon_box_of((const double(*)[2])one->point, one->count),
+                      other_box = polygon_box_of((const double(*)[2])other->point, other->count);
+    if (!polygon_boxes_meet(&one_box, &other_box))
         return 0;
-    const double low[2] = {fmax(a.low[0], b.low[0]), fmax(a.low[1], b.low[1])},
-                 high[2] = {fmin(a.high[0], b.high[0]), fmin(a.high[1], b.high[1])};
+    const double low[2] = {fmax(one_box.low[0], other_box.low[0]),
+                           fmax(one_box.low[1], other_box.low[1])},
+                 high[2] = {fmin(one_box.high[0], other_box.high[0]),
+                            fmin(one_box.high[1], other_box.high[1])};
     const double quad[4][2] = {
         {low[0], low[1]}, {high[0], low[1]}, {high[0], high[1]}, {low[0], high[1]}};
     const size_t room = POLYGON_ROOM(one->count + other->count);

@@ -24,12 +24,12 @@ static void skip_blanks(pgm_reader *reader)
 {
     bool is_comment = false;
     for (; reader->at < reader->end; reader->at++) {
-        const unsigned char c = *reader->at;
-        if (c == '#')
+        const unsigned char character = *reader->at;
+        if (character == '#')
             is_comment = true;
-        else if (c == '\n')
+        else if (character == '\n')
             is_comment = false;
-        else if (!is_comment && c != ' ' && c != '\t' && c != '\r')
+        else if (!is_comment && character != ' ' && character != '\t' && character != '\r')
             return;
     }
 }

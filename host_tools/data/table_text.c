@@ -276,8 +276,8 @@ static bool holds_words(const text_reader *reader)
 {
     for (size_t k = 0; k < reader->cells; k++)
         for (size_t i = 0; i < reader->cell[k].length; i++) {
-            const unsigned char c = (unsigned char)reader->cell[k].text[i];
-            if (!isalnum(c) && !strchr("_-.", c))
+            const unsigned char character = (unsigned char)reader->cell[k].text[i];
+            if (!isalnum(character) && !strchr("_-.", character))
                 return false;
         }
     return true;

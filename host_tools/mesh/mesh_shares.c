@@ -33,9 +33,9 @@ static mesh_side side_of_lines(const mesh *mesh, scene_edge edge, int k)
                            ? mesh->scene->line[1 - along].elements
                            : 0;
     mesh_side found;
-    for (int r = 0; r < 2; r++)
-        found.node[r] =
-            along == 1 ? mesh_node(mesh, across, k + r) : mesh_node(mesh, k + r, across);
+    for (int end = 0; end < 2; end++)
+        found.node[end] =
+            along == 1 ? mesh_node(mesh, across, k + end) : mesh_node(mesh, k + end, across);
     found.length = mesh->point[found.node[0]].a[along] * (line->point[k + 1] - line->point[k]);
     return found;
 }
@@ -69,8 +69,8 @@ int mesh_length_shares(const mesh *mesh, const scene_where *where, double *share
     const int sides = mesh_sides(mesh, where);
     for (int k = 0; k < sides; k++) {
         const mesh_side side = mesh_side_at(mesh, where, k);
-        for (int r = 0; r < 2; r++)
-            share[side.node[r]] += side.length / 2;
+        for (int end = 0; end < 2; end++)
+            share[side.node[end]] += side.length / 2;
     }
     return sides;
 }
@@ -80,23 +80,23 @@ int mesh_length_shares(const mesh *mesh, const scene_where *where, double *share
 static void add_area(const mesh *mesh, int element, double *share)
 {
     const laminate_place *place = &mesh->place[mesh->element_type[element]];
-    for (int r = 0; r < 4; r++)
-        share[mesh->element[element][r]] += place->area / 4 * corner_share(place, r);
+    for (int corner = 0; corner < 4; corner++)
+        share[mesh->element[element][corner]] += place->area / 4 * corner_share(place, corner);
 }
 
 void mesh_node_areas(const mesh *mesh, double *area)
 {
     memset(area, 0, (size_t)mesh->nodes * sizeof *area);
-    for (int e = 0; e < mesh->elements; e++)
-        add_area(mesh, e, area);
+    for (int element = 0; element < mesh->elements; element++)
+        add_area(mesh, element, area);
 }
 
 /* Return whether all four nodes of an element are marked. */
 static bool is_inside(const mesh *mesh, int element, const unsigned char *marked)
 {
     bool inside = true;
-    for (int r = 0; r < 4; r++)
-        inside &= marked[mesh->element[element][r]] != 0;
+    for (int corner = 0; corner < 4; corner++)
+        inside &= marked[mesh->element[element][corner]] != 0;
     return inside;
 }
 
@@ -111,9 +111,9 @@ void mesh_area_shares(const mesh *mesh, const scene_where *where, double *share)
     const int count = node && marked ? mesh_select(mesh, where, node) : 0;
     for (int k = 0; k < count; k++)
         marked[node[k]] = 1;
-    for (int e = 0; e < mesh->elements && count > 0; e++)
-        if (set ? quad_set_has(set, (uint32_t)e) : is_inside(mesh, e, marked))
-            add_area(mesh, e, share);
+    for (int element = 0; element < mesh->elements && count > 0; element++)
+        if (set ? quad_set_has(set, (uint32_t)element) : is_inside(mesh, element, marked))
+            add_area(mesh, element, share);
     free(node);
     free(marked);
 }

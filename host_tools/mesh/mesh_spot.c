@@ -30,19 +30,20 @@ mesh_spot mesh_spot_of_node(int node)
 static mesh_spot spot_in(const mesh *mesh, int element, const double xi[2])
 {
     mesh_spot spot = {.count = 4};
-    for (int r = 0; r < 4; r++) {
-        spot.node[r] = mesh->element[element][r];
-        spot.weight[r] = (1 + corner_xi[r][0] * xi[0]) * (1 + corner_xi[r][1] * xi[1]) / 4;
+    for (int corner = 0; corner < 4; corner++) {
+        spot.node[corner] = mesh->element[element][corner];
+        spot.weight[corner] =
+            (1 + corner_xi[corner][0] * xi[0]) * (1 + corner_xi[corner][1] * xi[1]) / 4;
     }
     return spot;
 }
 
-void mesh_spot_place(const mesh *mesh, const mesh_spot *spot, double x[3])
+void mesh_spot_place(const mesh *mesh, const mesh_spot *spot, double place[3])
 {
     for (int i = 0; i < 3; i++) {
-        x[i] = 0;
-        for (int r = 0; r < spot->count; r++)
-            x[i] += spot->weight[r] * mesh->point[spot->node[r]].x[i];
+        place[i] = 0;
+        for (int corner = 0; corner < spot->count; corner++)
+            place[i] += spot->weight[corner] * mesh->point[spot->node[corner]].x[i];
     }
 }
 
@@ -78,17 +79,18 @@ static int find_on_lines(const mesh *mesh, const double point[3], mesh_spot *spo
  * Compute the position at natural coordinates xi [2] of an element, and its derivatives with
  * respect to them.
  */
-static void position(const mesh *mesh, int element, const double xi[2], double x[3],
+static void position(const mesh *mesh, int element, const double xi[2], double place[3],
                      double base[2][3])
 {
     for (int i = 0; i < 3; i++) {
-        x[i] = base[0][i] = base[1][i] = 0;
-        for (int r = 0; r < 4; r++) {
-            const double at = mesh->point[mesh->element[element][r]].x[i] / 4;
-            const double along = 1 + corner_xi[r][0] * xi[0], across = 1 + corner_xi[r][1] * xi[1];
-            x[i] += along * across * at;
-            base[0][i] += corner_xi[r][0] * across * at;
-            base[1][i] += corner_xi[r][1] * along * at;
+        place[i] = base[0][i] = base[1][i] = 0;
+        for (int corner = 0; corner < 4; corner++) {
+            const double at = mesh->point[mesh->element[element][corner]].x[i] / 4;
+            const double along = 1 + corner_xi[corner][0] * xi[0],
+                         across = 1 + corner_xi[corner][1] * xi[1];
+            place[i] += along * across * at;
+            base[0][i] += corner_xi[corner][0] * across * at;
+            base[1][i] += corner_xi[corner][1] * along * at;
         }
     }
 }
@@ -131,8 +133,8 @@ static bool is_near(const mesh *mesh, int element, const double point[3])
     const double middle[2] = {0, 0};
     double x[3], base[2][3], size = 0;
     position(mesh, element, middle, x, base);
-    for (int r = 0; r < 4; r++)
-        size = fmax(size, vector_distance(x, mesh->point[mesh->element[element][r]].x));
+    for (int corner = 0; corner < 4; corner++)
+        size = fmax(size, vector_distance(x, mesh->point[mesh->element[element][corner]].x));
     const double height = isnan(point[2]) ? x[2] : point[2];
     const double at[3] = {point[0], point[1], height};
     return vector_distance(at, x) <= 1.5 * size;
@@ -168,13 +170,13 @@ static double distance_from(const mesh *mesh, const mesh_spot *spot, const doubl
 static int find_in_quads(const mesh *mesh, const double point[3], mesh_spot *spot)
 {
     double least = HUGE_VAL;
-    for (int e = 0; e < mesh->elements; e++) {
+    for (int element = 0; element < mesh->elements; element++) {
         double xi[2];
-        if (!is_near(mesh, e, point) || !isfinite(find_foot(mesh, e, point, xi)))
+        if (!is_near(mesh, element, point) || !isfinite(find_foot(mesh, element, point, xi)))
             continue;
         if (!(clamp_to_element(xi) <= rim_slack))
             continue;
-        const mesh_spot found = spot_in(mesh, e, xi);
+        const mesh_spot found = spot_in(mesh, element, xi);
         const double away = distance_from(mesh, &found, point);
         if (!(away < least))
             continue;

@@ -25,6 +25,6 @@ mesh_spot mesh_spot_of_node(int node);
 int mesh_spot_find(const mesh *mesh, const double point[3], mesh_spot *spot);
 
 /* Compute the position of a mesh point in space (x [3] out). */
-void mesh_spot_place(const mesh *mesh, const mesh_spot *spot, double x[3]);
+void mesh_spot_place(const mesh *mesh, const mesh_spot *spot, double place[3]);
 
 #endif

@@ -63,15 +63,16 @@ static void add_entry(const mesh *mesh, int node, int i, double value, spring_ro
  * Compute the unit vector of a direction in space; a direction along an axis of the local triad is
  * taken at the given surface point.
  */
-static void direction_at(const surface_point *point, const scene_direction *direction, double v[3])
+static void direction_at(const surface_point *point, const scene_direction *direction,
+                         double vector[3])
 {
     const bool is_vector = vector_length(direction->vector) > 0;
     for (int i = 0; i < 3; i++) {
-        v[i] = direction->component - COMPONENT_X == (unsigned)i;
+        vector[i] = direction->component - COMPONENT_X == (unsigned)i;
         if (direction->component <= COMPONENT_U3)
-            v[i] = point->e[direction->component - COMPONENT_U1][i];
+            vector[i] = point->e[direction->component - COMPONENT_U1][i];
         if (is_vector)
-            v[i] = direction->vector[i];
+            vector[i] = direction->vector[i];
     }
 }
 
@@ -87,15 +88,15 @@ static double face_height(const mesh *mesh, scene_face face)
  * Add the displacement of a node at a face, along a vector in space and times a factor, to the row
  * of a spring.
  */
-static void add_node(const spring_builder *builder, int node, double factor, const double v[3],
+static void add_node(const spring_builder *builder, int node, double factor, const double vector[3],
                      spring_row *row)
 {
     const surface_point *point = &builder->mesh->point[node];
     const double height = face_height(builder->mesh, builder->item->face);
-    for (int a = 0; a < 3; a++) {
-        const double part = factor * vector_dot(point->e[a], v);
-        add_entry(builder->mesh, node, a, part, row);
-        add_entry(builder->mesh, node, 3 + a, height * part, row);
+    for (int axis = 0; axis < 3; axis++) {
+        const double part = factor * vector_dot(point->e[axis], vector);
+        add_entry(builder->mesh, node, axis, part, row);
+        add_entry(builder->mesh, node, 3 + axis, height * part, row);
     }
 }
 
@@ -105,8 +106,8 @@ int springs_rotation(const surface_point *point, const scene_direction *axis, do
     direction_at(point, axis, along);
     vector_cross(along, point->e[2], lever);
     memset(weight, 0, 7 * sizeof *weight);
-    for (int a = 0; a < 3; a++)
-        weight[3 + a] = vector_dot(point->e[a], lever);
+    for (int component = 0; component < 3; component++)
+        weight[3 + component] = vector_dot(point->e[component], lever);
     return vector_length(lever) < 0.01 ? -1 : 0;
 }
 
@@ -116,12 +117,12 @@ int springs_rotation(const surface_point *point, const scene_direction *axis, do
  * Compute the vector from the node at the other end of a spring to the point where the spring is
  * attached. Returns its length (m).
  */
-static double span(const mesh *mesh, const mesh_spot *spot, int other, double v[3])
+static double span(const mesh *mesh, const mesh_spot *spot, int other, double vector[3])
 {
-    mesh_spot_place(mesh, spot, v);
+    mesh_spot_place(mesh, spot, vector);
     for (int i = 0; i < 3; i++)
-        v[i] -= mesh->point[other].x[i];
-    return vector_length(v);
+        vector[i] -= mesh->point[other].x[i];
+    return vector_length(vector);
 }
 
 /*
@@ -129,7 +130,7 @@ static double span(const mesh *mesh, const mesh_spot *spot, int other, double v[
  * it is attached: the given direction, or else that of the line between both ends (v [3] out).
  * Returns 0, or -1 with error filled if both ends coincide.
  */
-static int add_other_end(const spring_builder *builder, const mesh_spot *spot, double v[3],
+static int add_other_end(const spring_builder *builder, const mesh_spot *spot, double vector[3],
                          spring_row *row)
 {
     const mesh *mesh = builder->mesh;
@@ -141,10 +142,10 @@ static int add_other_end(const spring_builder *builder, const mesh_spot *spot, d
         return scene_fault(mesh->scene, item->at, builder->error,
                            "both ends of the spring are at %s; name two places",
                            mesh_node_text(mesh, other).text);
-    direction_at(&mesh->point[spot->node[0]], &item->along, v);
+    direction_at(&mesh->point[spot->node[0]], &item->along, vector);
     for (int i = 0; i < 3 && !item->along.given; i++)
-        v[i] = line[i] / length;
-    add_node(builder, other, -1, v, row);
+        vector[i] = line[i] / length;
+    add_node(builder, other, -1, vector, row);
     return 0;
 }
 
@@ -164,23 +165,23 @@ static int fill_row(const spring_builder *builder, const mesh_spot *spot, spring
 {
     const mesh *mesh = builder->mesh;
     const scene_spring *item = builder->item;
-    double v[3] = {0, 0, 0};
+    double vector[3] = {0, 0, 0};
     row->entries = 0;
-    if (item->to.at.column && add_other_end(builder, spot, v, row) < 0)
+    if (item->to.at.column && add_other_end(builder, spot, vector, row) < 0)
         return -1;
-    for (int r = 0; r < spot->count; r++) {
-        const surface_point *point = &mesh->point[spot->node[r]];
+    for (int corner = 0; corner < spot->count; corner++) {
+        const surface_point *point = &mesh->point[spot->node[corner]];
         if (item->about.given) {
             double weight[7];
             if (springs_rotation(point, &item->about, weight) < 0)
-                return refuse_axis(builder, spot->node[r]);
+                return refuse_axis(builder, spot->node[corner]);
             for (int i = 3; i < 6; i++)
-                add_entry(mesh, spot->node[r], i, spot->weight[r] * weight[i], row);
+                add_entry(mesh, spot->node[corner], i, spot->weight[corner] * weight[i], row);
             continue;
         }
         if (item->along.given)
-            direction_at(point, &item->along, v);
-        add_node(builder, spot->node[r], spot->weight[r], v, row);
+            direction_at(point, &item->along, vector);
+        add_node(builder, spot->node[corner], spot->weight[corner], vector, row);
     }
     return 0;
 }
@@ -329,11 +330,11 @@ static int append_all(spring_builder *builder)
 static void widen_envelope(mesh *mesh)
 {
     const mesh_springs *springs = &mesh->springs;
-    for (int s = 0; s < springs->count; s++) {
+    for (int row = 0; row < springs->count; row++) {
         uint16_t least = PZS_CONSTRAINED;
-        for (uint32_t i = springs->start[s]; i < springs->start[s + 1]; i++)
+        for (uint32_t i = springs->start[row]; i < springs->start[row + 1]; i++)
             least = springs->dof[i] < least ? springs->dof[i] : least;
-        for (uint32_t i = springs->start[s]; i < springs->start[s + 1]; i++)
+        for (uint32_t i = springs->start[row]; i < springs->start[row + 1]; i++)
             if (least < mesh->first_column[springs->dof[i]])
                 mesh->first_column[springs->dof[i]] = least;
     }
@@ -404,11 +405,11 @@ int springs_item(const scene *scene, int actuator)
     return scene->springs + actuator;
 }
 
-double springs_elongation(const mesh_springs *springs, int row, const double *u)
+double springs_elongation(const mesh_springs *springs, int row, const double *displacement)
 {
     double sum = 0;
     for (uint32_t i = springs->start[row]; i < springs->start[row + 1]; i++)
-        sum += springs->value[i] * u[springs->dof[i]];
+        sum += springs->value[i] * displacement[springs->dof[i]];
     return sum;
 }
 

@@ -26,7 +26,7 @@ int springs_rotation(const surface_point *point, const scene_direction *axis, do
 int springs_item(const scene *scene, int actuator);
 
 /* Return the elongation of spring number `row` (m) under the displacements u [free_dof]. */
-double springs_elongation(const mesh_springs *springs, int row, const double *u);
+double springs_elongation(const mesh_springs *springs, int row, const double *displacement);
 
 /*
  * Add the row of a spring, times a factor, to a vector over the free dof (dense [free_dof] in/out).

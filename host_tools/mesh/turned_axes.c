@@ -106,8 +106,8 @@ static int check_loads(const mesh *mesh, const unsigned char *turned, char *erro
 {
     const scene *scene = mesh->scene;
     bool any = false;
-    for (int n = 0; n < mesh->nodes; n++)
-        any |= turned[n] != 0;
+    for (int node = 0; node < mesh->nodes; node++)
+        any |= turned[node] != 0;
     for (int k = 0; k < scene->loads && any; k++)
         if ((scene->load[k].type == LOAD_FACE || scene->load[k].type == LOAD_LINE) &&
             scene->load[k].component < COMPONENT_U3)

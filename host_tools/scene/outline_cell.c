@@ -22,9 +22,10 @@ int outline_elements(const scene *scene)
 
 static void corners_of_quad(const quad_mesh *mesh, int element, double at[4][OUTLINE_AXES])
 {
-    for (int r = 0; r < 4; r++) {
-        memset(at[r], 0, sizeof at[r]);
-        memcpy(at[r], mesh->position[mesh->element[element][r]], 3 * sizeof at[r][0]);
+    for (int corner = 0; corner < 4; corner++) {
+        memset(at[corner], 0, sizeof at[corner]);
+        memcpy(at[corner], mesh->position[mesh->element[element][corner]],
+               3 * sizeof at[corner][0]);
     }
 }
 
@@ -34,11 +35,11 @@ static void corners_of_quad(const quad_mesh *mesh, int element, double at[4][OUT
 static void corners_on_lines(const scene *scene, int element, double at[4][OUTLINE_AXES])
 {
     const int i = element / scene->line[1].elements, j = element % scene->line[1].elements;
-    for (int r = 0; r < 4; r++) {
-        at[r][3] = scene->line[0].point[i + (r == 1 || r == 2)];
-        at[r][4] = scene->line[1].point[j + (r >= 2)];
-        const surface_point point = surface_at(&scene->surface, at[r][3], at[r][4]);
-        memcpy(at[r], point.x, sizeof point.x);
+    for (int corner = 0; corner < 4; corner++) {
+        at[corner][3] = scene->line[0].point[i + (corner == 1 || corner == 2)];
+        at[corner][4] = scene->line[1].point[j + (corner >= 2)];
+        const surface_point point = surface_at(&scene->surface, at[corner][3], at[corner][4]);
+        memcpy(at[corner], point.x, sizeof point.x);
     }
 }
 
@@ -49,9 +50,10 @@ static void corners_on_lines(const scene *scene, int element, double at[4][OUTLI
  *   area  [2] out  in space, and in the plane of the outlines; the latter is negative if the
  *                  corners run clockwise there
  */
-static void corner_areas(const outline_cell *cell, const int axis[2], int r, double area[2])
+static void corner_areas(const outline_cell *cell, const int axis[2], int corner, double area[2])
 {
-    const double *here = cell->at[r], *next = cell->at[(r + 1) % 4], *last = cell->at[(r + 3) % 4];
+    const double *here = cell->at[corner], *next = cell->at[(corner + 1) % 4],
+                 *last = cell->at[(corner + 3) % 4];
     double along[3], across[3], normal[3];
     for (int i = 0; i < 3; i++) {
         along[i] = next[i] - here[i];
@@ -70,16 +72,16 @@ static void corner_areas(const outline_cell *cell, const int axis[2], int r, dou
 static void fit_ratio(outline_cell *cell, const int axis[2], const double ratio[4])
 {
     double square[3] = {0, 0, 0}, right[2] = {0, 0}, mean = 0;
-    for (int r = 0; r < 4; r++)
-        mean += ratio[r] / 4;
-    for (int r = 0; r < 4; r++) {
-        const double u = cell->at[r][axis[0]] - cell->centre[0],
-                     v = cell->at[r][axis[1]] - cell->centre[1];
+    for (int corner = 0; corner < 4; corner++)
+        mean += ratio[corner] / 4;
+    for (int corner = 0; corner < 4; corner++) {
+        const double u = cell->at[corner][axis[0]] - cell->centre[0],
+                     v = cell->at[corner][axis[1]] - cell->centre[1];
         square[0] += u * u;
         square[1] += u * v;
         square[2] += v * v;
-        right[0] += u * (ratio[r] - mean);
-        right[1] += v * (ratio[r] - mean);
+        right[0] += u * (ratio[corner] - mean);
+        right[1] += v * (ratio[corner] - mean);
     }
     const double determinant = square[0] * square[2] - square[1] * square[1];
     cell->ratio[0] = mean;
@@ -97,21 +99,22 @@ static void finish(outline_cell *cell, outline_plane plane)
     int turned = 0;
     cell->is_steep = false;
     cell->centre[0] = cell->centre[1] = 0;
-    for (int r = 0; r < 4; r++) {
+    for (int corner = 0; corner < 4; corner++) {
         double area[2];
-        corner_areas(cell, axis, r, area);
+        corner_areas(cell, axis, corner, area);
         turned += area[1] < 0;
         sum += area[1];
         cell->is_steep |= plane != OUTLINE_THETA && !(fabs(area[1]) > steepest * area[0]);
-        ratio[r] = area[0] / fabs(area[1]);
-        for (int a = 0; a < 2; a++)
-            cell->centre[a] += cell->at[r][axis[a]] / 4;
+        ratio[corner] = area[0] / fabs(area[1]);
+        for (int direction = 0; direction < 2; direction++)
+            cell->centre[direction] += cell->at[corner][axis[direction]] / 4;
     }
     cell->is_steep |= turned % 4 != 0;
     cell->is_mirrored = sum < 0;
-    for (int r = 0; r < 4; r++)
-        for (int a = 0; a < 2; a++)
-            cell->quad[r][a] = cell->at[cell->is_mirrored ? 3 - r : r][axis[a]];
+    for (int corner = 0; corner < 4; corner++)
+        for (int direction = 0; direction < 2; direction++)
+            cell->quad[corner][direction] =
+                cell->at[cell->is_mirrored ? 3 - corner : corner][axis[direction]];
     cell->box = polygon_box_of((const double(*)[2])cell->quad, 4);
     fit_ratio(cell, axis, ratio);
     const polygon_sums sums = polygon_sums_of((const double(*)[2])cell->quad, 4, cell->centre);
@@ -134,19 +137,19 @@ void outline_cell_part(const outline_cell *whole, outline_plane plane, const dou
 {
     const double corner[4][2] = {
         {low[0], low[1]}, {high[0], low[1]}, {high[0], high[1]}, {low[0], high[1]}};
-    for (int r = 0; r < 4; r++)
-        outline_cell_at(whole, corner[r], part->at[r]);
+    for (int i = 0; i < 4; i++)
+        outline_cell_at(whole, corner[i], part->at[i]);
     finish(part, plane);
 }
 
 void outline_cell_shift(outline_cell *cell, const double shift[2])
 {
-    for (int a = 0; a < 2; a++) {
-        for (int r = 0; r < 4; r++)
-            cell->quad[r][a] += shift[a];
-        cell->centre[a] += shift[a];
-        cell->box.low[a] += shift[a];
-        cell->box.high[a] += shift[a];
+    for (int direction = 0; direction < 2; direction++) {
+        for (int corner = 0; corner < 4; corner++)
+            cell->quad[corner][direction] += shift[direction];
+        cell->centre[direction] += shift[direction];
+        cell->box.low[direction] += shift[direction];
+        cell->box.high[direction] += shift[direction];
     }
 }
 
@@ -155,10 +158,10 @@ void outline_cell_shift(outline_cell *cell, const double shift[2])
 bool outline_cell_move(const scene *scene, outline_plane plane, int k, double shift[2])
 {
     const int turns[2] = {k % 3, k / 3};
-    for (int a = 0; a < 2; a++) {
-        shift[a] = full_turn * (turns[a] == 2 ? -1 : turns[a]);
-        if (turns[a] != 0 &&
-            (plane != OUTLINE_THETA || scene->quads || !surface_closes(&scene->surface, a + 1)))
+    for (int direction = 0; direction < 2; direction++) {
+        shift[direction] = full_turn * (turns[direction] == 2 ? -1 : turns[direction]);
+        if (turns[direction] != 0 && (plane != OUTLINE_THETA || scene->quads ||
+                                      !surface_closes(&scene->surface, direction + 1)))
             return false;
     }
     return true;
@@ -170,8 +173,9 @@ bool outline_cell_move(const scene *scene, outline_plane plane, int k, double sh
 static void corner_weights(const double natural[2], double weight[4])
 {
     static const double sign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-    for (int r = 0; r < 4; r++)
-        weight[r] = (1 + sign[r][0] * natural[0]) * (1 + sign[r][1] * natural[1]) / 4;
+    for (int corner = 0; corner < 4; corner++)
+        weight[corner] =
+            (1 + sign[corner][0] * natural[0]) * (1 + sign[corner][1] * natural[1]) / 4;
 }
 
 void outline_cell_at(const outline_cell *cell, const double natural[2], double at[OUTLINE_AXES])
@@ -180,8 +184,8 @@ void outline_cell_at(const outline_cell *cell, const double natural[2], double a
     corner_weights(natural, weight);
     for (int i = 0; i < OUTLINE_AXES; i++) {
         at[i] = 0;
-        for (int r = 0; r < 4; r++)
-            at[i] += weight[r] * cell->at[r][i];
+        for (int corner = 0; corner < 4; corner++)
+            at[i] += weight[corner] * cell->at[corner][i];
     }
 }
 
@@ -200,13 +204,13 @@ expr_point outline_cell_point(const scene *scene, const outline_cell *cell, cons
  * Compute the derivatives of all coordinates of a cell along one natural coordinate. The
  * derivatives are exact, because the coordinates are linear along it.
  */
-static void derivative(const outline_cell *cell, const double natural[2], int a,
+static void derivative(const outline_cell *cell, const double natural[2], int direction,
                        double slope[OUTLINE_AXES])
 {
     double low[2] = {natural[0], natural[1]}, high[2] = {natural[0], natural[1]};
     double from[OUTLINE_AXES], to[OUTLINE_AXES];
-    low[a] = -1;
-    high[a] = 1;
+    low[direction] = -1;
+    high[direction] = 1;
     outline_cell_at(cell, low, from);
     outline_cell_at(cell, high, to);
     for (int i = 0; i < OUTLINE_AXES; i++)
@@ -233,8 +237,8 @@ void outline_cell_natural(const outline_cell *cell, outline_plane plane, const d
             along[axis[0]] * across[axis[1]] - along[axis[1]] * across[axis[0]];
         natural[0] += (gap[0] * across[axis[1]] - gap[1] * across[axis[0]]) / determinant;
         natural[1] += (gap[1] * along[axis[0]] - gap[0] * along[axis[1]]) / determinant;
-        for (int a = 0; a < 2; a++)
-            natural[a] = fmax(-1, fmin(1, natural[a]));
+        for (int direction = 0; direction < 2; direction++)
+            natural[direction] = fmax(-1, fmin(1, natural[direction]));
     }
 }
 

@@ -34,9 +34,9 @@ int formula_sample(const scene *scene, const outline_cell *cell, const scene_out
 static void triangle_of(int i, int j, int k, int corner[3][2])
 {
     static const int offset[2][3][2] = {{{0, 0}, {1, 0}, {1, 1}}, {{0, 0}, {1, 1}, {0, 1}}};
-    for (int r = 0; r < 3; r++) {
-        corner[r][0] = i + offset[k][r][0];
-        corner[r][1] = j + offset[k][r][1];
+    for (int vertex = 0; vertex < 3; vertex++) {
+        corner[vertex][0] = i + offset[k][vertex][0];
+        corner[vertex][1] = j + offset[k][vertex][1];
     }
 }
 
@@ -47,11 +47,11 @@ static void triangle_of(int i, int j, int k, int corner[3][2])
 static double positive_part(const double value[3])
 {
     int positive = 0, lone = 0;
-    for (int r = 0; r < 3; r++)
-        positive += value[r] > 0;
-    for (int r = 0; r < 3; r++)
-        if ((value[r] > 0) == (positive == 1))
-            lone = r;
+    for (int vertex = 0; vertex < 3; vertex++)
+        positive += value[vertex] > 0;
+    for (int vertex = 0; vertex < 3; vertex++)
+        if ((value[vertex] > 0) == (positive == 1))
+            lone = vertex;
     if (positive == 0 || positive == 3)
         return positive / 3;
     const double own = value[lone], next = value[(lone + 1) % 3], last = value[(lone + 2) % 3];
@@ -72,8 +72,8 @@ double formula_share(const outline_cell *cell, formula_grid value)
                 int corner[3][2];
                 double own[3];
                 triangle_of(i, j, k, corner);
-                for (int r = 0; r < 3; r++)
-                    own[r] = value[corner[r][0]][corner[r][1]];
+                for (int vertex = 0; vertex < 3; vertex++)
+                    own[vertex] = value[corner[vertex][0]][corner[vertex][1]];
                 inside += area * positive_part(own) / 2;
             }
         }
@@ -101,13 +101,13 @@ static void draw_triangle(const double (*corner)[2], const double value[3], int 
 {
     double area[4][2], line[2][2];
     size_t points = 0, ends = 0;
-    for (int r = 0; r < 3; r++) {
-        const int next = (r + 1) % 3;
-        if (value[r] > 0)
-            memcpy(area[points++], corner[r], sizeof *area);
-        if ((value[r] > 0) == (value[next] > 0))
+    for (int vertex = 0; vertex < 3; vertex++) {
+        const int next = (vertex + 1) % 3;
+        if (value[vertex] > 0)
+            memcpy(area[points++], corner[vertex], sizeof *area);
+        if ((value[vertex] > 0) == (value[next] > 0))
             continue;
-        crossing(corner[r], corner[next], value[r], value[next], line[ends]);
+        crossing(corner[vertex], corner[next], value[vertex], value[next], line[ends]);
         memcpy(area[points++], line[ends++], sizeof *area);
     }
     if (draws_outline && ends == 2)
@@ -123,10 +123,10 @@ void formula_pieces(formula_grid value, int element, bool draws_outline, outline
         int corner[3][2];
         double at[3][2], own[3];
         triangle_of(k / 2 / FORMULA_GRID, k / 2 % FORMULA_GRID, k % 2, corner);
-        for (int r = 0; r < 3; r++) {
-            own[r] = value[corner[r][0]][corner[r][1]];
-            for (int a = 0; a < 2; a++)
-                at[r][a] = grid_line(corner[r][a]);
+        for (int vertex = 0; vertex < 3; vertex++) {
+            own[vertex] = value[corner[vertex][0]][corner[vertex][1]];
+            for (int direction = 0; direction < 2; direction++)
+                at[vertex][direction] = grid_line(corner[vertex][direction]);
         }
         draw_triangle((const double(*)[2])at, own, element, draws_outline, draw, context);
     }

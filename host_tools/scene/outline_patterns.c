@@ -95,19 +95,19 @@ static void grid_corner(const grid_pattern *pattern, int i, int j, int k, double
 {
     const int cell[2] = {i, j}, is_high[2] = {k == 1 || k == 2, k >= 2};
     double middle[2], at[2];
-    for (int a = 0; a < 2; a++) {
-        const double size = pattern->to[a] - pattern->from[a];
-        const int line = cell[a] + is_high[a];
-        middle[a] = (pattern->from[a] + pattern->to[a]) / 2;
-        at[a] = pattern->from[a] + size * line / pattern->count[a];
-        at[a] += (is_high[a] ? -0.5 : 0.5) * pattern->gap;
-        point[a] = at[a];
+    for (int direction = 0; direction < 2; direction++) {
+        const double size = pattern->to[direction] - pattern->from[direction];
+        const int line = cell[direction] + is_high[direction];
+        middle[direction] = (pattern->from[direction] + pattern->to[direction]) / 2;
+        at[direction] = pattern->from[direction] + size * line / pattern->count[direction];
+        at[direction] += (is_high[direction] ? -0.5 : 0.5) * pattern->gap;
+        point[direction] = at[direction];
     }
     if (pattern->angle == 0)
         return;
-    const double c = cos(degree * pattern->angle), s = sin(degree * pattern->angle);
-    point[0] = middle[0] + c * (at[0] - middle[0]) - s * (at[1] - middle[1]);
-    point[1] = middle[1] + s * (at[0] - middle[0]) + c * (at[1] - middle[1]);
+    const double cosine = cos(degree * pattern->angle), sine = sin(degree * pattern->angle);
+    point[0] = middle[0] + cosine * (at[0] - middle[0]) - sine * (at[1] - middle[1]);
+    point[1] = middle[1] + sine * (at[0] - middle[0]) + cosine * (at[1] - middle[1]);
 }
 
 int outline_grid(scene_outlines *outlines, const grid_pattern *pattern, scene_at at)
@@ -173,14 +173,14 @@ static void arc_ends(const keystone *stone, double radius, double angle[2])
     angle[1] = stone->angle[1] - inset;
 }
 
-static int greatest_divisor(int a, int b)
+static int greatest_divisor(int larger, int smaller)
 {
-    while (b > 0) {
-        const int rest = a % b;
-        a = b;
-        b = rest;
+    while (smaller > 0) {
+        const int rest = larger % smaller;
+        larger = smaller;
+        smaller = rest;
     }
-    return a;
+    return larger;
 }
 
 /*

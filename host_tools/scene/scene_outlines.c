@@ -190,11 +190,11 @@ static int read_outline_grid(reader *reader, int node, void *to, const void *rul
     memset(&pattern, 0, sizeof pattern);
     if (read_map(reader, node, outline_grid_fields, &pattern) != 0)
         return -1;
-    for (int a = 0; a < 2; a++)
-        if (!(pattern.from[a] < pattern.to[a]))
+    for (int direction = 0; direction < 2; direction++)
+        if (!(pattern.from[direction] < pattern.to[direction]))
             return tree_fault(reader->t, tree_find(reader->t, node, "to"),
                               "the grid runs from %g to %g; let 'to' be the larger one",
-                              pattern.from[a], pattern.to[a]);
+                              pattern.from[direction], pattern.to[direction]);
     if (pattern.count[0] * pattern.count[1] > OUTLINE_MOST)
         return tree_fault(reader->t, node, "%d electrodes; at most %d are possible",
                           pattern.count[0] * pattern.count[1], OUTLINE_MOST);
@@ -415,11 +415,11 @@ static int read_bitmap(reader *reader, int node, void *to, const void *rule)
     (void)rule;
     if (read_map(reader, node, bitmap_fields, &text) != 0)
         return -1;
-    for (int a = 0; a < 2; a++)
-        if (!(text.from[a] < text.to[a]))
+    for (int direction = 0; direction < 2; direction++)
+        if (!(text.from[direction] < text.to[direction]))
             return tree_fault(reader->t, tree_find(reader->t, node, "to"),
                               "the bitmap runs from %g to %g; let 'to' be the larger one",
-                              text.from[a], text.to[a]);
+                              text.from[direction], text.to[direction]);
     if (scene_table_read(reader, text.file, &table) != 0)
         return -1;
     const int status = add_bitmap(reader, &text, &table, to);

@@ -27,8 +27,8 @@ static int find_columns(reader *reader, const points_text *text, const number_ta
                         int column[SCENE_AXES])
 {
     int k = 0, found = 0;
-    for (int a = 0; a < SCENE_AXES; a++)
-        column[a] = -1;
+    for (int axis = 0; axis < SCENE_AXES; axis++)
+        column[axis] = -1;
     for (int i = text->columns ? reader->t->node[text->columns].first : 0; i;
          i = reader->t->node[i].next, k++) {
         if (require_kind(reader, i, TREE_SCALAR) != 0)
@@ -42,8 +42,8 @@ static int find_columns(reader *reader, const points_text *text, const number_ta
         if (axis >= 0 && axis < SCENE_AXES)
             column[axis] = k;
     }
-    for (int a = 0; a < SCENE_AXES; a++)
-        found += column[a] >= 0;
+    for (int axis = 0; axis < SCENE_AXES; axis++)
+        found += column[axis] >= 0;
     if (found > 0)
         return 0;
     return tree_fault(reader->t, text->file,
@@ -66,14 +66,14 @@ static int list_points(reader *reader, int list, number_table *table)
     if (!table->value)
         return tree_fault(reader->t, list, "out of memory");
     for (int i = node[list].first; i; i = node[i].next, k++) {
-        size_t a = 0;
+        size_t axis = 0;
         if (require_kind(reader, i, TREE_LIST) != 0)
             return -1;
         if (node[i].count < 1 || node[i].count > SCENE_AXES)
             return tree_fault(reader->t, i, "a point has 1 to 3 coordinates, not %d; write [x, y]",
                               node[i].count);
         for (int j = node[i].first; j; j = node[j].next)
-            if (read_real(reader, j, &table->value[k * SCENE_AXES + a++], NULL) != 0)
+            if (read_real(reader, j, &table->value[k * SCENE_AXES + axis++], NULL) != 0)
                 return -1;
     }
     return 0;
@@ -97,8 +97,8 @@ int scene_points_table(reader *reader, int node, number_table *table, int column
 {
     points_text text = {0, 0};
     memset(table, 0, sizeof *table);
-    for (int a = 0; a < SCENE_AXES; a++)
-        column[a] = a;
+    for (int axis = 0; axis < SCENE_AXES; axis++)
+        column[axis] = axis;
     if (reader->t->node[node].kind == TREE_LIST)
         return list_points(reader, node, table);
     if (read_map(reader, node, file_fields, &text) != 0 ||

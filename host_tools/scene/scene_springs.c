@@ -49,16 +49,16 @@ static int copy_point(reader *reader, int node, const number_table *table, size_
             item = reader->t->node[item].next;
         given = reader->t->node[item].count;
     }
-    for (int a = 0; a < SCENE_AXES; a++) {
-        const int is_missing = column[a] < 0 || a >= given;
-        if (is_missing && a < 2)
+    for (int axis = 0; axis < SCENE_AXES; axis++) {
+        const int is_missing = column[axis] < 0 || axis >= given;
+        if (is_missing && axis < 2)
             return tree_fault(reader->t, node, "point %zu has no second coordinate; write [x, y]",
                               row + 1);
-        point[a] = is_missing ? (double)NAN : values[column[a]];
-        if (!is_missing && !isfinite(point[a]))
+        point[axis] = is_missing ? (double)NAN : values[column[axis]];
+        if (!is_missing && !isfinite(point[axis]))
             return tree_fault(reader->t, node,
-                              "coordinate %d of point %zu is %g; write a finite number", a + 1,
-                              row + 1, point[a]);
+                              "coordinate %d of point %zu is %g; write a finite number", axis + 1,
+                              row + 1, point[axis]);
     }
     return 0;
 }

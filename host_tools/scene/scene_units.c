@@ -198,17 +198,17 @@ static int outlines_owner(const tree *tree, int node)
  */
 static dimension of_outline(const reader *reader, int node)
 {
-    const tree_node *const n = reader->t->node;
-    const int map = outlines_owner(reader->t, node), list = n[node].parent;
+    const tree_node *const named = reader->t->node;
+    const int map = outlines_owner(reader->t, node), list = named[node].parent;
     const char *plane = text_of(reader->t, map, "plane");
-    const int is_pair = n[list].kind == TREE_LIST && n[list].count == 2 &&
-                        !(n[list].key && strcmp(n[list].key, "radii") == 0);
+    const int is_pair = named[list].kind == TREE_LIST && named[list].count == 2 &&
+                        !(named[list].key && strcmp(named[list].key, "radii") == 0);
     const int angle[2] = {surface_is_angle(&reader->s->surface, 1),
                           surface_is_angle(&reader->s->surface, 2)};
     if (reader->s->quads || (*plane && strcmp(plane, "theta") != 0))
         return OF_LENGTH;
     if (is_pair)
-        return angle[node != n[list].first] ? OF_RADIANS : OF_LENGTH;
+        return angle[node != named[list].first] ? OF_RADIANS : OF_LENGTH;
     return angle[0] || angle[1] ? OF_NUMBER : OF_LENGTH;
 }
 
