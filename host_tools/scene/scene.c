@@ -41,55 +41,75 @@ static void free_quads(scene *scene)
     free(scene->quads);
 }
 
-void scene_free(scene *scene)
+static void free_actuators(scene *scene)
 {
-    int i;
-    free_quads(scene);
-    for (i = 0; i < scene->sets; i++)
-        free(scene->set[i]);
-    for (i = 0; i < scene->actuators; i++) {
+    for (int i = 0; i < scene->actuators; i++) {
         free(scene->actuator[i].drive);
         free(scene->actuator[i].each);
         if (scene->actuator[i].stacks)
             free(scene->actuator[i].stacks->point);
         free(scene->actuator[i].stacks);
     }
-    for (i = 0; i < scene->springs; i++)
-        free(scene->spring[i].point);
-    for (i = 0; i < scene->sensors; i++)
+    for (int i = 0; i < scene->sensors; i++)
         free(scene->sensor[i].drive);
-    for (i = 0; i < scene->supports; i++)
+    free(scene->actuator);
+    free(scene->sensor);
+}
+
+static void free_mechanics(scene *scene)
+{
+    for (int i = 0; i < scene->springs; i++)
+        free(scene->spring[i].point);
+    for (int i = 0; i < scene->supports; i++)
         expr_free(scene->support[i].value);
-    for (i = 0; i < scene->loads; i++)
+    for (int i = 0; i < scene->loads; i++) {
         expr_free(scene->load[i].value);
-    for (i = 0; i < scene->loads; i++)
         expr_free(scene->load[i].outer);
-    for (i = 0; i < scene->compares; i++)
-        free(scene->compare[i].value);
+    }
     expr_free(scene->contact.body.value);
-    expr_free(scene->target.value);
-    for (i = 0; i < scene->target.modes; i++)
-        expr_free(scene->target.mode[i].value);
-    for (i = 0; i < scene->target.frees; i++)
-        expr_free(scene->target.free[i].value);
-    free(scene->target.mode);
-    free(scene->target.free);
+    free(scene->spring);
+    free(scene->support);
+    free(scene->load);
+}
+
+static void free_target(scene_target *target)
+{
+    expr_free(target->value);
+    for (int i = 0; i < target->modes; i++)
+        expr_free(target->mode[i].value);
+    for (int i = 0; i < target->frees; i++)
+        expr_free(target->free[i].value);
+    free(target->mode);
+    free(target->free);
+}
+
+static void free_geometry(scene *scene)
+{
     spline_free(scene->surface.meridian);
     for (int i = 0; i < 3; i++)
         expr_free(scene->surface.formula[i]);
+    free(scene->line[0].point);
+    free(scene->line[1].point);
+}
+
+void scene_free(scene *scene)
+{
+    free_quads(scene);
+    free_actuators(scene);
+    free_mechanics(scene);
+    free_target(&scene->target);
+    free_geometry(scene);
+    free_simulate(&scene->simulate);
+    for (int i = 0; i < scene->sets; i++)
+        free(scene->set[i]);
+    for (int i = 0; i < scene->compares; i++)
+        free(scene->compare[i].value);
     free(scene->path);
     free(scene->set);
     free(scene->about);
-    free(scene->line[0].point);
-    free(scene->line[1].point);
     free(scene->material);
     free(scene->layer);
     free(scene->patches);
-    free(scene->actuator);
-    free(scene->sensor);
-    free(scene->support);
-    free(scene->spring);
-    free(scene->load);
     free(scene->output);
     free(scene->limits.each);
     free(scene->dynamics.damping_of_mode);
@@ -99,7 +119,6 @@ void scene_free(scene *scene)
     free(scene->influence.matrix);
     free(scene->influence.place);
     free(scene->influence.output_name);
-    free_simulate(&scene->simulate);
     memset(scene, 0, sizeof *scene);
 }
 
