@@ -48,8 +48,8 @@ static bool fills(const scene *scene, const scene_patches *patches, const scene_
     if (!outline->inside)
         return outline_cover(scene, patches->plane, cell, outline, room).plane_area >
                (1 - 1e-9) * cell->plane_area;
-    for (int r = 0; r < 4; r++) {
-        const expr_point point = outline_cell_point(scene, cell, corner[r]);
+    for (int vertex = 0; vertex < 4; vertex++) {
+        const expr_point point = outline_cell_point(scene, cell, corner[vertex]);
         is_inside = is_inside && expr_value(outline->inside, &point) > 0;
     }
     return is_inside;
