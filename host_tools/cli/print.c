@@ -150,7 +150,7 @@ static int image_size(const analysis *analysis, tables_image image, tables_size 
     if (!nowhere)
         return -1;
     const int failed = tables_write(nowhere, analysis, image, "t", size);
-    *need = tables_need(analysis, image);
+    *need = tables_need(analysis, image, size);
     fclose(nowhere);
     return failed;
 }
@@ -210,8 +210,7 @@ void print_check(const analysis *analysis)
                    (double)(size.bytes + size.reals * 8) / 1024, (double)need.work[0] / 1024,
                    (double)need.work[1] / 1024, (double)need.stack[0] / 1024,
                    (double)need.stack[1] / 1024);
-    puts("  RAM of control: the control step alone; a loop with its blocks (damped tick, ...)\n"
-         "  takes PREFIX_LOOP_BYTES of the header that pzs tables writes\n");
+    puts("  RAM: with the whole control loop and all its blocks (PREFIX_LOOP_BYTES)\n");
     print_tick_work(&analysis->design);
     print_certificate(&analysis->certificate);
     puts("\n  the scene is valid");

@@ -17,6 +17,12 @@ void print_vibration_json(const design *design, const vibration *vibration,
                           const mesh_error *mesh_error);
 
 /*
+ * Print in one line what the tick of generated tables does about vibration; nothing where the
+ * stability of the loop is not known.
+ */
+void print_vibration_summary(const certificate *certificate);
+
+/*
  * Print the first natural frequency and the stability of the control loop, or why they could not be
  * computed. Nothing is printed where certificate_make has not run.
  */

@@ -147,6 +147,11 @@ static void append(char text[CERTIFICATE_TEXT], const char *format, ...)
     va_end(values);
 }
 
+static const char *plural(int count)
+{
+    return count == 1 ? "" : "s";
+}
+
 /*
  * Append the first sentence on a loop with a vibration model: whether the loop is stable, and which
  * modes its control tick damps.
@@ -156,8 +161,8 @@ static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEX
     if (!loop->is_stable)
         append(text, "The damped tick is not safe.");
     else if (loop->observed > 0)
-        append(text, "The damped tick is stable and damps %d mode%s.", loop->observed,
-               loop->observed == 1 ? "" : "s");
+        append(text, "The damped tick is stable and damps %d mode%s from %.4g to %.4g Hz.",
+               loop->observed, plural(loop->observed), loop->observed_from, loop->observed_to);
     else
         append(text,
                "The tick is stable and damps no mode, because each turns by more than 2 rad in a "
@@ -181,11 +186,6 @@ static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT]
            "\n%d of %d storms settle; the worst ends %.3g of the target from the best shape "
            "(allowed: %g).",
            loop->storms - loop->failed, loop->storms, loop->worst, CERTIFICATE_TOLERANCE);
-}
-
-static const char *plural(int count)
-{
-    return count == 1 ? "" : "s";
 }
 
 /* Append the sentences on the error of the readings' age that a stable loop tolerates. */

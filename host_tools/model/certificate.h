@@ -38,7 +38,9 @@ typedef struct certificate_loop {
                        storm (simulation with fast jumps of the target) settles */
     int modes;      /* number of modes of the structure in these simulations */
     int observed;   /* number of modes that the observer of the control tick estimates */
-    double radius;  /* largest growth factor of small vibrations per tick, without limits */
+    double observed_from, observed_to; /* lowest and highest natural frequency of these modes (Hz)
+                                        */
+    double radius; /* largest growth factor of small vibrations per tick, without limits */
     double at_gain, at_frequency; /* gain and natural frequencies of the structure with the largest
                                      growth, relative to the model */
     int storms, failed; /* number of storms (simulations with fast jumps of the target); number of

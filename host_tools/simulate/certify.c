@@ -271,6 +271,10 @@ static int try_choice(trial *trial, int choice, damper_options *options, certifi
     loop->is_stable = is_stable && loop->failed == 0;
     loop->modes = (int)trial->rig.modal.modes;
     loop->observed = trial->damper.modes;
+    if (loop->observed > 0) {
+        loop->observed_from = trial->damper.frequency[0];
+        loop->observed_to = trial->damper.frequency[loop->observed - 1];
+    }
     loop->delay = trial->analysis->design.scene->simulate.delay;
     if (!loop->is_stable)
         return 0;

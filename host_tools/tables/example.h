@@ -87,7 +87,7 @@ static const pzs_block example_blocks[EXAMPLE_BLOCKS] = {
     {&pzs_step_block, &example_problem},
 };
 #define EXAMPLE_LOOP_BYTES \
-    (PZS_LOOP_BYTES(EXAMPLE_BLOCKS, EXAMPLE_INPUTS) + \
+    (PZS_LOOP_BYTES(0, EXAMPLE_INPUTS) + \
      PZS_STEP_BLOCK_BYTES(EXAMPLE_INPUTS, EXAMPLE_OUTPUTS))
 
 /* index of each amplifier in info.voltage and for pzs_hold */

@@ -332,12 +332,47 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
     fputs("\n};\n", emitter->file);
 }
 
+/* ---- memory ------------------------------------------------------------ */
+
+/* Numbers on which the memory of the blocks depends. */
+typedef struct block_counts {
+    size_t inputs, outputs, readings, modes;
+    size_t delay, damper_delay; /* age of the readings in the scene, and for the damper (ticks) */
+} block_counts;
+
+/*
+ * Define the memory of a block in bytes, by the macro of the library for either precision, and the
+ * text of that macro for the generated header. Pointers, and reals in structs, count as on this
+ * computer, so that in single precision the number is an upper bound.
+ */
+#define BLOCK_BYTES(name, expression)                                                              \
+    static const char name##_macro[] = #expression;                                                \
+    static size_t name##_bytes(const block_counts *of, bool is_single)                             \
+    {                                                                                              \
+        if (is_single) {                                                                           \
+            typedef float pzs_real;                                                                \
+            return expression;                                                                     \
+        }                                                                                          \
+        return expression;                                                                         \
+    }
+
+BLOCK_BYTES(loop, PZS_LOOP_BYTES(0, of->inputs))
+BLOCK_BYTES(reading_delay, PZS_READING_DELAY_BLOCK_BYTES(of->inputs, of->readings, of->delay))
+BLOCK_BYTES(feed_forward, PZS_FEED_FORWARD_BLOCK_BYTES(of->readings, of->outputs))
+BLOCK_BYTES(governor, PZS_GOVERNOR_BLOCK_BYTES(of->inputs, of->outputs))
+BLOCK_BYTES(estimator, PZS_ESTIMATOR_BLOCK_BYTES(of->readings, of->outputs))
+BLOCK_BYTES(vibration, PZS_VIBRATION_BLOCK_BYTES(of->modes, of->inputs, of->outputs, of->readings,
+                                                 of->damper_delay))
+BLOCK_BYTES(step, PZS_STEP_BLOCK_BYTES(of->inputs, of->outputs))
+BLOCK_BYTES(amplifier, PZS_AMPLIFIER_BLOCK_BYTES(of->inputs))
+BLOCK_BYTES(fault_detector, PZS_FAULT_DETECTOR_BLOCK_BYTES(of->inputs, of->outputs, of->delay))
+BLOCK_BYTES(supervisor, PZS_SUPERVISOR_BLOCK_BYTES(of->outputs))
+
 /* ---- the table -------------------------------------------------------- */
 
 /*
  * Types of blocks. In the generated header, the tables of a block are named PREFIX_ followed by
- * `tables_name`, and `bytes` is the macro of the block's memory without PZS_, with % in place of
- * the prefix in capital letters.
+ * `tables_name`. `bytes` and `bytes_macro` are defined by BLOCK_BYTES.
  */
 static const struct {
     const pzs_block_type *type;
@@ -346,26 +381,27 @@ static const struct {
     void (*write)(emitter *w, const loop_blocks *l); /* function that writes the tables of the
                                                         block; NULL: the tables are written together
                                                         with their arrays */
-    const char *type_name, *tables_name, *bytes;
+    const char *type_name, *tables_name;
+    size_t (*bytes)(const block_counts *of, bool is_single);
+    const char *bytes_macro;
 } block_types[] = {
     {&pzs_reading_delay_block, has_delay, delay_tables, write_delay, "reading_delay",
-     "reading_delay", "READING_DELAY_BLOCK_BYTES(%_INPUTS, %_READINGS, %_DELAY)"},
+     "reading_delay", reading_delay_bytes, reading_delay_macro},
     {&pzs_feed_forward_block, has_feed_forward, known_tables, write_known, "feed_forward",
-     "known_loads", "FEED_FORWARD_BLOCK_BYTES(%_READINGS, %_OUTPUTS)"},
+     "known_loads", feed_forward_bytes, feed_forward_macro},
     {&pzs_governor_block, has_governor, governor_tables, write_governor, "governor", "governor",
-     "GOVERNOR_BLOCK_BYTES(%_INPUTS, %_OUTPUTS)"},
+     governor_bytes, governor_macro},
     {&pzs_estimator_block, has_estimator, estimator_tables, NULL, "estimator", "estimator",
-     "ESTIMATOR_BLOCK_BYTES(%_READINGS, %_OUTPUTS)"},
+     estimator_bytes, estimator_macro},
     {&pzs_vibration_block, has_damper, damper_tables, write_damper, "vibration", "vibration",
-     "VIBRATION_BLOCK_BYTES(%_MODES, %_INPUTS, %_OUTPUTS, %_READINGS, %_DAMPER_DELAY)"},
-    {&pzs_step_block, is_always, problem_tables, NULL, "step", "problem",
-     "STEP_BLOCK_BYTES(%_INPUTS, %_OUTPUTS)"},
+     vibration_bytes, vibration_macro},
+    {&pzs_step_block, is_always, problem_tables, NULL, "step", "problem", step_bytes, step_macro},
     {&pzs_amplifier_block, has_amplifier, amplifier_tables, write_amplifier, "amplifier",
-     "amplifier", "AMPLIFIER_BLOCK_BYTES(%_INPUTS)"},
+     "amplifier", amplifier_bytes, amplifier_macro},
     {&pzs_fault_detector_block, has_detector, detection_tables, write_detection, "fault_detector",
-     "fault_detection", "FAULT_DETECTOR_BLOCK_BYTES(%_INPUTS, %_OUTPUTS, %_DELAY)"},
+     "fault_detection", fault_detector_bytes, fault_detector_macro},
     {&pzs_supervisor_block, has_supervisor, supervision_tables, write_supervision, "supervisor",
-     "supervision", "SUPERVISOR_BLOCK_BYTES(%_OUTPUTS)"},
+     "supervision", supervisor_bytes, supervisor_macro},
 };
 enum { BLOCK_TYPES = sizeof block_types / sizeof *block_types };
 
@@ -382,28 +418,52 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
                 (pzs_block){block_types[k].type, block_types[k].tables(blocks)};
 }
 
+static int count_readings(const loop_blocks *blocks)
+{
+    return loop_estimates(blocks->design->scene) ? blocks->estimator->sensors
+                                                 : blocks->design->targets;
+}
+
+size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single)
+{
+    const block_counts of = {.inputs = blocks->design->problem.inputs,
+                             .outputs = blocks->design->problem.outputs,
+                             .readings = (size_t)count_readings(blocks),
+                             .modes = blocks->damper->tables.modes,
+                             .delay = (size_t)blocks->design->scene->simulate.delay,
+                             .damper_delay = blocks->damper->tables.delay};
+    size_t bytes = loop_bytes(&of, is_single);
+    for (int k = 0; k < BLOCK_TYPES; k++)
+        bytes += block_types[k].is_present(blocks) ? block_types[k].bytes(&of, is_single) : 0;
+    return bytes;
+}
+
 /* ---- source ----------------------------------------------------------- */
 
-/* Write the text of a macro with the prefix in capital letters in place of each %. */
+/* Write the text of a macro, with PREFIX_NAME in place of each of->name. */
 static void write_macro(const emitter *emitter, const char *text)
 {
+    bool is_name = false;
     for (; *text; text++) {
-        if (*text == '%')
-            fputs(emitter->upper, emitter->file);
-        else
-            fputc(*text, emitter->file);
+        if (strncmp(text, "of->", 4) == 0) {
+            fprintf(emitter->file, "%s_", emitter->upper);
+            text += 4;
+            is_name = true;
+        }
+        is_name = is_name && (isalnum((unsigned char)*text) || *text == '_');
+        fputc(is_name ? toupper((unsigned char)*text) : *text, emitter->file);
     }
 }
 
 static void write_bytes(const emitter *emitter, const loop_blocks *blocks)
 {
-    fprintf(emitter->file, "#define %s_LOOP_BYTES \\\n    (PZS_LOOP_BYTES(%s_BLOCKS, %s_INPUTS)",
-            emitter->upper, emitter->upper, emitter->upper);
+    fprintf(emitter->file, "#define %s_LOOP_BYTES \\\n    (", emitter->upper);
+    write_macro(emitter, loop_macro);
     for (int k = 0; k < BLOCK_TYPES; k++) {
         if (!block_types[k].is_present(blocks))
             continue;
-        fputs(" + \\\n     PZS_", emitter->file);
-        write_macro(emitter, block_types[k].bytes);
+        fputs(" + \\\n     ", emitter->file);
+        write_macro(emitter, block_types[k].bytes_macro);
     }
     fputs(")\n\n", emitter->file);
 }
@@ -414,8 +474,7 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
     for (int k = 0; k < BLOCK_TYPES; k++)
         if (block_types[k].write && block_types[k].is_present(blocks))
             block_types[k].write(emitter, blocks);
-    const int readings =
-        loop_estimates(scene) ? blocks->estimator->sensors : blocks->design->targets;
+    const int readings = count_readings(blocks);
     emit_comment(emitter, "blocks of the control tick in the order in which they run, as in "
                           "`pzs simulate`");
     fprintf(emitter->file,

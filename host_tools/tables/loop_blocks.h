@@ -53,6 +53,13 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 
 /*
+ * Memory of a loop with these blocks in bytes: the value of PREFIX_LOOP_BYTES in the generated
+ * header, in single or in double precision. In single precision it is an upper bound, because
+ * pointers and the reals in structs count as on this computer.
+ */
+size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single);
+
+/*
  * Write the names that a firmware needs: PREFIX_TICK_RATE, the indices of amplifiers and sensors,
  * and the outputs as a comment.
  */

@@ -6,6 +6,7 @@
 #include "tables.h"
 #include <ctype.h>
 #include <stdlib.h>
+#include <string.h>
 #include "../../lib/model/electrode.h"
 #include "../../lib/control/control.h"
 #include "../../lib/model/model.h"
@@ -301,8 +302,7 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
 #define NEED(real, k)                                                                              \
     {                                                                                              \
         typedef real pzs_real;                                                                     \
-        if (controlled)                                                                            \
-            need.work[k] += PZS_CONTROL_BYTES(design->amplifiers, design->targets);                \
+        need.work[k] += size->loop[k];                                                             \
         if (image != TABLES_CONTROL)                                                               \
             need.work[k] +=                                                                        \
                 PZS_MODEL_BYTES(structure->free_dof, padded_entries(&design->mesh, PZS_TILE));     \
@@ -324,7 +324,7 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
         need.stack[k] = image == TABLES_NONLINEAR ? PZS_STACK_NONLINEAR : PZS_STACK_LINEAR;        \
     }
 
-tables_memory tables_need(const analysis *analysis, tables_image image)
+tables_memory tables_need(const analysis *analysis, tables_image image, const tables_size *size)
 {
     const design *design = &analysis->design;
     const pzs_structure *structure = &design->structure;
@@ -426,7 +426,12 @@ static void write_stability(const emitter *emitter, const certificate *certifica
     fputs("\n", emitter->file);
 }
 
-static int write_blocks(emitter *emitter, const analysis *analysis)
+/*
+ * Write the tables of all blocks of the control tick and the names for the firmware.
+ *   size  out  memory of the loop
+ * Returns 0, or -1 where tables cannot be made.
+ */
+static int write_blocks(emitter *emitter, const analysis *analysis, tables_size *size)
 {
     estimator estimator;
     damper damper;
@@ -455,6 +460,8 @@ static int write_blocks(emitter *emitter, const analysis *analysis)
     write_stability(emitter, &analysis->certificate, &damper);
     loop_blocks_write(emitter, &blocks);
     loop_names_write(emitter, analysis);
+    for (int k = 0; k < 2; k++)
+        size->loop[k] = loop_blocks_bytes(&blocks, k == 0);
     estimator_close(&estimator);
     damper_close(&damper);
     return 0;
@@ -531,6 +538,7 @@ int tables_write(FILE *file, const analysis *analysis, tables_image image, const
     const int controlled = analysis->design.problem.inputs > 0;
     emitter emitter = {file, prefix, "", 0, 0, 0};
     int status = 0;
+    memset(size, 0, sizeof *size);
     for (size_t i = 0; prefix[i] && i + 1 < sizeof emitter.upper; i++)
         emitter.upper[i] = (char)toupper((unsigned char)prefix[i]);
     write_head(&emitter, analysis, tables_image_name[image]);
@@ -560,9 +568,10 @@ int tables_write(FILE *file, const analysis *analysis, tables_image image, const
     }
     if (controlled) {
         write_problem(&emitter, analysis, image);
-        status = status == 0 ? write_blocks(&emitter, analysis) : status;
+        status = status == 0 ? write_blocks(&emitter, analysis, size) : status;
     }
     fputs("#endif\n", file);
-    *size = (tables_size){emitter.reals, emitter.bytes};
+    size->reals = emitter.reals;
+    size->bytes = emitter.bytes;
     return ferror(file) ? -1 : status;
 }

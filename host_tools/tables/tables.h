@@ -24,16 +24,21 @@ int tables_allow_float(const analysis *analysis);
 /* Size of tables in flash memory: number of reals, and bytes of other data. */
 typedef struct tables_size {
     size_t reals, bytes;
+    size_t loop[2]; /* memory of the control loop on the device, in single [0] and in double [1]
+                       precision (bytes); 0 where the image has none */
 } tables_size;
 
 /*
  * Bytes of workspace and of stack that a firmware needs on a device, in single precision [0] and in
- * double precision [1]. The stack is that of the library alone, which `make test` verifies.
+ * double precision [1]. The workspace is that of the control loop with all its blocks, of the model
+ * and of the solver, as far as the image has them. The stack is that of the library alone, which
+ * `make test` verifies.
+ *   size in  filled by tables_write
  */
 typedef struct tables_memory {
     size_t work[2], stack[2];
 } tables_memory;
-tables_memory tables_need(const analysis *analysis, tables_image image);
+tables_memory tables_need(const analysis *analysis, tables_image image, const tables_size *size);
 
 /*
  * Write the tables of an image as a C header. A scene always gives identical bytes, because the

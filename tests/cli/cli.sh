@@ -547,6 +547,14 @@ for case in plate-few-sensors:5:--quasi-static plate-closed-loop:4:--quasi-stati
         check "$scene $option: the header wires a loop of $blocks blocks, $bits bits" $?
     done
 done
+# check prints the memory of the loop as the header has it; in float, where pointers of this computer count, at most 3 % more
+printf '#include <stdio.h>\n#include "w.h"\nint main(void) { printf("%%lu", (unsigned long)W_LOOP_BYTES); return 0; }\n' >"$dir/size.c"
+run 0 tables plate-closed-loop --prefix w -o "$dir/w.h" && grep -q 'damps 9 modes from 15.04 to 314.2 Hz' "$dir/out"; check 'tables: prints the modes that the tick damps' $?
+for bits in 32 64; do
+    gcc -std=c99 -Wall -Wextra -Werror -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits "$dir/size.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/size" && "$dir/size" >"$dir/size-$bits"
+done
+run 0 check plate-closed-loop --json && json "j['images']['control']['ram']['double']==$(cat "$dir/size-64") and $(cat "$dir/size-32")<=j['images']['control']['ram']['float']<=1.03*$(cat "$dir/size-32")"
+check 'check: RAM of the whole loop' $?
 for bits in 32 64; do
     ! gcc -std=c99 -Iinclude -I"$dir" -DPZS_REAL_BITS=$bits -DBLOCKS=5 "$dir/wire.c" "$B/$((96 - bits))/libpiezoshape.a" -lm -o "$dir/wire" 2>"$dir/err" && grep -q "pzs_loop_init_$bits" "$dir/err"
     check "a program with a loop in $bits bits does not link with the other library" $?

@@ -92,14 +92,16 @@ static void test_older_readings(void **state)
 /* The text of a certificate explains its words and states the tolerance of a storm. */
 static void test_text(void **state)
 {
-    static const char *const says[] = {"damps 9 modes", "(allowed: 0.05)", "1 tick older",
-                                       "they decay below 1"};
+    static const char *const says[] = {"damps 9 modes from 15 to 314 Hz", "(allowed: 0.05)",
+                                       "1 tick older", "they decay below 1"};
     certificate c = {.is_made = true,
                      .has_modes = true,
                      .is_assessed = true,
                      .loop = {.is_made = true,
                               .is_stable = true,
                               .observed = 9,
+                              .observed_from = 15,
+                              .observed_to = 314,
                               .storms = 30,
                               .older = 1,
                               .rate_from = 88.5,
