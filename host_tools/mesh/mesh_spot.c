@@ -2,6 +2,8 @@
 /* Points of a mesh that need not be nodes (mesh_spot.h). */
 #include "mesh_spot.h"
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 #include "../quads/vector.h"
 
 /* Natural coordinates xi1 and xi2 of the four corners of an element. */
@@ -189,4 +191,21 @@ static int find_in_quads(const mesh *mesh, const double point[3], mesh_spot *spo
 int mesh_spot_find(const mesh *mesh, const double point[3], mesh_spot *spot)
 {
     return (mesh->quads ? find_in_quads : find_on_lines)(mesh, point, spot);
+}
+
+int mesh_spot_of_spring(const mesh *mesh, const scene_spring *spring, int k, mesh_spot *spot,
+                        double place[2])
+{
+    if (spring->points > 0) {
+        memcpy(place, spring->point[k], 2 * sizeof *place);
+        return mesh_spot_find(mesh, spring->point[k], spot);
+    }
+    int *node = calloc((size_t)mesh->nodes, sizeof *node);
+    const int count = node ? mesh_select(mesh, &spring->where, node) : 0;
+    if (k < count) {
+        *spot = mesh_spot_of_node(node[k]);
+        memcpy(place, mesh->theta[node[k]], 2 * sizeof *place);
+    }
+    free(node);
+    return k < count ? 0 : -1;
 }

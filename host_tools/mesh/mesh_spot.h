@@ -24,6 +24,14 @@ mesh_spot mesh_spot_of_node(int node);
  */
 int mesh_spot_find(const mesh *mesh, const double point[3], mesh_spot *spot);
 
+/*
+ * Find the mesh point at which stack or spring number k of springs of a scene is attached, and its
+ * coordinates theta1, theta2, or x, y on a mesh from a file (place [2] out). Returns 0, or -1 if
+ * there is none or memory runs out.
+ */
+int mesh_spot_of_spring(const mesh *mesh, const scene_spring *spring, int k, mesh_spot *spot,
+                        double place[2]);
+
 /* Compute the position of a mesh point in space (x [3] out). */
 void mesh_spot_place(const mesh *mesh, const mesh_spot *spot, double place[3]);
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../mesh/mesh_spot.h"
 #include "../scene/outline_pieces.h"
 #include "../text/words.h"
 #include "report_shell.h"
@@ -80,7 +81,7 @@ void shell_find_plans(const mesh *mesh, int *plan)
 {
     const scene_actuator *actuator = mesh->scene->actuator;
     for (int k = 0; k < mesh->scene->actuators; k++) {
-        plan[k] = actuator[k].drives > 0 ? 0 : -1;
+        plan[k] = actuator[k].drives > 0 || actuator[k].stacks ? 0 : -1;
         for (int other = 0; other < k; other++)
             if (plan[other] == plan[k] && do_overlap(mesh, &actuator[k], &actuator[other])) {
                 plan[k]++;
@@ -276,13 +277,62 @@ static void draw_actuator(const shell *map, const scene_actuator *actuator,
     }
 }
 
+/* Pixel coordinates of stack k of an actuator. Returns 0, or -1 without memory. */
+static int stack_at(const shell *map, const scene_actuator *actuator, int k, double at[2])
+{
+    mesh_spot spot;
+    double place[3] = {0, 0, 0};
+    if (mesh_spot_of_spring(map->mesh, actuator->stacks, k, &spot, place) < 0)
+        return -1;
+    if (!view_has_parameters(map->mesh))
+        mesh_spot_place(map->mesh, &spot, place);
+    view_project(&map->view, place, at);
+    return 0;
+}
+
+/* Radius of the discs of an actuator's stacks, which do not touch one another (pixels). */
+static double stack_radius(const shell *map, const scene_actuator *actuator)
+{
+    const double largest = 16, share = 0.45;
+    double radius = largest, own[2], other[2];
+    for (int k = 0; k < actuator->grid[0]; k++)
+        for (int i = 0; i < k; i++)
+            if (stack_at(map, actuator, k, own) == 0 && stack_at(map, actuator, i, other) == 0)
+                radius = fmin(radius, share * hypot(own[0] - other[0], own[1] - other[1]));
+    return radius;
+}
+
+/* Draw the stacks of an actuator as discs in the colours of their voltages. */
+static void draw_stacks(const shell *map, const scene_actuator *actuator,
+                        const shell_voltage_set *set)
+{
+    const double radius = stack_radius(map, actuator);
+    for (int k = 0; k < actuator->grid[0]; k++) {
+        const int amplifier = actuator->first + k;
+        const double voltage = set->voltage[amplifier];
+        const bool is_marked = set->mark[amplifier] != SHELL_FREE;
+        text_room room = {.width = 1.8 * radius, .height = 1.8 * radius};
+        if (stack_at(map, actuator, k, room.middle) < 0)
+            continue;
+        begin_amplifier(map->file, map->mesh->scene, set, amplifier);
+        draw_disc(map->file, draw_colour(set->scale, voltage), room.middle, radius);
+        if (is_marked)
+            draw_disc(map->file, mark_style[set->mark[amplifier]], room.middle, radius - 1);
+        if (isfinite(voltage))
+            write_voltage(map->file, set->scale, &room, voltage, is_marked);
+        fputs("</g>\n", map->file);
+    }
+}
+
 void shell_voltages(const shell *map, const int *plan, int which, const shell_voltage_set *set)
 {
     draw_begin(map->file, DRAW_GROUP, SHELL_MAP_WIDTH, map->view.height + FOOT,
                "Voltages of the amplifiers", "Every patch in the colour of its voltage");
-    for (int k = 0; k < map->mesh->scene->actuators; k++)
+    for (int k = 0; k < map->mesh->scene->actuators; k++) {
+        const scene_actuator *actuator = &map->mesh->scene->actuator[k];
         if (plan[k] == which)
-            draw_actuator(map, &map->mesh->scene->actuator[k], set);
+            (actuator->stacks ? draw_stacks : draw_actuator)(map, actuator, set);
+    }
     shell_edges(map, "frame");
     write_ranges(map);
     draw_end(map->file, DRAW_GROUP);

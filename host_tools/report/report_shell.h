@@ -133,7 +133,7 @@ typedef struct shell_voltage_set {
 
 /*
  * Distribute the actuators over several plans, maps on which no patches overlap. An actuator
- * without patches, such as the temperature of the whole shell, gets plan -1.
+ * without patches and stacks, such as the temperature of the whole shell, gets plan -1.
  *   plan [actuators]  out  index of the plan of each actuator
  */
 void shell_find_plans(const mesh *mesh, int *plan);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Thin actuators of a material by the numbers of their data sheet (scene_parts.h). */
+/* Thin actuators of a material by the numbers of their data sheet (scene_film.h). */
 #include <math.h>
 #include <string.h>
 #include "scene_film.h"

@@ -10,10 +10,10 @@
 
 /* Data sheet of a film; thickness 0: no film. */
 typedef struct scene_film {
-    double voltage;      /* voltage of the other numbers */
-    double strain[2];    /* free strains along and across the fibres */
-    double thickness;    /* thickness of the film */
-    double force, width; /* blocking force of a film of this width; 0: not given */
+    double voltage;      /* voltage at which strains and force are given (V) */
+    double strain[2];    /* free strains along and across the fibres (1) */
+    double thickness;    /* thickness of the film (m) */
+    double force, width; /* blocking force (N) of a film of this width (m); 0: not given */
 } scene_film;
 
 field_read read_film;
@@ -25,7 +25,7 @@ extern const form film_form;
  */
 double scene_film_constant(const scene_film *film, int direction);
 
-/* Modulus E1 from the blocking force: the force over free strain, width and thickness. */
+/* Modulus E1 of a film (N/m2): the blocking force divided by free strain, width and thickness. */
 double scene_film_modulus(const scene_film *film);
 
 #endif

@@ -209,6 +209,12 @@ json "abs(j['results'][4]['shape_error']-.36114)<1e-5"; check 'shape within 100 
 json "max(abs(v) for v in j['results'][1]['voltages'].values())<=200 and j['results'][1]['kkt']<=1e-9"; check 'no voltage beyond 200 V by one bit, KKT 1e-9' $?
 json "[r for r in j['results'] if r['name']=='published'][0]['shape_error'] > .0705"; check 'published voltages beside' $?
 run 0 shape mirror --set mesh.theta1.elements=10 --set mesh.theta2.elements=16 --limit 30 --limit 100 --json && json "len(j['modes'])==14 and all(m['unconstrained_error']<=l['shape_error']*(1+1e-9)<=l['regularised_error']*(1+1e-8)<=l['clipped_error']*(1+2e-8) for m in j['modes'] for l in m['limits']) and [l['limits'][1] for l in j['modes'][0]['limits']]==[30,100]"; check 'modes of shape --json' $?
+run 0 shape stack-mirror --report "$dir/k.html" && grep -q 'Z4 defocus' "$dir/out" && [ "$(grep -c '<g><title>s_[0-9]*_1: ' "$dir/k.html")" -ge 148 ]
+check 'stacks are drawn in their places' $?
+run 0 solve stack-mirror --set 'loads=[{temperature: 20}]' --json && /usr/bin/python3 -c 'import json, sys
+force = json.load(sys.stdin)["springs"]
+sys.exit(not (len(force["s"]) == 37 and max(abs(x) for own in force.values() for x in own) < 1e-6))' <"$dir/out"
+check 'solve lists forces of springs; a determinate mount has none under heat' $?
 run 0 shape mirror --report "$dir/m.html" && grep -q 'Z11 spherical .* 3.962% .* 187.753%' "$dir/out" && grep -q 'Mode by mode' "$dir/m.html"; check 'modes as a table and a picture' $?
 run 0 solve bimorph-sensor --json && json "abs(j['outputs']['V1']/292.351-1)<1e-6 and j['electrodes']['s_1_1']['circuit']=='open' and abs(j['electrodes']['s_1_1']['capacitance_held']/1.062e-11-1)<1e-12 and 1<j['open_over_short_stiffness']<1.01"; check 'electrodes of solve --json' $?
 run 0 solve bimorph-sensor && grep -q '^  s_1_1 *open *2.923510e+02' "$dir/out" && grep -q 'stiffer than short' "$dir/out"; check 'electrodes of solve' $?
