@@ -24,7 +24,7 @@ static const char *precision_needed(const analysis *analysis)
     if (tables_allow_float(analysis))
         return "float or double";
     if (analysis->model.info.condition > 1e14) /* the stiffness matrix of the reference state is too
-                                                  close to singular for pzs_factor on a device */
+                                                  close to singular for pzs_factor */
         return "double; loose at rest, held by a contact or by its prescribed displacements alone";
     return analysis->nonlinear ? "the nonlinear path needs double"
                                : "double, or float with refinement, which says where it ends";

@@ -121,10 +121,10 @@ static int invert(double *a, double *x, size_t order)
 /* Matrices [n][n] of the structured doubling iteration for the Riccati equation. */
 typedef struct doubling {
     size_t n;
-    double *a, *g, *h; /* [n][n] iterates of the doubling; h converges to the solution of the
-                          Riccati equation */
-    double *w, *work, *aw, *other; /* [n][n] inverse of 1 + g h, product of a with that inverse, and
-                                      work matrices */
+    double *a, *g, *h; /* [n][n] iterates a, g, h of the doubling; h converges to the solution of
+                          the Riccati equation */
+    double *w, *work, *aw, *other; /* [n][n] w: inverse of 1 + g h with the iterates g and h; aw:
+                                      iterate a times this inverse; work matrices */
     double *memory;
 } doubling;
 
@@ -159,8 +159,9 @@ static double renew(doubling *doubling, const double *next)
 }
 
 /*
- * One iteration of the structured doubling: with w = (1 + g h)^-1, the iterates become h + a' h w
- * a, g + a w g a' and a w a. Returns the relative change of h, or NAN where a matrix is singular.
+ * One iteration of the structured doubling for the Riccati equation: with w = (1 + g h)^-1, the
+ * iterates h, g and a become h + a' h w a, g + a w g a' and a w a. Returns the relative change of
+ * h, or NAN where a matrix is singular.
  */
 static double advance(doubling *doubling)
 {

@@ -92,8 +92,8 @@ static double face_height(scene_face face, double thickness)
 }
 
 /*
- * Weights of the first six dof of a node (displacements of the middle, half differences of the
- * faces over the thickness) in the displacement of a face along a direction [3].
+ * Weights of the first six dof of a node (mean of both faces' displacements, their difference
+ * divided by the thickness) in the displacement of a face along a direction [3].
  */
 static void face_weights(const mesh *mesh, scene_face face, const double direction[3],
                          double weight[7])

@@ -130,17 +130,21 @@ laminate_field design_temperatures(const scene_load *load);
 void design_temperature_resultants(const mesh *mesh, const scene_load *load, int element,
                                    double h0[LAMINATE_STRAINS]);
 
-/* A patch (second index fastest) in an element, and the part of the element that it covers. */
+/*
+ * One patch of a grid of patches, second grid index fastest, and the part of an element that the
+ * patch covers.
+ */
 typedef struct design_part {
     int patch;
-    double share; /* above 0 to 1; 1 for patches of whole elements */
+    double share; /* covered part of the element, above 0 and up to 1; 1 for patches of whole
+                     elements */
 } design_part;
 
 /*
- * Find the patches in an element: one at most of patches of whole elements, several where outlines
- * are given.
- *   list [number] out  NULL: only count
- * Returns their number.
+ * Find the patches that cover an element or a part of it: at most one where the patches consist of
+ * whole elements, several where outlines are given.
+ *   list [number] out  patches and covered parts; NULL: only count
+ * Returns the number of patches.
  */
 int design_patches_in(const mesh *mesh, int element, const scene_patches *patches,
                       design_part *list);
@@ -251,8 +255,8 @@ void *design_grow(void *old, size_t count, size_t size, int *full);
 void design_release(const void *table);
 
 /*
- * Weights of the dof of a node in one displacement component of one face. The order of dof is:
- * displacements of the middle, half differences of the faces over the thickness, seventh dof.
+ * Weights of the dof of a node in one displacement component of one face. The order of dof is: mean
+ * of both faces' displacements, their difference divided by the thickness, seventh dof.
  *   weight [7] out
  */
 void design_output_weights(const mesh *mesh, int node, scene_component component, scene_face face,

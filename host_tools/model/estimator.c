@@ -202,7 +202,8 @@ static double eigenvalue(const estimation *estimation, size_t i)
 }
 
 /*
- * Multiply the vector `side` [sensors] by the inverse of (1 + scaled covariance of the readings).
+ * Solve (1 + scaled covariance of the readings) x = side by the eigenvectors of the covariance, and
+ * store x in `side` [sensors].
  */
 static void apply_filter(estimation *estimation)
 {
@@ -274,8 +275,9 @@ static void remove_observed_part(estimation *estimation, double *left)
 }
 
 /*
- * Project a weighted shape onto the disturbances: store the transposed weighted shapes of the
- * disturbances times `direction` [targets] in target_part. Returns the norm of the result.
+ * Multiply the transposed matrix of the disturbances' weighted shapes [targets][disturbances] with
+ * a vector `direction` [targets], and store the product in target_part [disturbances]. Returns the
+ * norm of the product.
  */
 static double project_to_disturbances(estimation *estimation, const double *direction)
 {

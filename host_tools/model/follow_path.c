@@ -24,9 +24,9 @@ typedef struct walk {
     const double *full; /* [inputs] input values of the scene at full load */
     size_t n;
     double *memory;
-    double *metric;      /* [free_dof] weight of each dof in the norm of a displacement: 1 for
-                            displacements of the middle surface, thickness^2 for the other dof */
-    double *start;       /* [free_dof] displacement at the last converged point of the load path */
+    double *metric; /* [free_dof] weight of each dof in the norm of a displacement: 1 for the means
+                       of both faces' displacements, thickness^2 for the other dof */
+    double *start;  /* [free_dof] displacement at the last converged point of the load path */
     double *direction;   /* [free_dof] increment of the displacement in the last converged step */
     double *increment;   /* [free_dof] displacement since the last converged point */
     double *by_residual; /* [free_dof] inverse tangent stiffness times (load minus internal force)
@@ -130,9 +130,10 @@ static bool solve_both(walk *walk)
 /* ---- one step --------------------------------------------------------- */
 
 /*
- * Change of the load factor that keeps the length of the increment at `arc`: the solution of
- * |increment + by_residual + change by_load|^2 = arc^2 that changes the direction of the increment
- * least. Returns NAN where there is no solution.
+ * Change of the load factor that keeps the length of the increment of the displacement at `arc`.
+ * The vectors by_residual and by_load are the changes of displacement by the residual forces and
+ * per unit of the load factor; of the two solutions of |increment + by_residual + change by_load|^2
+ * = arc^2, the one that turns the increment less is returned, or NAN where there is none.
  */
 static double constrained_change(const walk *walk, double arc)
 {
@@ -233,9 +234,9 @@ typedef struct signature {
 } signature;
 
 /*
- * Signature of the present point: sign of the change of the load factor and number of negative
- * pivots.
- *   along [free_dof] in  an increment in the direction of the path
+ * Signature of the present point of the load path, by which critical points are recognised: sign of
+ * the change of the load factor and number of negative pivots.
+ *   along [free_dof] in  an increment of the displacement in the direction of the path
  */
 static signature signature_at(const walk *walk, const double *along)
 {
@@ -250,8 +251,10 @@ static bool differs(signature first, signature second, load_path_event_type type
 }
 
 /*
- * Load factor at which the signature changes between the last converged point and a point at the
- * distance `arc`, by bisection of the distance. The present point is overwritten.
+ * Load factor of the critical point between the last converged point and a point at the distance
+ * `arc`, by bisection of the distance. The critical point is where the signature changes: the sign
+ * of the change of the load factor and the number of negative pivots. The present point is
+ * overwritten.
  */
 static double locate(walk *walk, double arc, signature before, load_path_event_type type)
 {

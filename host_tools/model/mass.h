@@ -26,9 +26,10 @@ typedef struct mass {
 } mass;
 
 /*
- * Build the element mass matrices (1 - lumped) consistent matrix + lumped times lumped matrix, with
- * the metric of curved plies and the scene's additional mass per area. Returns 0, or -1 with error
- * filled where a material has no density or memory runs out.
+ * Build the element mass matrices as a weighted mean of the consistent and the lumped matrix, with
+ * the metric of curved plies and the scene's additional mass per area.
+ *   lumped in  weight of the lumped matrix, from 0 to 1
+ * Returns 0, or -1 with error filled where a material has no density or memory runs out.
  */
 int mass_build(mass *mass, const mesh *mesh, double lumped, char *error);
 void mass_free(mass *mass);

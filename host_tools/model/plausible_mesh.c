@@ -11,8 +11,8 @@
 /* ---- general meshes ----------------------------------------------------- */
 
 /*
- * Whether a rule with a single number per irregular mesh is asked for its first number. Meshes
- * along lines of curvature have no such number.
+ * Whether a rule that measures a single number of an irregular mesh is asked for its first number.
+ * Meshes along lines of curvature have no such number.
  */
 static int is_first(const subject *of, int k, measured *found)
 {
@@ -127,7 +127,7 @@ int measure_faces(const subject *of, int k, measured *found)
 
 /* ---- springs ------------------------------------------------------------ */
 
-/* Name and place in the file of an item of springs or stacks. */
+/* Position in the scene file of a spring entry or stack actuator. */
 static scene_at at_of_item(const scene *scene, int item)
 {
     return item < scene->springs ? scene->spring[item].at

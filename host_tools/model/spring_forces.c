@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Forces of springs and stacks (spring_forces.h). */
+/* Forces of springs and stack actuators (spring_forces.h). */
 #include "spring_forces.h"
 #include <stdio.h>
 #include "../mesh/springs.h"

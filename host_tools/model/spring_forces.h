@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Forces of springs and stacks on the structure. */
+/* Forces of springs and stack actuators on the structure. */
 #ifndef SPRING_FORCES_H
 #define SPRING_FORCES_H
 
@@ -14,7 +14,10 @@
  */
 double spring_force(const design *design, int row, const double *u, const double *value);
 
-/* Name of an item of springs or stacks (springs.h): its own, or a number from 1. */
+/*
+ * Name of a spring entry or stack actuator of the scene (springs.h): the name that the scene gives,
+ * or a number counted from 1.
+ */
 void spring_item_name(const scene *scene, int item, char name[SCENE_LABEL]);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Record of a simulation over time (simulate_record.h). */
+/* Record of a simulation over time, in bins of equal length (simulate_record.h). */
 #include "simulate_record.h"
 #include <math.h>
 #include <stdlib.h>

@@ -8,27 +8,29 @@
 
 #include "simulation.h"
 
-/* Largest number of bins; shorter simulations have a bin for each tick. */
+/* Largest number of time bins; a shorter simulation has one bin for each tick. */
 enum { RECORD_BINS = 800 };
 
 typedef struct simulate_record {
     int bins, ticks, amplifiers;
-    double error[LAWS][RECORD_BINS]; /* largest shape error within the bin, for each control law */
-    double missed[RECORD_BINS]; /* largest error of the controller's shape estimate within the bin;
-                                   0 without an estimator */
-    double vibration[RECORD_BINS]; /* largest distance of the controller's shape from the static
-                                      equilibrium within the bin; 0 for a quasi-static plant */
-    double *volt; /* [RECORD_BINS][amplifiers] the controller's voltages at the last tick of each
-                     bin */
-    double *lower, *upper; /* [amplifiers] the controller's voltage limits, to mark the bins in
-                              which a limit is active */
+    double error[LAWS][RECORD_BINS]; /* largest relative shape error within each bin of time, for
+                                        each control law */
+    double missed[RECORD_BINS]; /* largest relative error of the shape that the controller measures
+                                   or estimates, within each bin of time; 0 without an estimator */
+    double vibration[RECORD_BINS]; /* largest relative distance of the controller's shape from the
+                                      static equilibrium within each bin of time; 0 for a
+                                      quasi-static plant */
+    double *volt; /* [RECORD_BINS][amplifiers] voltages of the controller at the last tick of each
+                     bin of time (V) */
+    double *lower, *upper; /* [amplifiers] voltage limits of the controller, to mark the bins of
+                              time in which a limit is active (V) */
 } simulate_record;
 
-/* Prepare an empty record. Returns 0, or -1: out of memory. */
+/* Prepare an empty record for a simulation. Returns 0, or -1 where memory runs out. */
 int record_open(simulate_record *record, const simulation *simulation);
 void record_close(simulate_record *record);
 
-/* Add the results of one tick. */
+/* Add the results of one tick of a simulation to the record. */
 void record_tick(simulate_record *record, const simulate_sample *sample);
 
 #endif
