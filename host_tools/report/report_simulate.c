@@ -166,7 +166,7 @@ static void draw_errors(const simulate_page *self)
         int bins;
     } curve[] = {{"rest bold", record->error[LAW_CLAMP], record->bins},
                  {"wire bold", record->error[LAW_CONTROLLER], record->bins},
-                 {"wire", record->missed, simulation->estimates ? record->bins : 0},
+                 {"wire", record->measurement_error, simulation->estimates ? record->bins : 0},
                  {"rest", record->vibration, simulation->plant.has_inertia ? record->bins : 0}};
     draw_axis axis = {HUGE_VAL, 0, BOTTOM, TOP, true, "%p", {1, ""}};
     for (int k = 0; k < 4; k++)
@@ -209,7 +209,7 @@ static void write_errors(const simulate_page *self)
 /* Whether a limit of an amplifier is active in a bin. */
 static bool is_active(const simulate_record *record, int amplifier, int bin)
 {
-    const double voltage = record->volt[bin * record->amplifiers + amplifier];
+    const double voltage = record->voltage[bin * record->amplifiers + amplifier];
     return voltage <= record->lower[amplifier] || voltage >= record->upper[amplifier];
 }
 
@@ -221,7 +221,7 @@ static void draw_row(const simulate_page *self, int amplifier, const draw_scale 
                      double height)
 {
     const simulate_record *record = self->record;
-    const double *voltage = record->volt + amplifier;
+    const double *voltage = record->voltage + amplifier;
     const double width = (double)(RIGHT - LEFT) / record->bins;
     for (int i = 0, end; i < record->bins; i = end) {
         const int level = draw_level(scale, voltage[i * record->amplifiers]);
@@ -245,7 +245,7 @@ static void write_voltages(const simulate_page *self)
     const double height = fmax(4, fmin(14, 420.0 / rows)), bottom = TOP + height * rows;
     draw_scale scale = {true, 0, self->page.scene->unit_voltage};
     for (int i = 0; i < self->record->bins * rows; i++)
-        draw_extend(&scale, self->record->volt[i]);
+        draw_extend(&scale, self->record->voltage[i]);
     fputs("<figure>\n", file);
     draw_begin(file, DRAW_CHART, RIGHT + 10, bottom + FOOT, "Voltages of the amplifiers over time",
                "A row for each amplifier, with a line where a limit is active");

@@ -364,7 +364,7 @@ static void log_close(course_log *record)
     free(record->initial_voltage);
 }
 
-static void record_tick(course_log *record, const loop *loop, simulate_course *course)
+static void log_tick(course_log *record, const loop *loop, simulate_course *course)
 {
     const size_t targets = (size_t)loop->design->targets;
     if (record->ticks < WINDOW)
@@ -523,7 +523,7 @@ static int run_ticks(simulation *simulation, loop *loop, course_log *record, sim
     for (int tick = 0; tick < ticks; tick++) {
         if (loop_tick(loop, tick, error) < 0)
             return -1;
-        record_tick(record, loop, &phase->course[law]);
+        log_tick(record, loop, &phase->course[law]);
         report_tick(loop, law, tick, callback, context);
         count_tick(loop, &simulation->count[law]);
         if (has_diverged(loop, law)) {

@@ -14,13 +14,13 @@ int record_open(simulate_record *record, const simulation *simulation)
     record->amplifiers = design->amplifiers;
     record->lower = design->lower;
     record->upper = design->upper;
-    record->volt = calloc((size_t)(RECORD_BINS * design->amplifiers), sizeof *record->volt);
-    return record->volt ? 0 : -1;
+    record->voltage = calloc((size_t)(RECORD_BINS * design->amplifiers), sizeof *record->voltage);
+    return record->voltage ? 0 : -1;
 }
 
 void record_close(simulate_record *record)
 {
-    free(record->volt);
+    free(record->voltage);
     memset(record, 0, sizeof *record);
 }
 
@@ -30,8 +30,9 @@ void record_tick(simulate_record *record, const simulate_sample *sample)
     record->error[sample->law][bin] = fmax(record->error[sample->law][bin], sample->error);
     if (sample->law != LAW_CONTROLLER)
         return;
-    record->missed[bin] = fmax(record->missed[bin], sample->measurement_error);
+    record->measurement_error[bin] =
+        fmax(record->measurement_error[bin], sample->measurement_error);
     record->vibration[bin] = fmax(record->vibration[bin], sample->vibration);
-    memcpy(record->volt + (size_t)(bin * record->amplifiers), sample->voltage,
-           (size_t)record->amplifiers * sizeof *record->volt);
+    memcpy(record->voltage + (size_t)(bin * record->amplifiers), sample->voltage,
+           (size_t)record->amplifiers * sizeof *record->voltage);
 }
