@@ -23,14 +23,14 @@ static bridge_rows rows_of(const pzs_rows *rows)
 static void fill_path(bridge *tables, const equilibrium *equilibrium)
 {
     const pzs_prescribed_resultants *resultants = &equilibrium->tables.given;
-    tables->full = equilibrium->full_input;
+    tables->full_input = equilibrium->full_input;
     tables->given_values = resultants->values;
     tables->given_start = resultants->start;
     tables->given_element = resultants->element;
     tables->given_which = resultants->which;
     tables->given_value = (const double *)resultants->value;
-    tables->change = equilibrium->solver.settings.tolerance;
-    tables->systems = equilibrium->solver.info.linear_solves;
+    tables->tolerance = equilibrium->solver.settings.tolerance;
+    tables->linear_solves = equilibrium->solver.info.linear_solves;
 }
 
 static int fill(bridge *tables, inside *in, char *error)
@@ -39,29 +39,29 @@ static int fill(bridge *tables, inside *in, char *error)
     const mesh *mesh = &design->mesh;
     tables->nodes = mesh->nodes;
     tables->elements = mesh->elements;
-    tables->kinds = mesh->types;
-    tables->unknowns = (int)mesh->dof_per_node;
+    tables->types = mesh->types;
+    tables->dof_per_node = (int)mesh->dof_per_node;
     tables->dof = mesh->free_dof;
     tables->element = mesh->element[0];
-    tables->element_kind = mesh->element_type;
+    tables->element_type = mesh->element_type;
     tables->node_dof = mesh->node_dof;
-    tables->first = mesh->first_column;
+    tables->first_column = mesh->first_column;
     tables->stiffness = mesh->stiffness;
-    tables->kind = (const double *)mesh->type;
-    tables->kind_reals = sizeof *mesh->type / sizeof(double);
+    tables->type_values = (const double *)mesh->type;
+    tables->type_reals = sizeof *mesh->type / sizeof(double);
     tables->input = rows_of(&design->structure.input);
     tables->output = rows_of(&design->structure.output);
     tables->spring = rows_of(&design->structure.spring);
     tables->spring_stiffness = mesh->springs.stiffness;
     tables->electrodes = design->electrodes.count;
     tables->electrode_input = design->electrodes.input;
-    tables->pzs_electrode_open = design->electrodes.open;
+    tables->electrode_open = design->electrodes.open;
     tables->direct = rows_of(&design->electrodes.direct);
-    tables->amount = in->analysis.input_value;
+    tables->input_value = in->analysis.input_value;
     tables->amplifiers = design->amplifiers;
     tables->targets = design->targets;
-    tables->u = calloc((size_t)mesh->free_dof, sizeof *tables->u);
-    if (!tables->u || analysis_solve(&in->analysis, tables->u, error) < 0)
+    tables->displacement = calloc((size_t)mesh->free_dof, sizeof *tables->displacement);
+    if (!tables->displacement || analysis_solve(&in->analysis, tables->displacement, error) < 0)
         return -1;
     fill_path(tables, &in->analysis.equilibrium);
     tables->condition = in->analysis.model.info.condition;
@@ -100,7 +100,7 @@ void bridge_close(bridge *tables)
         scene_free(&in->scene);
     }
     free(in);
-    free(tables->u);
+    free(tables->displacement);
     memset(tables, 0, sizeof *tables);
 }
 

@@ -19,33 +19,34 @@ typedef struct bridge_rows {
 } bridge_rows;
 
 typedef struct bridge {
-    int nodes, elements, kinds, unknowns, dof;
+    int nodes, elements, types, dof_per_node, dof;
     int amplifiers, targets; /* number of first inputs that are amplifiers, and of first outputs
                                 that have a target */
-    const uint16_t *element, *element_kind, *node_dof, *first;
-    const double *stiffness, *kind; /* kind: the reals of each pzs_element_type, one type after the
-                                       other */
-    size_t kind_reals;              /* number of reals of one element type */
+    const uint16_t *element, *element_type, *node_dof, *first_column;
+    const double *stiffness, *type_values; /* type_values: the reals of each pzs_element_type, one
+                                       type after the other */
+    size_t type_reals;                     /* number of reals of one element type */
     bridge_rows input, output, spring;
     const double *spring_stiffness; /* [springs] spring stiffness (N/m) */
     const double *influence; /* [outputs][inputs] influence matrix from refined solutions (m/V);
                                 NULL without a target */
     const double *target;    /* [targets] target shape (m) */
-    double *u; /* [dof] displacement under the loads of the scene, refined in double (m and 1) */
-    const double *full; /* [inputs] loads and voltages of the scene; this member and the following
-                           ones up to given_value are NULL or 0 in a linear scene */
+    double *displacement; /* [dof] displacement under the loads of the scene, refined in double (m
+                             and 1) */
+    const double *full_input; /* [inputs] loads and voltages of the scene; this member and the
+                           following ones up to given_value are NULL or 0 in a linear scene */
     int given_values;
     const uint32_t *given_start; /* arrays of pzs_prescribed_resultants */
     const uint16_t *given_element, *given_which;
     const double *given_value; /* [given_values][10] prescribed resultants (N m) */
     int electrodes; /* number of electrodes in pzs_electrodes; 0 where the scene has no sensors */
     const uint16_t *electrode_input;
-    const uint8_t *pzs_electrode_open;
+    const uint8_t *electrode_open;
     bridge_rows direct;
-    const double *amount; /* [inputs] input values that belong to the displacement u, with the
+    const double *input_value; /* [inputs] input values that belong to the displacement, with the
                              voltages of open electrodes */
-    double change;        /* tolerance of the equilibrium solver */
-    unsigned systems;     /* number of linear solves that the equilibrium solver has made */
+    double tolerance;          /* tolerance of the equilibrium solver */
+    unsigned linear_solves;    /* number of linear solves that the equilibrium solver has made */
     double condition, error;
     void *inside;
 } bridge;

@@ -24,12 +24,13 @@ typedef long double wide;
 
 typedef struct bench {
     uint64_t seed;
-    pzs_problem p;
-    pzs_control c;
-    pzs_real b[MOST_OUTPUTS * MOST_INPUTS], weight[MOST_OUTPUTS], error[MOST_OUTPUTS];
-    pzs_real lower[MOST_INPUTS], upper[MOST_INPUTS], slew[MOST_INPUTS], prefer[MOST_INPUTS];
+    pzs_problem problem;
+    pzs_control control;
+    pzs_real influence[MOST_OUTPUTS * MOST_INPUTS], weight[MOST_OUTPUTS], error[MOST_OUTPUTS];
+    pzs_real lower[MOST_INPUTS], upper[MOST_INPUTS], step_limit[MOST_INPUTS],
+        reference_voltage[MOST_INPUTS];
     /* voltages before the last step, and limits of the last step (V) */
-    pzs_real last[MOST_INPUTS], lo[MOST_INPUTS], hi[MOST_INPUTS];
+    pzs_real last[MOST_INPUTS], lower_bound[MOST_INPUTS], upper_bound[MOST_INPUTS];
     double work[(PZS_CONTROL_BYTES(MOST_INPUTS, MOST_OUTPUTS) + 7) / 8];
 } bench;
 
@@ -58,15 +59,16 @@ static unsigned below(bench *trial, unsigned count)
 
 static pzs_status start(bench *trial)
 {
-    const pzs_real *influence = trial->p.influence;
-    trial->p.format = PZS_TABLE_FORMAT;
-    trial->p.weight = trial->weight;
-    trial->p.lower = trial->lower;
-    trial->p.upper = trial->upper;
-    trial->p.step_limit = trial->slew;
-    trial->p.reference_voltage = trial->prefer;
-    trial->p.crc = pzs_problem_crc(&trial->p);
-    return pzs_control_init(&trial->c, &trial->p, influence != NULL ? NULL : trial->b, trial->work,
+    const pzs_real *influence = trial->problem.influence;
+    trial->problem.format = PZS_TABLE_FORMAT;
+    trial->problem.weight = trial->weight;
+    trial->problem.lower = trial->lower;
+    trial->problem.upper = trial->upper;
+    trial->problem.step_limit = trial->step_limit;
+    trial->problem.reference_voltage = trial->reference_voltage;
+    trial->problem.crc = pzs_problem_crc(&trial->problem);
+    return pzs_control_init(&trial->control, &trial->problem,
+                            influence != NULL ? NULL : trial->influence, trial->work,
                             sizeof trial->work);
 }
 
@@ -78,11 +80,11 @@ static void plain(bench *trial, uint64_t seed, unsigned inputs, unsigned outputs
 {
     memset(trial, 0, sizeof *trial);
     trial->seed = seed;
-    trial->p.inputs = (uint16_t)inputs;
-    trial->p.outputs = (uint16_t)outputs;
-    trial->p.influence = trial->b;
+    trial->problem.inputs = (uint16_t)inputs;
+    trial->problem.outputs = (uint16_t)outputs;
+    trial->problem.influence = trial->influence;
     for (unsigned i = 0; i < outputs * inputs; i++)
-        trial->b[i] = (pzs_real)uniform(trial, -1, 1);
+        trial->influence[i] = (pzs_real)uniform(trial, -1, 1);
     for (unsigned i = 0; i < outputs; i++) {
         trial->weight[i] = 1;
         trial->error[i] = (pzs_real)uniform(trial, -1, 1);
@@ -90,14 +92,14 @@ static void plain(bench *trial, uint64_t seed, unsigned inputs, unsigned outputs
     for (unsigned i = 0; i < inputs; i++) {
         trial->upper[i] = (pzs_real)limit;
         trial->lower[i] = (pzs_real)-limit;
-        trial->slew[i] = (pzs_real)HUGE_VAL;
+        trial->step_limit[i] = (pzs_real)HUGE_VAL;
     }
 }
 
 static wide energy(const bench *trial)
 {
     wide sum = 0;
-    for (unsigned i = 0; i < trial->p.outputs; i++)
+    for (unsigned i = 0; i < trial->problem.outputs; i++)
         sum += (wide)trial->weight[i] * trial->weight[i] * trial->error[i] * trial->error[i];
     return sum;
 }
@@ -108,21 +110,21 @@ static wide energy(const bench *trial)
  */
 static wide objective(const bench *trial, const wide *voltage, wide *gradient)
 {
-    const unsigned inputs = trial->p.inputs;
+    const unsigned inputs = trial->problem.inputs;
     wide sum = 0;
     for (unsigned j = 0; j < inputs; j++) {
-        const wide away = voltage[j] - (wide)trial->prefer[j];
-        gradient[j] = (wide)trial->p.regularisation * away;
+        const wide away = voltage[j] - (wide)trial->reference_voltage[j];
+        gradient[j] = (wide)trial->problem.regularisation * away;
         sum += gradient[j] * away;
     }
-    for (unsigned i = 0; i < trial->p.outputs; i++) {
+    for (unsigned i = 0; i < trial->problem.outputs; i++) {
         const wide weight = (wide)trial->weight[i] * trial->weight[i];
         wide miss = -(wide)trial->error[i];
         for (unsigned j = 0; j < inputs; j++)
-            miss += (wide)trial->b[i * inputs + j] * voltage[j];
+            miss += (wide)trial->influence[i * inputs + j] * voltage[j];
         sum += weight * miss * miss;
         for (unsigned j = 0; j < inputs; j++)
-            gradient[j] += weight * miss * (wide)trial->b[i * inputs + j];
+            gradient[j] += weight * miss * (wide)trial->influence[i * inputs + j];
     }
     return sum;
 }
@@ -130,7 +132,7 @@ static wide objective(const bench *trial, const wide *voltage, wide *gradient)
 static wide objective_at(const bench *trial, const pzs_real *voltage)
 {
     wide v[MOST_INPUTS] = {0}, gradient[MOST_INPUTS];
-    for (unsigned i = 0; i < trial->p.inputs; i++)
+    for (unsigned i = 0; i < trial->problem.inputs; i++)
         v[i] = voltage[i];
     return objective(trial, v, gradient);
 }
@@ -139,10 +141,11 @@ static wide objective_at(const bench *trial, const pzs_real *voltage)
 static wide shape_error_of(const bench *trial)
 {
     wide voltage[MOST_INPUTS] = {0}, gradient[MOST_INPUTS], effort = 0;
-    for (unsigned i = 0; i < trial->p.inputs; i++) {
-        voltage[i] = trial->c.info.voltage[i];
-        effort += (wide)trial->p.regularisation * (voltage[i] - (wide)trial->prefer[i]) *
-                  (voltage[i] - (wide)trial->prefer[i]);
+    for (unsigned i = 0; i < trial->problem.inputs; i++) {
+        voltage[i] = trial->control.info.voltage[i];
+        effort += (wide)trial->problem.regularisation *
+                  (voltage[i] - (wide)trial->reference_voltage[i]) *
+                  (voltage[i] - (wide)trial->reference_voltage[i]);
     }
     return sqrtl((objective(trial, voltage, gradient) - effort) / energy(trial));
 }
@@ -152,30 +155,34 @@ static wide shape_error_of(const bench *trial)
 /* Compute the limits of the coming step from their definition. */
 static void note_limits(bench *trial)
 {
-    for (unsigned i = 0; i < trial->p.inputs; i++) {
-        const pzs_real last = trial->last[i] = trial->c.info.voltage[i];
-        const pzs_real lo = last - trial->slew[i], hi = last + trial->slew[i];
-        trial->lo[i] = lo > trial->c.info.lower[i] ? lo : trial->c.info.lower[i];
-        trial->hi[i] = hi < trial->c.info.upper[i] ? hi : trial->c.info.upper[i];
-        if (trial->lo[i] > trial->hi[i])
-            trial->lo[i] = trial->hi[i] =
-                last < trial->c.info.lower[i] ? trial->c.info.lower[i] : trial->c.info.upper[i];
+    for (unsigned i = 0; i < trial->problem.inputs; i++) {
+        const pzs_real last = trial->last[i] = trial->control.info.voltage[i];
+        const pzs_real lo = last - trial->step_limit[i], hi = last + trial->step_limit[i];
+        trial->lower_bound[i] =
+            lo > trial->control.info.lower[i] ? lo : trial->control.info.lower[i];
+        trial->upper_bound[i] =
+            hi < trial->control.info.upper[i] ? hi : trial->control.info.upper[i];
+        if (trial->lower_bound[i] > trial->upper_bound[i])
+            trial->lower_bound[i] = trial->upper_bound[i] = last < trial->control.info.lower[i]
+                                                                ? trial->control.info.lower[i]
+                                                                : trial->control.info.upper[i];
     }
 }
 
 static void assert_feasible(const bench *trial)
 {
-    for (unsigned i = 0; i < trial->p.inputs; i++) {
-        const pzs_real voltage = trial->c.info.voltage[i], change = voltage < trial->last[i]
-                                                                        ? trial->last[i] - voltage
-                                                                        : voltage - trial->last[i];
-        assert_true(voltage >= trial->c.info.lower[i] && voltage <= trial->c.info.upper[i]);
+    for (unsigned i = 0; i < trial->problem.inputs; i++) {
+        const pzs_real voltage = trial->control.info.voltage[i],
+                       change = voltage < trial->last[i] ? trial->last[i] - voltage
+                                                         : voltage - trial->last[i];
+        assert_true(voltage >= trial->control.info.lower[i] &&
+                    voltage <= trial->control.info.upper[i]);
         assert_true(isfinite(voltage));
-        if (change > trial->slew[i]) /* allowed only where step limit and voltage limits do not
-                                      * overlap
-                                      */
-            assert_true(trial->lo[i] >= trial->hi[i] && voltage >= trial->lo[i] &&
-                        voltage <= trial->hi[i]);
+        if (change > trial->step_limit[i]) /* allowed only where step limit and voltage limits do
+                                            * not overlap
+                                            */
+            assert_true(trial->lower_bound[i] >= trial->upper_bound[i] &&
+                        voltage >= trial->lower_bound[i] && voltage <= trial->upper_bound[i]);
     }
 }
 
@@ -193,11 +200,11 @@ static wide clip(wide number, wide lo, wide hi)
 static wide gap_of(const bench *trial, const wide *voltage, const wide *gradient)
 {
     wide gap = 0, most = 1;
-    for (unsigned i = 0; i < trial->p.inputs; i++)
+    for (unsigned i = 0; i < trial->problem.inputs; i++)
         most = fabsl(voltage[i]) > most ? fabsl(voltage[i]) : most;
-    for (unsigned i = 0; i < trial->p.inputs; i++) {
-        const wide room =
-            gradient[i] > 0 ? voltage[i] - (wide)trial->lo[i] : (wide)trial->hi[i] - voltage[i];
+    for (unsigned i = 0; i < trial->problem.inputs; i++) {
+        const wide room = gradient[i] > 0 ? voltage[i] - (wide)trial->lower_bound[i]
+                                          : (wide)trial->upper_bound[i] - voltage[i];
         gap +=
             room > 0 && gradient[i] != 0
                 ? 2 * fabsl(gradient[i]) * (room < 10 * most || isfinite(room) ? room : 10 * most)
@@ -213,15 +220,15 @@ static wide gap_of(const bench *trial, const wide *voltage, const wide *gradient
 static void newton(const bench *trial, const unsigned char *free, const wide *gradient, wide *way)
 {
     static wide matrix[MOST_INPUTS][MOST_INPUTS], rest[MOST_INPUTS];
-    const unsigned inputs = trial->p.inputs;
+    const unsigned inputs = trial->problem.inputs;
     unsigned char used[MOST_INPUTS] = {0};
     for (unsigned j = 0; j < inputs; j++) {
         rest[j] = -gradient[j];
         for (unsigned k = 0; k <= j; k++) {
-            matrix[j][k] = j == k ? (wide)trial->p.regularisation : 0;
-            for (unsigned i = 0; free[j] && free[k] && i < trial->p.outputs; i++)
+            matrix[j][k] = j == k ? (wide)trial->problem.regularisation : 0;
+            for (unsigned i = 0; free[j] && free[k] && i < trial->problem.outputs; i++)
                 matrix[j][k] += (wide)trial->weight[i] * trial->weight[i] *
-                                trial->b[i * inputs + j] * trial->b[i * inputs + k];
+                                trial->influence[i * inputs + j] * trial->influence[i * inputs + k];
         }
     }
     for (unsigned k = 0; k < inputs; k++) {
@@ -249,10 +256,10 @@ static void newton(const bench *trial, const unsigned char *free, const wide *gr
 static wide free_part(const bench *trial, const wide *voltage, const wide *way, unsigned *first)
 {
     wide part = 1;
-    *first = trial->p.inputs;
-    for (unsigned i = 0; i < trial->p.inputs; i++) {
-        const wide room =
-            way[i] < 0 ? voltage[i] - (wide)trial->lo[i] : (wide)trial->hi[i] - voltage[i];
+    *first = trial->problem.inputs;
+    for (unsigned i = 0; i < trial->problem.inputs; i++) {
+        const wide room = way[i] < 0 ? voltage[i] - (wide)trial->lower_bound[i]
+                                     : (wide)trial->upper_bound[i] - voltage[i];
         if (room < part * fabsl(way[i])) {
             part = room > 0 ? room / fabsl(way[i]) : 0;
             *first = i;
@@ -269,11 +276,11 @@ static void polish(const bench *trial, wide *voltage, const wide *gradient)
 {
     unsigned char free[MOST_INPUTS];
     wide way[MOST_INPUTS], part = 0;
-    const unsigned inputs = trial->p.inputs;
+    const unsigned inputs = trial->problem.inputs;
     for (unsigned i = 0; i < inputs; i++)
-        free[i] =
-            trial->lo[i] < trial->hi[i] &&
-            (gradient[i] > 0 ? voltage[i] > (wide)trial->lo[i] : voltage[i] < (wide)trial->hi[i]);
+        free[i] = trial->lower_bound[i] < trial->upper_bound[i] &&
+                  (gradient[i] > 0 ? voltage[i] > (wide)trial->lower_bound[i]
+                                   : voltage[i] < (wide)trial->upper_bound[i]);
     for (unsigned tries = 0, first = 0; tries <= inputs && part <= 0 && first < inputs; tries++) {
         newton(trial, free, gradient, way);
         part = free_part(trial, voltage, way, &first);
@@ -281,7 +288,7 @@ static void polish(const bench *trial, wide *voltage, const wide *gradient)
             free[first] = 0;
     }
     for (unsigned i = 0; i < inputs; i++)
-        voltage[i] = clip(voltage[i] + part * way[i], trial->lo[i], trial->hi[i]);
+        voltage[i] = clip(voltage[i] + part * way[i], trial->lower_bound[i], trial->upper_bound[i]);
 }
 
 /*
@@ -292,14 +299,15 @@ static void polish(const bench *trial, wide *voltage, const wide *gradient)
 static wide allowance(const bench *trial)
 {
     wide rounding = 0;
-    const wide scale = fmaxl(energy(trial), objective_at(trial, trial->c.info.voltage));
-    for (unsigned j = 0; j < trial->p.inputs; j++) {
+    const wide scale = fmaxl(energy(trial), objective_at(trial, trial->control.info.voltage));
+    for (unsigned j = 0; j < trial->problem.inputs; j++) {
         wide square = 0;
-        for (unsigned i = 0; i < trial->p.outputs; i++)
+        for (unsigned i = 0; i < trial->problem.outputs; i++)
             square += (wide)trial->weight[i] * trial->weight[i] *
-                      trial->b[i * trial->p.inputs + j] * trial->b[i * trial->p.inputs + j];
+                      trial->influence[i * trial->problem.inputs + j] *
+                      trial->influence[i * trial->problem.inputs + j];
         rounding +=
-            (wide)PZS_EPSILON * sqrtl(square * scale) * fabsl((wide)trial->c.info.voltage[j]);
+            (wide)PZS_EPSILON * sqrtl(square * scale) * fabsl((wide)trial->control.info.voltage[j]);
     }
     return TOLERANCE * scale + rounding;
 }
@@ -311,8 +319,8 @@ static wide allowance(const bench *trial)
 static wide excess(const bench *trial)
 {
     wide voltage[MOST_INPUTS] = {0}, gradient[MOST_INPUTS];
-    for (unsigned i = 0; i < trial->p.inputs; i++)
-        voltage[i] = trial->c.info.voltage[i];
+    for (unsigned i = 0; i < trial->problem.inputs; i++)
+        voltage[i] = trial->control.info.voltage[i];
     const wide scale = allowance(trial), mine = objective(trial, voltage, gradient);
     wide bound = gap_of(trial, voltage, gradient);
     for (unsigned pass = 0; pass < 2 * MOST_INPUTS && bound > scale / 2; pass++) {

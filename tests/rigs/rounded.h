@@ -45,21 +45,21 @@ enum {
 static inline void round_structure(const bridge *tables, pzs_structure *structure,
                                    pzs_real *owned[ROUNDED_ARRAYS])
 {
-    const size_t corners = 4 * (size_t)tables->unknowns;
-    assert_int_equal(tables->kind_reals * sizeof(pzs_real), sizeof(pzs_element_type));
+    const size_t corners = 4 * (size_t)tables->dof_per_node;
+    assert_int_equal(tables->type_reals * sizeof(pzs_real), sizeof(pzs_element_type));
     owned[ROUNDED_STIFFNESS] =
-        rounded(tables->stiffness, (size_t)tables->kinds * corners * (corners + 1) / 2);
-    owned[ROUNDED_KIND] = rounded(tables->kind, (size_t)tables->kinds * tables->kind_reals);
+        rounded(tables->stiffness, (size_t)tables->types * corners * (corners + 1) / 2);
+    owned[ROUNDED_KIND] = rounded(tables->type_values, (size_t)tables->types * tables->type_reals);
     structure->format = PZS_TABLE_FORMAT;
     structure->nodes = (uint16_t)tables->nodes;
     structure->elements = (uint16_t)tables->elements;
-    structure->types = (uint16_t)tables->kinds;
-    structure->dof_per_node = (uint16_t)tables->unknowns;
+    structure->types = (uint16_t)tables->types;
+    structure->dof_per_node = (uint16_t)tables->dof_per_node;
     structure->free_dof = (uint16_t)tables->dof;
     structure->element = (const uint16_t(*)[4])(const void *)tables->element;
-    structure->element_type = tables->element_kind;
+    structure->element_type = tables->element_type;
     structure->node_dof = tables->node_dof;
-    structure->first_column = tables->first;
+    structure->first_column = tables->first_column;
     structure->stiffness = owned[ROUNDED_STIFFNESS];
     structure->type = (const pzs_element_type *)(const void *)owned[ROUNDED_KIND];
     owned[ROUNDED_INPUT] = round_rows(&tables->input, &structure->input);

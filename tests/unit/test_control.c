@@ -31,46 +31,48 @@ static long dump_count;
 
 static void random_influence(bench *t)
 {
-    const unsigned n = t->p.inputs, m = t->p.outputs, rank = 1 + below(t, n), kind = below(t, 6);
+    const unsigned n = t->problem.inputs, m = t->problem.outputs, rank = 1 + below(t, n),
+                   kind = below(t, 6);
     for (unsigned i = 0; i < m; i++)
         for (unsigned j = 0; j < n; j++) {
             const double smooth = cos(3.1 * (double)((i + 1) * (j % rank + 1)) / m);
             const double x = kind == 0 ? smooth : uniform(t, -1, 1);
-            t->b[i * n + j] = (pzs_real)(kind == 1 ? x * pow(10, -2.0 * j / n) : x);
+            t->influence[i * n + j] = (pzs_real)(kind == 1 ? x * pow(10, -2.0 * j / n) : x);
         }
     for (unsigned i = 0; kind == 2 && i < m; i++) /* rank-deficient to the last bit: repeated
                                                      columns */
         for (unsigned j = rank; j < n; j++)
-            t->b[i * n + j] = (j % 3 ? -2 : 1) * t->b[i * n + j % rank];
+            t->influence[i * n + j] = (j % 3 ? -2 : 1) * t->influence[i * n + j % rank];
     for (unsigned i = 0; kind == 3 && i < m; i++) /* sums of columns: to rounding */
         for (unsigned j = rank; j < n; j++)
-            t->b[i * n + j] = t->b[i * n + j % rank] + t->b[i * n + (j + 1) % rank];
+            t->influence[i * n + j] =
+                t->influence[i * n + j % rank] + t->influence[i * n + (j + 1) % rank];
     for (unsigned i = 0; kind == 4 && i < m; i++) /* a zero column */
-        t->b[i * n + rank - 1] = 0;
+        t->influence[i * n + rank - 1] = 0;
 }
 
 static void random_limits(bench *t)
 {
     static const double reach[] = {.02, .1, .3, .6, 1, 3};
     const double limit = reach[below(t, 6)], dead = chance(t, .3) ? .3 : 0,
-                 endless = chance(t, .1) && t->p.regularisation > 0 ? .3 : 0;
+                 endless = chance(t, .1) && t->problem.regularisation > 0 ? .3 : 0;
     const double slew = chance(t, .4) ? limit * uniform(t, .05, .6) : HUGE_VAL;
     const int preferred = chance(t, .5);
-    for (unsigned j = 0; j < t->p.inputs; j++) {
+    for (unsigned j = 0; j < t->problem.inputs; j++) {
         t->lower[j] = (pzs_real)(chance(t, endless) ? -HUGE_VAL : -limit * uniform(t, .1, 1));
         t->upper[j] = (pzs_real)(chance(t, endless) ? HUGE_VAL : limit * uniform(t, .1, 1));
         if (chance(t, .05))
             t->lower[j] = 0;
         if (chance(t, dead))
             t->lower[j] = t->upper[j] = 0;
-        t->slew[j] = (pzs_real)slew;
-        t->prefer[j] = (pzs_real)(preferred ? uniform(t, -.5, .5) : 0);
+        t->step_limit[j] = (pzs_real)slew;
+        t->reference_voltage[j] = (pzs_real)(preferred ? uniform(t, -.5, .5) : 0);
     }
 }
 
 static void random_error(bench *t, double part)
 {
-    for (unsigned i = 0; i < t->p.outputs; i++)
+    for (unsigned i = 0; i < t->problem.outputs; i++)
         t->error[i] = (pzs_real)((1 - part) * (double)t->error[i] + part * uniform(t, -1, 1));
 }
 
@@ -79,16 +81,16 @@ static void random_problem(bench *t, uint64_t seed)
     memset(t, 0, sizeof *t);
     t->seed = seed;
     const unsigned n = chance(t, .1) ? 40 + below(t, 25) : 1 + below(t, 24);
-    t->p.inputs = (uint16_t)n;
-    t->p.outputs = (uint16_t)(1 + below(t, 2 * n + 4));
-    t->p.influence = t->b;
+    t->problem.inputs = (uint16_t)n;
+    t->problem.outputs = (uint16_t)(1 + below(t, 2 * n + 4));
+    t->problem.influence = t->influence;
     random_influence(t);
     const double effort = chance(t, .5) ? pow((double)PZS_EPSILON, uniform(t, .1, .5)) : 0;
-    t->p.regularisation = (pzs_real)(effort * t->p.outputs / 3);
+    t->problem.regularisation = (pzs_real)(effort * t->problem.outputs / 3);
     random_limits(t);
-    for (unsigned i = 0; i < t->p.outputs; i++)
+    for (unsigned i = 0; i < t->problem.outputs; i++)
         t->weight[i] = (pzs_real)(chance(t, .1) ? 0 : uniform(t, .2, 2));
-    t->weight[below(t, t->p.outputs)] = 1;
+    t->weight[below(t, t->problem.outputs)] = 1;
     random_error(t, 1);
 }
 
@@ -97,17 +99,18 @@ static void disturb(bench *t)
 {
     random_error(t, chance(t, .5) ? .05 : .7);
     if (chance(t, .2))
-        assert_int_equal(
-            pzs_hold(&t->c, (uint16_t)below(t, t->p.inputs), (pzs_real)uniform(t, -1, 1)), PZS_OK);
+        assert_int_equal(pzs_hold(&t->control, (uint16_t)below(t, t->problem.inputs),
+                                  (pzs_real)uniform(t, -1, 1)),
+                         PZS_OK);
     if (chance(t, .2))
-        assert_int_equal(pzs_release(&t->c, (uint16_t)below(t, t->p.inputs)), PZS_OK);
+        assert_int_equal(pzs_release(&t->control, (uint16_t)below(t, t->problem.inputs)), PZS_OK);
 }
 
 /* How good the volts of the last step are. */
 static pzs_report assess(bench *t)
 {
     pzs_report report = {0};
-    assert_int_equal(pzs_assess(&t->c, t->error, &report), PZS_OK);
+    assert_int_equal(pzs_assess(&t->control, t->error, &report), PZS_OK);
     return report;
 }
 
@@ -125,17 +128,18 @@ static void put_all(const pzs_real *x, unsigned n)
 /* n m effort tolerance B W e lo hi prefer volt, all as double. */
 static void write_problem(const bench *t)
 {
-    const unsigned n = t->p.inputs, m = t->p.outputs;
-    put(n), put(m), put((double)t->p.regularisation), put((double)(allowance(t) / energy(t)));
-    put_all(t->b, n * m), put_all(t->weight, m), put_all(t->error, m);
-    put_all(t->lo, n), put_all(t->hi, n), put_all(t->prefer, n), put_all(t->c.info.voltage, n);
+    const unsigned n = t->problem.inputs, m = t->problem.outputs;
+    put(n), put(m), put((double)t->problem.regularisation), put((double)(allowance(t) / energy(t)));
+    put_all(t->influence, n * m), put_all(t->weight, m), put_all(t->error, m);
+    put_all(t->lower_bound, n), put_all(t->upper_bound, n), put_all(t->reference_voltage, n),
+        put_all(t->control.info.voltage, n);
 }
 
 /* One checked step. Returns the certified excess. */
 static wide checked_step(bench *t)
 {
     note_limits(t);
-    const pzs_status status = pzs_step(&t->c, t->error);
+    const pzs_status status = pzs_step(&t->control, t->error);
     assert_true(status == PZS_OK || status == PZS_W_STEP_LIMIT);
     assert_feasible(t);
     return excess(t);
@@ -155,11 +159,11 @@ static void random_problems_are_solved(void **state)
             const wide here = checked_step(&desk);
             worst = here > worst ? here : worst;
             kkt = fmax(kkt, (double)assess(&desk).kkt_violation);
-            passes += desk.c.info.iterations;
+            passes += desk.control.info.iterations;
             if (left > 1)
                 disturb(&desk);
         }
-        most = desk.c.info.iterations_most > most ? desk.c.info.iterations_most : most;
+        most = desk.control.info.iterations_most > most ? desk.control.info.iterations_most : most;
         if (dump != NULL && (long)k < dump_count)
             write_problem(&desk);
     }
@@ -182,20 +186,20 @@ static void a_cut_after_any_pass_is_safe(void **state)
         memcpy(&other, &desk, sizeof other); /* the controller's pointers go on into desk */
         note_limits(&desk);
         wide v[MOST_INPUTS] = {0}, gradient[MOST_INPUTS], before = 0;
-        for (unsigned i = 0; i < desk.p.inputs; i++)
-            v[i] = clip(desk.last[i], desk.lo[i], desk.hi[i]);
+        for (unsigned i = 0; i < desk.problem.inputs; i++)
+            v[i] = clip(desk.last[i], desk.lower_bound[i], desk.upper_bound[i]);
         const wide first = objective(&desk, v, gradient), scale = energy(&desk) + first;
         pzs_status status = PZS_W_ITERATIONS;
         for (unsigned allowed = 0; status == PZS_W_ITERATIONS; allowed++, cuts++) {
             memcpy(&desk, &other, sizeof desk);
             note_limits(&desk);
-            const uint64_t limit =
-                PZS_WORK_LEAST(desk.p.inputs) + allowed * PZS_ITERATION_WORK(desk.p.inputs) / 2;
-            desk.c.settings.work_limit = limit;
-            status = pzs_step(&desk.c, desk.error);
+            const uint64_t limit = PZS_WORK_LEAST(desk.problem.inputs) +
+                                   allowed * PZS_ITERATION_WORK(desk.problem.inputs) / 2;
+            desk.control.settings.work_limit = limit;
+            status = pzs_step(&desk.control, desk.error);
             assert_feasible(&desk);
-            assert_true(desk.c.info.work <= limit);
-            before = objective_at(&desk, desk.c.info.voltage);
+            assert_true(desk.control.info.work <= limit);
+            before = objective_at(&desk, desk.control.info.voltage);
             assert_true(before <= first + 32 * MOST_INPUTS * (wide)PZS_EPSILON * scale);
             assert_true(allowed < 1000);
         }
@@ -211,22 +215,22 @@ static void endless_and_dependent(void **state)
     double farthest = 0;
     for (unsigned k = 0; k < 400; k++) {
         random_problem(&desk, 30000 + k);
-        desk.p.regularisation = 0;
-        for (unsigned i = 0; i < desk.p.inputs; i++) {
-            desk.upper[i] = desk.slew[i] = (pzs_real)HUGE_VAL;
+        desk.problem.regularisation = 0;
+        for (unsigned i = 0; i < desk.problem.inputs; i++) {
+            desk.upper[i] = desk.step_limit[i] = (pzs_real)HUGE_VAL;
             desk.lower[i] = (pzs_real)-HUGE_VAL;
         }
         assert_int_equal(start(&desk), PZS_OK);
         for (unsigned s = 0; s < 4; s++) {
             note_limits(&desk);
-            const wide before = objective_at(&desk, desk.c.info.voltage),
+            const wide before = objective_at(&desk, desk.control.info.voltage),
                        scale = energy(&desk) + before;
-            assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+            assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
             assert_feasible(&desk);
-            assert_true(objective_at(&desk, desk.c.info.voltage) <=
+            assert_true(objective_at(&desk, desk.control.info.voltage) <=
                         before + 64 * (wide)PZS_EPSILON * scale);
-            for (unsigned i = 0; i < desk.p.inputs; i++)
-                farthest = fmax(farthest, fabs((double)desk.c.info.voltage[i]));
+            for (unsigned i = 0; i < desk.problem.inputs; i++)
+                farthest = fmax(farthest, fabs((double)desk.control.info.voltage[i]));
             random_error(&desk, .5);
         }
     }
@@ -239,9 +243,9 @@ static void a_long_walk_does_not_drift(void **state)
     (void)state; /* law: rounding does not gather: 200,000 ticks of a wandering target stay allowed
                     and optimal */
     plain(&desk, 7, 12, 20, .6);
-    desk.p.regularisation = (pzs_real).1;
+    desk.problem.regularisation = (pzs_real).1;
     for (unsigned i = 0; i < 12; i++)
-        desk.slew[i] = (pzs_real).05;
+        desk.step_limit[i] = (pzs_real).05;
     assert_int_equal(start(&desk), PZS_OK);
     double kkt = 0;
     wide worst = 0;
@@ -251,7 +255,7 @@ static void a_long_walk_does_not_drift(void **state)
             desk.error[i] = (pzs_real)(.98 * (double)desk.error[i] + uniform(&desk, -.3, .3));
         note_limits(&desk);
         const pzs_status status =
-            t % 2 ? pzs_step(&desk.c, desk.error) : pzs_tick(&desk.c, desk.error, NULL);
+            t % 2 ? pzs_step(&desk.control, desk.error) : pzs_tick(&desk.control, desk.error, NULL);
         assert_int_equal(status, PZS_OK);
         assert_feasible(&desk);
         const pzs_report report = assess(&desk);
@@ -266,7 +270,7 @@ static void a_long_walk_does_not_drift(void **state)
     }
     print_message(
         "walk: excess %.2Lg of what is allowed, optimality %.1e, %.1f active, at most %u passes\n",
-        worst, kkt, active / 200000., desk.c.info.iterations_most);
+        worst, kkt, active / 200000., desk.control.info.iterations_most);
     assert_true(worst <= 1 && kkt <= KKT_TOLERANCE);
 }
 
@@ -284,15 +288,16 @@ static void measurement_removes_a_disturbance(void **state)
     for (unsigned t = 0; t < 3; t++) {
         note_limits(&desk);
         for (unsigned i = 0; i < 20; i++)
-            measured[i] = desk.c.info.predicted[i] + d[i];
-        assert_int_equal(pzs_tick(&desk.c, wanted, measured), PZS_OK);
+            measured[i] = desk.control.info.predicted[i] + d[i];
+        assert_int_equal(pzs_tick(&desk.control, wanted, measured), PZS_OK);
     }
     assert_true(excess(&desk) <= 100); /* measured - predicted is rounded */
     for (unsigned i = 0; i < 20; i++)
-        assert_true(fabs((double)(desk.c.info.disturbance[i] - d[i])) < 16 * (double)PZS_EPSILON);
-    assert_int_equal(pzs_tick(&desk.c, wanted, NULL), PZS_OK); /* without measurement the
+        assert_true(fabs((double)(desk.control.info.disturbance[i] - d[i])) <
+                    16 * (double)PZS_EPSILON);
+    assert_int_equal(pzs_tick(&desk.control, wanted, NULL), PZS_OK); /* without measurement the
                                                                   disturbance stays */
-    assert_true(fabs((double)(desk.c.info.disturbance[3] - d[3])) < 16 * (double)PZS_EPSILON);
+    assert_true(fabs((double)(desk.control.info.disturbance[3] - d[3])) < 16 * (double)PZS_EPSILON);
 }
 
 static void a_lost_sensor_keeps_its_disturbance(void **state)
@@ -306,24 +311,25 @@ static void a_lost_sensor_keeps_its_disturbance(void **state)
     for (unsigned t = 0; t < 40; t++) {
         for (unsigned i = 0; i < 10; i++) {
             wanted[i] = (pzs_real)sin(.3 * t + i);
-            measured[i] = desk.c.info.predicted[i] + (pzs_real).01;
+            measured[i] = desk.control.info.predicted[i] + (pzs_real).01;
         }
         if (t >= 5 && t < 10)
             measured[3] = (pzs_real)(t % 2 ? -HUGE_VAL : HUGE_VAL - HUGE_VAL);
         if (t >= 12 && t < 30)
             measured[6] = (pzs_real).25;
-        const pzs_real before = desk.c.info.disturbance[3];
-        const pzs_status status = pzs_tick(&desk.c, wanted, measured);
+        const pzs_real before = desk.control.info.disturbance[3];
+        const pzs_status status = pzs_tick(&desk.control, wanted, measured);
         if (t >= 5 && t < 10) {
             assert_int_equal(status, PZS_W_SENSOR);
-            assert_int_equal(desk.c.info.where, 3);
-            assert_true(desk.c.info.disturbance[3] >= before &&
-                        desk.c.info.disturbance[3] <= before);
+            assert_int_equal(desk.control.info.where, 3);
+            assert_true(desk.control.info.disturbance[3] >= before &&
+                        desk.control.info.disturbance[3] <= before);
         } else if (t >= 12 && t < 30) {
-            flagged += status == PZS_W_SENSOR && desk.c.info.where == 6;
+            flagged += status == PZS_W_SENSOR && desk.control.info.where == 6;
         } else {
             assert_int_equal(status, PZS_OK);
-            assert_true(fabs((double)desk.c.info.disturbance[6] - .01) < 64 * (double)PZS_EPSILON);
+            assert_true(fabs((double)desk.control.info.disturbance[6] - .01) <
+                        64 * (double)PZS_EPSILON);
         }
     }
     assert_true(flagged >= 8 && flagged <= 12); /* seen after eight repetitions, and until the end
@@ -341,9 +347,9 @@ static void a_sensor_at_rest_is_not_frozen(void **state)
         measured[i] = wanted[i];
     }
     for (unsigned t = 0; t < 50; t++) {
-        assert_int_equal(pzs_tick(&desk.c, wanted, NULL), PZS_OK);
-        memcpy(measured, desk.c.info.predicted, sizeof measured);
-        assert_int_equal(pzs_tick(&desk.c, wanted, measured), PZS_OK);
+        assert_int_equal(pzs_tick(&desk.control, wanted, NULL), PZS_OK);
+        memcpy(measured, desk.control.info.predicted, sizeof measured);
+        assert_int_equal(pzs_tick(&desk.control, wanted, measured), PZS_OK);
     }
 }
 
@@ -356,7 +362,7 @@ static void bad_numbers_hold_the_volts(void **state)
     for (unsigned k = 0; k < 4000; k++) {
         random_problem(&desk, 40000 + k % 50);
         assert_int_equal(start(&desk), PZS_OK);
-        const unsigned n = desk.p.inputs, m = desk.p.outputs;
+        const unsigned n = desk.problem.inputs, m = desk.problem.outputs;
         if (n > 12 || m > 20)
             continue;
         desk.seed += k;
@@ -368,21 +374,21 @@ static void bad_numbers_hold_the_volts(void **state)
                                                            : uniform(&desk, -1, 1));
             }
             note_limits(&desk);
-            memcpy(last, desk.c.info.voltage, n * sizeof last[0]);
-            const pzs_status status =
-                chance(&desk, .5) ? pzs_tick(&desk.c, wanted, measured) : pzs_step(&desk.c, wanted);
+            memcpy(last, desk.control.info.voltage, n * sizeof last[0]);
+            const pzs_status status = chance(&desk, .5) ? pzs_tick(&desk.control, wanted, measured)
+                                                        : pzs_step(&desk.control, wanted);
             assert_feasible(&desk);
             if (status == PZS_W_HELD || PZS_IS_ERROR(status))
-                assert_memory_equal(last, desk.c.info.voltage, n * sizeof last[0]);
+                assert_memory_equal(last, desk.control.info.voltage, n * sizeof last[0]);
             for (unsigned i = 0; i < m; i++)
-                assert_true(isfinite(desk.c.info.predicted[i]));
+                assert_true(isfinite(desk.control.info.predicted[i]));
         }
         for (unsigned i = 0; i < m; i++)
             desk.error[i] = (pzs_real)uniform(&desk, -1, 1);
-        (void)pzs_release(&desk.c, 0);
-        (void)pzs_step(&desk.c, desk.error); /* and it recovers */
+        (void)pzs_release(&desk.control, 0);
+        (void)pzs_step(&desk.control, desk.error); /* and it recovers */
         note_limits(&desk);
-        assert_true(pzs_step(&desk.c, desk.error) != PZS_W_HELD);
+        assert_true(pzs_step(&desk.control, desk.error) != PZS_W_HELD);
         assert_feasible(&desk);
     }
 }
@@ -394,17 +400,17 @@ static void held_without_anything_to_go_by(void **state)
     pzs_real wanted[6] = {1, 1, 1, 1, 1, 1}, measured[6], last[3];
     plain(&desk, 19, 3, 6, 1);
     assert_int_equal(start(&desk), PZS_OK);
-    assert_int_equal(pzs_tick(&desk.c, wanted, NULL), PZS_OK);
-    memcpy(last, desk.c.info.voltage, sizeof last);
+    assert_int_equal(pzs_tick(&desk.control, wanted, NULL), PZS_OK);
+    memcpy(last, desk.control.info.voltage, sizeof last);
     for (unsigned i = 0; i < 6; i++)
         measured[i] = (pzs_real)NAN;
-    assert_int_equal(pzs_tick(&desk.c, wanted, measured), PZS_W_HELD);
+    assert_int_equal(pzs_tick(&desk.control, wanted, measured), PZS_W_HELD);
     wanted[4] = (pzs_real)-HUGE_VAL;
-    assert_int_equal(pzs_tick(&desk.c, wanted, NULL), PZS_W_HELD);
-    assert_int_equal(desk.c.info.where, 4);
-    assert_int_equal(pzs_step(&desk.c, wanted), PZS_E_NONFINITE);
-    assert_int_equal(desk.c.info.where, 4);
-    assert_memory_equal(last, desk.c.info.voltage, sizeof last);
+    assert_int_equal(pzs_tick(&desk.control, wanted, NULL), PZS_W_HELD);
+    assert_int_equal(desk.control.info.where, 4);
+    assert_int_equal(pzs_step(&desk.control, wanted), PZS_E_NONFINITE);
+    assert_int_equal(desk.control.info.where, 4);
+    assert_memory_equal(last, desk.control.info.voltage, sizeof last);
 }
 
 static void holding_and_releasing(void **state)
@@ -412,29 +418,30 @@ static void holding_and_releasing(void **state)
     (void)state; /* law: a held input stands at its voltage, the rest is optimal around it; where
                     slew and limit do not meet the limit wins */
     plain(&desk, 23, 6, 15, 1);
-    desk.slew[2] = (pzs_real).125;
+    desk.step_limit[2] = (pzs_real).125;
     assert_int_equal(start(&desk), PZS_OK);
-    assert_int_equal(pzs_hold(&desk.c, 2, (pzs_real).75), PZS_OK);
+    assert_int_equal(pzs_hold(&desk.control, 2, (pzs_real).75), PZS_OK);
     note_limits(&desk);
-    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_W_STEP_LIMIT);
-    assert_int_equal(desk.c.info.where, 2);
-    assert_true(desk.c.info.voltage[2] >= (pzs_real).75 && desk.c.info.voltage[2] <= (pzs_real).75);
+    assert_int_equal(pzs_step(&desk.control, desk.error), PZS_W_STEP_LIMIT);
+    assert_int_equal(desk.control.info.where, 2);
+    assert_true(desk.control.info.voltage[2] >= (pzs_real).75 &&
+                desk.control.info.voltage[2] <= (pzs_real).75);
     assert_true(excess(&desk) <= 1);
     assert_true(assess(&desk).active_limits >= 1);
-    assert_int_equal(pzs_hold(&desk.c, 3, 99), PZS_OK); /* cut to the table's limit */
-    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
-    assert_true(desk.c.info.voltage[3] >= 1 && desk.c.info.voltage[3] <= 1);
-    assert_int_equal(pzs_release(&desk.c, 2), PZS_OK);
-    assert_int_equal(pzs_release(&desk.c, 3), PZS_OK);
+    assert_int_equal(pzs_hold(&desk.control, 3, 99), PZS_OK); /* cut to the table's limit */
+    assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
+    assert_true(desk.control.info.voltage[3] >= 1 && desk.control.info.voltage[3] <= 1);
+    assert_int_equal(pzs_release(&desk.control, 2), PZS_OK);
+    assert_int_equal(pzs_release(&desk.control, 3), PZS_OK);
     for (unsigned t = 0; t < 20; t++) {
         note_limits(&desk);
-        assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+        assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
         assert_feasible(&desk);
     }
     assert_true(excess(&desk) <= 1);
-    assert_int_equal(pzs_hold(&desk.c, 6, 0), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_hold(&desk.c, 1, (pzs_real)NAN), PZS_E_NONFINITE);
-    assert_int_equal(pzs_release(&desk.c, 6), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_hold(&desk.control, 6, 0), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_hold(&desk.control, 1, (pzs_real)NAN), PZS_E_NONFINITE);
+    assert_int_equal(pzs_release(&desk.control, 6), PZS_E_ARGUMENT);
 }
 
 static void another_influence_without_a_jump(void **state)
@@ -444,39 +451,39 @@ static void another_influence_without_a_jump(void **state)
     pzs_real given[8], optimum[8], bad[8];
     plain(&desk, 77, 8, 20, .5);
     for (unsigned j = 0; j < 8; j++)
-        desk.slew[j] = (pzs_real).03125;
+        desk.step_limit[j] = (pzs_real).03125;
     assert_int_equal(start(&desk), PZS_OK);
     for (unsigned k = 0; k < 60; k++)
-        assert_false(PZS_IS_ERROR(pzs_tick(&desk.c, desk.error, NULL)));
-    memcpy(given, desk.c.info.voltage, sizeof given);
+        assert_false(PZS_IS_ERROR(pzs_tick(&desk.control, desk.error, NULL)));
+    memcpy(given, desk.control.info.voltage, sizeof given);
 
     for (unsigned i = 0; i < 8 * 20; i++)
-        desk.b[i] *= (pzs_real)uniform(&desk, .8, 1.2);
+        desk.influence[i] *= (pzs_real)uniform(&desk, .8, 1.2);
     assert_int_equal(start(&desk), PZS_OK);
     memcpy(bad, given, sizeof bad);
     bad[5] = (pzs_real)NAN;
-    assert_int_equal(pzs_control_start(&desk.c, bad), PZS_E_NONFINITE);
-    assert_true(desk.c.info.where == 5 && desk.c.info.voltage[0] == 0);
-    assert_int_equal(pzs_control_start(&desk.c, NULL), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_control_start(&desk.c, given), PZS_OK);
+    assert_int_equal(pzs_control_start(&desk.control, bad), PZS_E_NONFINITE);
+    assert_true(desk.control.info.where == 5 && desk.control.info.voltage[0] == 0);
+    assert_int_equal(pzs_control_start(&desk.control, NULL), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_start(&desk.control, given), PZS_OK);
     for (unsigned j = 0; j < 8; j++)
-        assert_true(desk.c.info.voltage[j] == given[j]);
-    (void)pzs_tick(&desk.c, desk.error, NULL);
+        assert_true(desk.control.info.voltage[j] == given[j]);
+    (void)pzs_tick(&desk.control, desk.error, NULL);
     for (unsigned j = 0; j < 8; j++)
-        assert_true(fabs((double)(desk.c.info.voltage[j] - given[j])) <= .03125);
+        assert_true(fabs((double)(desk.control.info.voltage[j] - given[j])) <= .03125);
     for (unsigned k = 0; k < 60; k++)
-        (void)pzs_tick(&desk.c, desk.error, NULL);
-    memcpy(optimum, desk.c.info.voltage, sizeof optimum);
+        (void)pzs_tick(&desk.control, desk.error, NULL);
+    memcpy(optimum, desk.control.info.voltage, sizeof optimum);
     assert_int_equal(start(&desk), PZS_OK);
     for (unsigned k = 0; k < 60; k++)
-        (void)pzs_tick(&desk.c, desk.error, NULL);
+        (void)pzs_tick(&desk.control, desk.error, NULL);
     for (unsigned j = 0; j < 8; j++)
-        assert_true(fabs((double)(desk.c.info.voltage[j] - optimum[j])) <
+        assert_true(fabs((double)(desk.control.info.voltage[j] - optimum[j])) <
                     1e3 * (double)PZS_EPSILON);
 
     given[3] = 2; /* beyond its limit */
-    assert_int_equal(pzs_control_start(&desk.c, given), PZS_OK);
-    assert_true(desk.c.info.voltage[3] == desk.upper[3]);
+    assert_int_equal(pzs_control_start(&desk.control, given), PZS_OK);
+    assert_true(desk.control.info.voltage[3] == desk.upper[3]);
 }
 
 static void all_dead_and_zero_influence(void **state)
@@ -484,54 +491,57 @@ static void all_dead_and_zero_influence(void **state)
     (void)state; /* law: nothing to move, or nothing that moving changes, is no fault */
     plain(&desk, 29, 5, 9, 0);
     assert_int_equal(start(&desk), PZS_OK);
-    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+    assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
     for (unsigned i = 0; i < 5; i++)
-        assert_true(desk.c.info.voltage[i] >= 0 && desk.c.info.voltage[i] <= 0);
+        assert_true(desk.control.info.voltage[i] >= 0 && desk.control.info.voltage[i] <= 0);
     assert_int_equal(assess(&desk).active_limits, 5);
     plain(&desk, 29, 5, 9, HUGE_VAL);
-    memset(desk.b, 0, sizeof desk.b);
-    desk.prefer[1] = 3;
+    memset(desk.influence, 0, sizeof desk.influence);
+    desk.reference_voltage[1] = 3;
     assert_int_equal(start(&desk), PZS_OK);
     for (unsigned t = 0; t < 3; t++)
-        assert_int_equal(pzs_tick(&desk.c, desk.error, NULL), PZS_OK);
-    assert_true(desk.c.info.voltage[1] >= 3 && desk.c.info.voltage[1] <= 3);
+        assert_int_equal(pzs_tick(&desk.control, desk.error, NULL), PZS_OK);
+    assert_true(desk.control.info.voltage[1] >= 3 && desk.control.info.voltage[1] <= 3);
     assert_true(fabs((double)assess(&desk).relative_error - 1) < 4 * (double)PZS_EPSILON);
     plain(&desk, 29, 5, 9, HUGE_VAL);
     memset(desk.error, 0, sizeof desk.error);
     assert_int_equal(start(&desk), PZS_OK);
-    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+    assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
 }
 
 static void errors_are_reported(void **state)
 {
     (void)state; /* law: what cannot be right is refused with its status, and nothing is touched */
     plain(&desk, 31, 4, 7, 1);
-    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_E_STAGE);
-    assert_int_equal(pzs_hold(&desk.c, 0, 0), PZS_E_STAGE);
+    assert_int_equal(pzs_step(&desk.control, desk.error), PZS_E_STAGE);
+    assert_int_equal(pzs_hold(&desk.control, 0, 0), PZS_E_STAGE);
     assert_int_equal(start(&desk), PZS_OK);
     const size_t need = PZS_CONTROL_BYTES(4, 7);
     pzs_control control;
     memset(&control, 0, sizeof control);
-    assert_int_equal(pzs_control_init(NULL, &desk.p, NULL, desk.work, need), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_init(NULL, &desk.problem, NULL, desk.work, need), PZS_E_ARGUMENT);
     assert_int_equal(pzs_control_init(&control, NULL, NULL, desk.work, need), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, NULL, need), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, desk.work, need - 1),
+    assert_int_equal(pzs_control_init(&control, &desk.problem, NULL, NULL, need), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_control_init(&control, &desk.problem, NULL, desk.work, need - 1),
                      PZS_E_WORKSPACE);
     assert_int_equal(control.info.where, need);
-    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, (char *)desk.work + 1, need + 8),
-                     PZS_E_WORKSPACE);
+    assert_int_equal(
+        pzs_control_init(&control, &desk.problem, NULL, (char *)desk.work + 1, need + 8),
+        PZS_E_WORKSPACE);
     assert_int_equal(control.state.stage, 0);
-    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, desk.work, need), PZS_OK);
+    assert_int_equal(pzs_control_init(&control, &desk.problem, NULL, desk.work, need), PZS_OK);
     assert_int_equal(pzs_step(NULL, desk.error), PZS_E_ARGUMENT);
     assert_int_equal(pzs_step(&control, NULL), PZS_E_ARGUMENT);
     assert_int_equal(pzs_tick(&control, NULL, NULL), PZS_E_ARGUMENT);
-    desk.p.format = 99;
-    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, desk.work, need), PZS_E_FORMAT);
-    desk.p.format = PZS_TABLE_FORMAT;
-    desk.b[5] += 1;
-    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, desk.work, need), PZS_E_CRC);
-    desk.p.influence = NULL;
-    assert_int_equal(pzs_control_init(&control, &desk.p, NULL, desk.work, need), PZS_E_ARGUMENT);
+    desk.problem.format = 99;
+    assert_int_equal(pzs_control_init(&control, &desk.problem, NULL, desk.work, need),
+                     PZS_E_FORMAT);
+    desk.problem.format = PZS_TABLE_FORMAT;
+    desk.influence[5] += 1;
+    assert_int_equal(pzs_control_init(&control, &desk.problem, NULL, desk.work, need), PZS_E_CRC);
+    desk.problem.influence = NULL;
+    assert_int_equal(pzs_control_init(&control, &desk.problem, NULL, desk.work, need),
+                     PZS_E_ARGUMENT);
     assert_int_equal(start(&desk), PZS_OK); /* influence computed on the device */
 }
 
@@ -541,7 +551,7 @@ static pzs_status start_with(pzs_real *entry, double value, int32_t *where)
     plain(&desk, 37, 4, 7, 1);
     *entry = (pzs_real)value;
     const pzs_status status = start(&desk);
-    *where = desk.c.info.where;
+    *where = desk.control.info.where;
     return status;
 }
 
@@ -555,16 +565,16 @@ static void bad_tables_are_refused(void **state)
     assert_int_equal(start_with(&desk.upper[3], NAN, &where), PZS_E_LIMITS);
     assert_int_equal(where, 3);
     assert_int_equal(start_with(&desk.lower[1], HUGE_VAL, &where), PZS_E_LIMITS);
-    assert_int_equal(start_with(&desk.slew[1], -1, &where), PZS_E_LIMITS);
-    assert_int_equal(start_with(&desk.slew[0], NAN, &where), PZS_E_LIMITS);
-    assert_int_equal(start_with(&desk.b[9], NAN, &where), PZS_E_NONFINITE);
+    assert_int_equal(start_with(&desk.step_limit[1], -1, &where), PZS_E_LIMITS);
+    assert_int_equal(start_with(&desk.step_limit[0], NAN, &where), PZS_E_LIMITS);
+    assert_int_equal(start_with(&desk.influence[9], NAN, &where), PZS_E_NONFINITE);
     assert_int_equal(where, 9);
     assert_int_equal(start_with(&desk.weight[6], HUGE_VAL, &where), PZS_E_NONFINITE);
     assert_int_equal(where, 6);
-    assert_int_equal(start_with(&desk.prefer[1], NAN, &where), PZS_E_NONFINITE);
-    assert_int_equal(start_with(&desk.b[0], PZS_BY_BITS(1e30, 1e300), &where),
+    assert_int_equal(start_with(&desk.reference_voltage[1], NAN, &where), PZS_E_NONFINITE);
+    assert_int_equal(start_with(&desk.influence[0], PZS_BY_BITS(1e30, 1e300), &where),
                      PZS_E_NONFINITE); /* its square overflows */
-    assert_int_equal(start_with(&desk.p.regularisation, -1, &where), PZS_E_ARGUMENT);
+    assert_int_equal(start_with(&desk.problem.regularisation, -1, &where), PZS_E_ARGUMENT);
     assert_int_equal(start_with(&desk.lower[0], -HUGE_VAL, &where), PZS_OK);
 }
 
@@ -573,29 +583,30 @@ static void table_hessian_and_own_hessian_agree(void **state)
     (void)state; /* law: B'W^2 B from the table gives the volts that the one formed at init gives */
     static pzs_real table[36], first[6];
     plain(&desk, 41, 6, 14, .4);
-    desk.p.regularisation = (pzs_real).01;
+    desk.problem.regularisation = (pzs_real).01;
     for (unsigned j = 0; j < 36; j++)
         for (unsigned i = 0; i < 14; i++)
-            table[j] += desk.b[i * 6 + j / 6] * desk.b[i * 6 + j % 6];
+            table[j] += desk.influence[i * 6 + j / 6] * desk.influence[i * 6 + j % 6];
     assert_int_equal(start(&desk), PZS_OK);
-    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
-    memcpy(first, desk.c.info.voltage, sizeof first);
-    desk.p.hessian = table;
+    assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
+    memcpy(first, desk.control.info.voltage, sizeof first);
+    desk.problem.hessian = table;
     assert_int_equal(start(&desk), PZS_OK);
-    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+    assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
     for (unsigned j = 0; j < 6; j++)
-        assert_true(fabs((double)(first[j] - desk.c.info.voltage[j])) < 1000 * (double)PZS_EPSILON);
+        assert_true(fabs((double)(first[j] - desk.control.info.voltage[j])) <
+                    1000 * (double)PZS_EPSILON);
 }
 
 /* The plate with 25 pairs of patches at a limit (V): active inputs and shape error. */
 static void plate(const testdata *d, double limit, unsigned active, double error)
 {
     memset(&desk, 0, sizeof desk);
-    desk.p.inputs = 25;
-    desk.p.outputs = 121;
-    desk.p.influence = desk.b;
+    desk.problem.inputs = 25;
+    desk.problem.outputs = 121;
+    desk.problem.influence = desk.influence;
     for (unsigned i = 0; i < 121 * 25; i++)
-        desk.b[i] = (pzs_real)testdata_values(d, "influence")[i];
+        desk.influence[i] = (pzs_real)testdata_values(d, "influence")[i];
     for (unsigned i = 0; i < 121; i++) {
         desk.weight[i] = 1;
         desk.error[i] = (pzs_real)(.1 * .02 * (i / 11) * (.02 * (i % 11) - .1));
@@ -603,17 +614,17 @@ static void plate(const testdata *d, double limit, unsigned active, double error
     for (unsigned j = 0; j < 25; j++) {
         desk.upper[j] = (pzs_real)limit;
         desk.lower[j] = (pzs_real)-limit;
-        desk.slew[j] = (pzs_real)HUGE_VAL;
+        desk.step_limit[j] = (pzs_real)HUGE_VAL;
     }
     assert_int_equal(start(&desk), PZS_OK);
     note_limits(&desk);
-    assert_int_equal(pzs_tick(&desk.c, desk.error, NULL), PZS_OK);
+    assert_int_equal(pzs_tick(&desk.control, desk.error, NULL), PZS_OK);
     assert_true(excess(&desk) <= 1);
     assert_int_equal(assess(&desk).active_limits, active);
     assert_true(fabs((double)assess(&desk).relative_error - error) < .0005);
     wide gradient[MOST_INPUTS], zero[MOST_INPUTS] = {0};
-    const double exact =
-        (double)sqrtl(objective_at(&desk, desk.c.info.voltage) / objective(&desk, zero, gradient));
+    const double exact = (double)sqrtl(objective_at(&desk, desk.control.info.voltage) /
+                                       objective(&desk, zero, gradient));
     assert_true(fabs((double)assess(&desk).relative_error - exact) <
                 16 * sqrt((double)PZS_EPSILON) * exact);
 }
@@ -631,13 +642,13 @@ static void known_plate(void **state)
     plate(&d, 250, 2, .0598);
     plate(&d, 200, 6, .090);
     for (unsigned j = 0; j < 25; j++)
-        assert_true(fabs((double)desk.c.info.voltage[j] - testdata_values(&d, "box_200")[j]) <
+        assert_true(fabs((double)desk.control.info.voltage[j] - testdata_values(&d, "box_200")[j]) <
                     PZS_BY_BITS(.5, 1e-3));
     pzs_real clipped[25];
     for (unsigned j = 0; j < 25; j++)
         clipped[j] = (pzs_real)fmin(fmax(testdata_values(&d, "least_squares")[j], -200), 200);
     assert_true(objective_at(&desk, clipped) >
-                1.5L * objective_at(&desk, desk.c.info.voltage)); /* clipping is no optimum */
+                1.5L * objective_at(&desk, desk.control.info.voltage)); /* clipping is no optimum */
     testdata_free(&d);
     (void)fclose(file);
 }
@@ -655,16 +666,17 @@ static void checksum_of_known_text(void **state)
     assert_int_equal(pzs_guard_nonfinite(x + 4, 1), 0);
     plain(&desk, 43, 3, 4, 1);
     assert_int_equal(start(&desk), PZS_OK);
-    const uint32_t crc = desk.p.crc;
-    pzs_real *const entry[] = {&desk.b[11],    &desk.weight[3], &desk.lower[2],
-                               &desk.upper[0], &desk.slew[1],   &desk.prefer[2]};
+    const uint32_t crc = desk.problem.crc;
+    pzs_real *const entry[] = {&desk.influence[11], &desk.weight[3],
+                               &desk.lower[2],      &desk.upper[0],
+                               &desk.step_limit[1], &desk.reference_voltage[2]};
     for (unsigned i = 0; i < 6; i++) {
         const pzs_real was = *entry[i];
         *entry[i] = 17;
-        assert_int_not_equal(pzs_problem_crc(&desk.p), crc);
+        assert_int_not_equal(pzs_problem_crc(&desk.problem), crc);
         *entry[i] = was;
     }
-    assert_int_equal(pzs_problem_crc(&desk.p), crc);
+    assert_int_equal(pzs_problem_crc(&desk.problem), crc);
 }
 
 static void every_status_has_words(void **state)

@@ -44,7 +44,7 @@ static void device_open(device *d, const char *scene, const char *const *set, in
         fail_msg("%s", error);
     const bridge *b = &d->bridge;
     round_structure(b, &d->structure, d->owned);
-    d->bytes = PZS_MODEL_BYTES(b->dof, pzs_linalg_reals(b->first, (uint32_t)b->dof));
+    d->bytes = PZS_MODEL_BYTES(b->dof, pzs_linalg_reals(b->first_column, (uint32_t)b->dof));
     d->work = malloc(d->bytes);
     d->u = calloc((size_t)b->dof, sizeof *d->u);
     d->amount = calloc((size_t)b->input.count + 1, sizeof *d->amount);
@@ -76,14 +76,15 @@ static double solution_error(const device *d)
 {
     double error[2] = {0, 0}, largest[2] = {0, 0};
     for (int n = 0; n < d->bridge.nodes; n++)
-        for (int i = 0; i < d->bridge.unknowns; i++) {
-            const uint16_t dof = d->bridge.node_dof[n * d->bridge.unknowns + i];
+        for (int i = 0; i < d->bridge.dof_per_node; i++) {
+            const uint16_t dof = d->bridge.node_dof[n * d->bridge.dof_per_node + i];
             if (dof == PZS_CONSTRAINED)
                 continue;
             const int is_difference = i >= 3;
             error[is_difference] =
-                fmax(error[is_difference], fabs((double)d->u[dof] - d->bridge.u[dof]));
-            largest[is_difference] = fmax(largest[is_difference], fabs(d->bridge.u[dof]));
+                fmax(error[is_difference], fabs((double)d->u[dof] - d->bridge.displacement[dof]));
+            largest[is_difference] =
+                fmax(largest[is_difference], fabs(d->bridge.displacement[dof]));
         }
     return fmax(error[0] / largest[0], error[1] / largest[1]);
 }
@@ -219,9 +220,9 @@ static void test_stiffness_factor(void **state)
     (void)state;
     device d;
     device_open(&d, "clamped-plate", NULL, 0);
-    pzs_real *twice = calloc((size_t)d.bridge.kinds, sizeof *twice),
+    pzs_real *twice = calloc((size_t)d.bridge.types, sizeof *twice),
              *single = calloc((size_t)d.bridge.dof, sizeof *single);
-    for (int k = 0; k < d.bridge.kinds; k++)
+    for (int k = 0; k < d.bridge.types; k++)
         twice[k] = 2;
     assert_int_equal(start(&d), PZS_OK);
     assert_int_equal(pzs_solve(&d.model, d.amount, single), PZS_OK);
@@ -246,7 +247,7 @@ static void test_held_unknown(void **state)
     assert_int_equal(start(&d), PZS_OK);
     assert_int_equal(pzs_solve(&d.model, d.amount, d.u), PZS_OK);
     const uint16_t middle =
-        d.bridge.node_dof[(size_t)(d.bridge.nodes / 2) * (size_t)d.bridge.unknowns + 2];
+        d.bridge.node_dof[(size_t)(d.bridge.nodes / 2) * (size_t)d.bridge.dof_per_node + 2];
     assert_int_not_equal(middle, PZS_CONSTRAINED);
     const double before = (double)d.u[d.bridge.node_dof[2]];
     held[middle] = 1;
@@ -282,7 +283,7 @@ static void test_springs(void **state)
     device d;
     device_open(&d, "tests/rigs/scenes/spring-plate.yaml", on_springs, 3);
     for (int i = 0; i < d.bridge.input.count; i++)
-        d.amount[i] = (pzs_real)d.bridge.amount[i];
+        d.amount[i] = (pzs_real)d.bridge.input_value[i];
     assert_int_equal(start(&d), PZS_OK);
     assert_int_equal(pzs_solve(&d.model, d.amount, d.u), PZS_OK);
     const double error = solution_error(&d);
@@ -324,10 +325,10 @@ static void test_bad_springs(void **state)
     uint16_t last = 0; /* of the spring between two corners, which alone needs its first column */
     for (uint32_t i = begin; i < end; i++)
         last = d.bridge.spring.dof[i] > last ? d.bridge.spring.dof[i] : last;
-    ((uint16_t *)(uintptr_t)d.bridge.first)[last]++;
+    ((uint16_t *)(uintptr_t)d.bridge.first_column)[last]++;
     d.structure.crc = pzs_structure_crc(&d.structure);
     assert_int_equal(start(&d), PZS_E_ARGUMENT);
-    ((uint16_t *)(uintptr_t)d.bridge.first)[last]--;
+    ((uint16_t *)(uintptr_t)d.bridge.first_column)[last]--;
     d.structure.crc = pzs_structure_crc(&d.structure);
     assert_int_equal(start(&d), PZS_OK);
     d.structure.spring_stiffness = NULL;
@@ -390,7 +391,7 @@ static void test_unsound_tables(void **state)
     assert_int_equal(start(&d), PZS_OK);
     assert_int_equal(pzs_solve(&d.model, d.amount, d.u), PZS_E_RESIDUAL);
     d.owned[ROUNDED_INPUT][0] = kept;
-    const size_t corners = 4 * (size_t)d.bridge.unknowns;
+    const size_t corners = 4 * (size_t)d.bridge.dof_per_node;
     for (size_t i = 0, entry = 0; i < corners; i++)
         for (size_t j = 0; j <= i; j++, entry++)
             if (i != j)
@@ -459,8 +460,8 @@ static void test_indices_out_of_range(void **state)
     device d;
     device_open(&d, "clamped-plate", NULL, 0);
     uint16_t *const array[] = {
-        (uint16_t *)(uintptr_t)d.bridge.element,   (uint16_t *)(uintptr_t)d.bridge.element_kind,
-        (uint16_t *)(uintptr_t)d.bridge.node_dof,  (uint16_t *)(uintptr_t)d.bridge.first,
+        (uint16_t *)(uintptr_t)d.bridge.element,   (uint16_t *)(uintptr_t)d.bridge.element_type,
+        (uint16_t *)(uintptr_t)d.bridge.node_dof,  (uint16_t *)(uintptr_t)d.bridge.first_column,
         (uint16_t *)(uintptr_t)d.bridge.input.dof, (uint16_t *)(uintptr_t)d.bridge.output.dof};
     for (int i = 0; i < 6; i++) {
         const uint16_t kept = array[i][0];
@@ -489,9 +490,8 @@ static void test_open_electrodes(void **state)
     device d;
     device_open(&d, "tests/rigs/scenes/piezo-plate.yaml", set, 3);
     const bridge *b = &d.bridge;
-    pzs_electrodes tables = {
-        PZS_TABLE_FORMAT,      0,  0, (uint16_t)b->electrodes, b->electrode_input,
-        b->pzs_electrode_open, {0}};
+    pzs_electrodes tables = {PZS_TABLE_FORMAT,  0,  0, (uint16_t)b->electrodes, b->electrode_input,
+                             b->electrode_open, {0}};
     pzs_real *direct = round_rows(&b->direct, &tables.direct),
              *charge = calloc((size_t)b->electrodes, sizeof *charge);
     tables.crc = pzs_electrode_crc(&tables, (uint32_t)b->input.count);
@@ -511,13 +511,13 @@ static void test_open_electrodes(void **state)
     assert_int_equal(pzs_charges(&electric, d.amount, charge), PZS_OK);
     for (int k = 0; k < b->electrodes; k++) {
         const int input = b->electrode_input[k];
-        assert_true(fabs(b->amount[input]) > 1);
-        assert_true(fabs((double)d.amount[input] - b->amount[input]) <
-                    100 * EPS * fabs(b->amount[input]));
+        assert_true(fabs(b->input_value[input]) > 1);
+        assert_true(fabs((double)d.amount[input] - b->input_value[input]) <
+                    100 * EPS * fabs(b->input_value[input]));
         assert_true(fabs((double)charge[k]) <
                     100 * EPS *
                         fabs((double)electric.state.sensitivity[k * b->input.count + input] *
-                             b->amount[input]));
+                             b->input_value[input]));
     }
     free(direct);
     free(charge);

@@ -36,7 +36,7 @@ static void round_path(device *d)
 {
     const bridge *b = &d->bridge;
     d->given = rounded(b->given_value, 10 * (size_t)b->given_values);
-    d->amount = rounded(b->full, (size_t)b->input.count);
+    d->amount = rounded(b->full_input, (size_t)b->input.count);
     d->tables.format = PZS_TABLE_FORMAT;
     d->tables.given.values = (uint16_t)b->given_values;
     d->tables.given.start = b->given_start;
@@ -56,7 +56,8 @@ static pzs_status device_open(device *d, const char *scene, const char *const *s
     const bridge *b = &d->bridge;
     round_structure(b, &d->structure, d->owned);
     round_path(d);
-    const size_t bytes = PZS_MODEL_BYTES(b->dof, pzs_linalg_reals(b->first, (uint32_t)b->dof));
+    const size_t bytes =
+        PZS_MODEL_BYTES(b->dof, pzs_linalg_reals(b->first_column, (uint32_t)b->dof));
     const size_t path_bytes = PZS_SOLVER_BYTES(b->dof, b->elements, b->input.count);
     d->work = malloc(bytes);
     d->path_work = malloc(path_bytes);
@@ -81,13 +82,14 @@ static double off(const device *d)
     const bridge *b = &d->bridge;
     double most = 0, size = 0;
     for (int n = 0; n < b->nodes; n++)
-        for (int k = 0; k < b->unknowns; k++) {
-            const uint16_t dof = b->node_dof[n * b->unknowns + k];
+        for (int k = 0; k < b->dof_per_node; k++) {
+            const uint16_t dof = b->node_dof[n * b->dof_per_node + k];
             const double weight = k < 3 ? 1 : (double)d->structure.type[0].thickness;
             if (dof == PZS_CONSTRAINED)
                 continue;
-            most = fmax(most, weight * fabs((double)d->path.info.displacement[dof] - b->u[dof]));
-            size = fmax(size, weight * fabs(b->u[dof]));
+            most = fmax(
+                most, weight * fabs((double)d->path.info.displacement[dof] - b->displacement[dof]));
+            size = fmax(size, weight * fabs(b->displacement[dof]));
         }
     return most / size;
 }
@@ -110,13 +112,13 @@ static outcome run(const char *scene, const char *const *change)
     memset(&o, 0, sizeof o);
     o.status = device_open(&d, scene, change, sets);
     if (!IS_FLOAT)
-        d.path.settings.tolerance = (pzs_real)d.bridge.change;
+        d.path.settings.tolerance = (pzs_real)d.bridge.tolerance;
     if (o.status == PZS_OK)
         o.status = pzs_equilibrium(&d.path, d.amount);
     o.condition = d.bridge.condition;
     o.error = off(&d);
     o.systems = d.path.info.linear_solves;
-    o.wanted = d.bridge.systems;
+    o.wanted = d.bridge.linear_solves;
     print_message("%-24s %-22s %-24s condition %.1e  off by %.1e, %u systems of %u: %s\n", scene,
                   change[0], sets > 1 ? change[1] : "", o.condition, o.error, o.systems, o.wanted,
                   pzs_status_text(o.status));

@@ -27,7 +27,7 @@ static bench desk, other;
 static void aim(bench *t, int step, double size)
 {
     const double turn = 2 * 3.14159265358979 * step / PERIOD;
-    for (unsigned i = 0; i < t->p.outputs; i++)
+    for (unsigned i = 0; i < t->problem.outputs; i++)
         t->error[i] = (pzs_real)(size * (cos(turn) * sin(.07 * i + .3) + sin(turn) * cos(.11 * i)));
 }
 
@@ -35,20 +35,20 @@ static void aim(bench *t, int step, double size)
 static void warm(bench *t, unsigned n, unsigned m, double limit, double slew)
 {
     plain(t, 11, n, m, limit);
-    t->p.regularisation = (pzs_real)(1e-3 * m);
+    t->problem.regularisation = (pzs_real)(1e-3 * m);
     for (unsigned j = 0; j < n; j++)
-        t->slew[j] = (pzs_real)slew;
+        t->step_limit[j] = (pzs_real)slew;
     assert_int_equal(start(t), PZS_OK);
     for (int step = -20; step < 0; step++) {
         aim(t, step, 1);
-        (void)pzs_step(&t->c, t->error);
+        (void)pzs_step(&t->control, t->error);
     }
 }
 
 static wide checked_step(bench *t)
 {
     note_limits(t);
-    assert_int_equal(pzs_step(&t->c, t->error), PZS_OK);
+    assert_int_equal(pzs_step(&t->control, t->error), PZS_OK);
     assert_feasible(t);
     return excess(t);
 }
@@ -56,14 +56,14 @@ static wide checked_step(bench *t)
 static pzs_report assess(bench *t)
 {
     pzs_report report = {0};
-    assert_int_equal(pzs_assess(&t->c, t->error, &report), PZS_OK);
+    assert_int_equal(pzs_assess(&t->control, t->error, &report), PZS_OK);
     return report;
 }
 
 static int same_volts(const bench *a, const bench *b)
 {
-    return memcmp(a->c.info.voltage, b->c.info.voltage, a->p.inputs * sizeof *a->c.info.voltage) ==
-           0;
+    return memcmp(a->control.info.voltage, b->control.info.voltage,
+                  a->problem.inputs * sizeof *a->control.info.voltage) == 0;
 }
 
 static void straight_passes_are_optimal(void **state)
@@ -76,10 +76,10 @@ static void straight_passes_are_optimal(void **state)
         warm(&desk, inputs[k], 121, HUGE_VAL, HUGE_VAL);
         for (int step = 0; step < STEPS; step++) {
             aim(&desk, step, 1);
-            assert_true(desk.c.state.optimiser.is_verified);
+            assert_true(desk.control.state.optimiser.is_verified);
             const wide here = checked_step(&desk);
             worst = here > worst ? here : worst;
-            assert_true(desk.c.info.iterations <= 1);
+            assert_true(desk.control.info.iterations <= 1);
         }
         assert_true(worst <= 1);
     }
@@ -92,7 +92,7 @@ static void every_input_is_measured_in_turn(void **state)
     unsigned char measured[25] = {0};
     warm(&desk, 25, 121, HUGE_VAL, HUGE_VAL);
     for (int step = 0; step < 25 / 2 + 1; step++) {
-        const uint32_t one = desk.c.state.optimiser.checked_next;
+        const uint32_t one = desk.control.state.optimiser.checked_next;
         aim(&desk, step, 1);
         (void)checked_step(&desk);
         measured[one] = measured[(one + 1u) % 25u] = 1;
@@ -109,7 +109,7 @@ static void limits_that_bind_are_met(void **state)
         wide worst = 0;
         warm(&desk, 25, 121, .03, slewing ? .004 : HUGE_VAL);
         for (int step = 0; step < STEPS; step++) {
-            straight += desk.c.state.optimiser.is_verified;
+            straight += desk.control.state.optimiser.is_verified;
             aim(&desk, step, 1);
             const wide here = checked_step(&desk);
             worst = here > worst ? here : worst;
@@ -122,13 +122,15 @@ static void limits_that_bind_are_met(void **state)
 /* Something happens to the tableau. */
 static void damage(bench *t, unsigned kind)
 {
-    const uint32_t n = t->c.state.optimiser.inputs, width = t->c.state.optimiser.width,
+    const uint32_t n = t->control.state.optimiser.inputs, width = t->control.state.optimiser.width,
                    row = below(t, n), column = below(t, n);
-    pzs_real *entry = t->c.state.optimiser.tableau + (size_t)row * width + column;
+    pzs_real *entry = t->control.state.optimiser.tableau + (size_t)row * width + column;
     switch (kind) {
     case 0: *entry *= (pzs_real)1.5; break;
     case 1: *entry = (pzs_real)NAN; break;
-    case 2: memset(t->c.state.optimiser.tableau + (size_t)row * width, 0, n * sizeof *entry); break;
+    case 2:
+        memset(t->control.state.optimiser.tableau + (size_t)row * width, 0, n * sizeof *entry);
+        break;
     default: *entry = (pzs_real)HUGE_VAL; break;
     }
 }
@@ -146,7 +148,7 @@ static void a_damaged_tableau_is_found(void **state)
                 damage(&desk, kind);
             aim(&desk, step, 1);
             note_limits(&desk);
-            assert_false(PZS_IS_ERROR(pzs_step(&desk.c, desk.error)));
+            assert_false(PZS_IS_ERROR(pzs_step(&desk.control, desk.error)));
             assert_feasible(&desk);
             missed = excess(&desk) > 1 ? missed + 1 : 0;
             most = missed > most ? missed : most;
@@ -166,12 +168,12 @@ static void limits_may_change_in_between(void **state)
     for (int step = 0; step < STEPS; step++) {
         const uint16_t j = (uint16_t)below(&desk, 25);
         if (step % 5 == 0)
-            assert_int_equal(pzs_hold(&desk.c, j, (pzs_real)uniform(&desk, -1, 1)), PZS_OK);
+            assert_int_equal(pzs_hold(&desk.control, j, (pzs_real)uniform(&desk, -1, 1)), PZS_OK);
         else if (step % 5 == 2)
-            desk.c.state.lower[j] =
-                (desk.c.state.upper[j] = (pzs_real)uniform(&desk, -.5, .5)) - (pzs_real).1;
+            desk.control.state.lower[j] =
+                (desk.control.state.upper[j] = (pzs_real)uniform(&desk, -.5, .5)) - (pzs_real).1;
         else
-            assert_int_equal(pzs_release(&desk.c, j), PZS_OK);
+            assert_int_equal(pzs_release(&desk.control, j), PZS_OK);
         aim(&desk, step, 1);
         assert_true(checked_step(&desk) <= 1);
     }
@@ -187,11 +189,12 @@ static void assessment_is_true_and_changes_nothing(void **state)
         aim(&desk, step, 1);
         aim(&other, step, 1);
         (void)checked_step(&desk);
-        assert_int_equal(pzs_step(&other.c, other.error), PZS_OK);
+        assert_int_equal(pzs_step(&other.control, other.error), PZS_OK);
         const pzs_report report = assess(&desk);
         unsigned active = 0;
         for (unsigned j = 0; j < 25; j++)
-            active += !(desk.c.info.voltage[j] > desk.lo[j] && desk.c.info.voltage[j] < desk.hi[j]);
+            active += !(desk.control.info.voltage[j] > desk.lower_bound[j] &&
+                        desk.control.info.voltage[j] < desk.upper_bound[j]);
         assert_int_equal(report.active_limits, active);
         assert_true(fabsl((wide)report.relative_error - shape_error_of(&desk)) <
                     32 * (wide)PZS_EPSILON);
@@ -206,7 +209,7 @@ static void bad_volts_are_seen(void **state)
     wide v[MOST_INPUTS] = {0}, gradient[MOST_INPUTS], wrong = 0, most = 0;
     pzs_real zero[25] = {0};
     warm(&desk, 25, 121, 1, HUGE_VAL);
-    assert_int_equal(pzs_control_start(&desk.c, zero), PZS_OK);
+    assert_int_equal(pzs_control_start(&desk.control, zero), PZS_OK);
     (void)objective(&desk, v, gradient);
     for (unsigned j = 0; j < 25; j++) {
         wrong = fmaxl(wrong, fabsl(gradient[j])); /* of B'W^2 e besides: volts and preferred volts
@@ -226,16 +229,16 @@ static void assessment_refuses(void **state)
     pzs_control fresh = {0};
     warm(&desk, 25, 121, 1, HUGE_VAL);
     assert_int_equal(pzs_assess(NULL, desk.error, &report), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_assess(&desk.c, NULL, &report), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_assess(&desk.c, desk.error, NULL), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_assess(&desk.control, NULL, &report), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_assess(&desk.control, desk.error, NULL), PZS_E_ARGUMENT);
     assert_int_equal(pzs_assess(&fresh, desk.error, &report), PZS_E_STAGE);
     desk.error[5] = (pzs_real)NAN;
-    assert_int_equal(pzs_assess(&desk.c, desk.error, &report), PZS_E_NONFINITE);
-    assert_int_equal(desk.c.info.where, 5);
+    assert_int_equal(pzs_assess(&desk.control, desk.error, &report), PZS_E_NONFINITE);
+    assert_int_equal(desk.control.info.where, 5);
     assert_true(report.relative_error >= 7 && report.kkt_violation >= 8 &&
                 report.active_limits == 9);
     memset(desk.error, 0, sizeof desk.error);
-    assert_int_equal(pzs_assess(&desk.c, desk.error, &report), PZS_OK);
+    assert_int_equal(pzs_assess(&desk.control, desk.error, &report), PZS_OK);
     assert_true(report.relative_error <= 0 && report.kkt_violation <= 0);
 }
 
@@ -243,16 +246,17 @@ static void assessment_refuses(void **state)
 static void nearly_dependent(bench *t, unsigned seed, double limit)
 {
     plain(t, seed, 2 + seed % 12, 20, limit);
-    for (unsigned i = 0; i < t->p.outputs; i++)
-        for (unsigned j = 1; j < t->p.inputs; j++)
-            t->b[i * t->p.inputs + j] =
-                t->b[i * t->p.inputs] + PZS_R(1e-3) * t->b[i * t->p.inputs + j];
+    for (unsigned i = 0; i < t->problem.outputs; i++)
+        for (unsigned j = 1; j < t->problem.inputs; j++)
+            t->influence[i * t->problem.inputs + j] =
+                t->influence[i * t->problem.inputs] +
+                PZS_R(1e-3) * t->influence[i * t->problem.inputs + j];
     assert_int_equal(start(t), PZS_OK);
 }
 
 static void random_error(bench *t)
 {
-    for (unsigned i = 0; i < t->p.outputs; i++)
+    for (unsigned i = 0; i < t->problem.outputs; i++)
         t->error[i] = (pzs_real)uniform(t, -1, 1);
 }
 
@@ -268,10 +272,11 @@ static void far_limits_do_not_draw_volts(void **state)
             for (unsigned step = 0; step < 3; step++) {
                 random_error(&desk);
                 note_limits(&desk);
-                const pzs_status status = pzs_step(&desk.c, desk.error);
+                const pzs_status status = pzs_step(&desk.control, desk.error);
                 assert_feasible(&desk);
                 worst = status == PZS_OK
-                            ? fmaxl(worst, objective_at(&desk, desk.c.info.voltage) / energy(&desk))
+                            ? fmaxl(worst,
+                                    objective_at(&desk, desk.control.info.voltage) / energy(&desk))
                             : worst;
             }
         }
@@ -284,13 +289,15 @@ static void far_limits_do_not_draw_volts(void **state)
 static double prediction_gap(const bench *t)
 {
     double gap = 0, most = 1e-30;
-    for (unsigned i = 0; i < t->p.outputs; i++) {
+    for (unsigned i = 0; i < t->problem.outputs; i++) {
         double sum = 0, size = 0;
-        for (unsigned j = 0; j < t->p.inputs; j++) {
-            sum += (double)t->b[i * t->p.inputs + j] * (double)t->c.info.voltage[j];
-            size += fabs((double)t->b[i * t->p.inputs + j] * (double)t->c.info.voltage[j]);
+        for (unsigned j = 0; j < t->problem.inputs; j++) {
+            sum += (double)t->influence[i * t->problem.inputs + j] *
+                   (double)t->control.info.voltage[j];
+            size += fabs((double)t->influence[i * t->problem.inputs + j] *
+                         (double)t->control.info.voltage[j]);
         }
-        gap = fmax(gap, fabs((double)t->c.info.predicted[i] - sum));
+        gap = fmax(gap, fabs((double)t->control.info.predicted[i] - sum));
         most = fmax(most, size);
     }
     return gap / most;
@@ -303,21 +310,22 @@ static void predictions_follow_the_volts(void **state)
     pzs_real given[14] = {0};
     for (unsigned seed = 0; seed < 300; seed++) {
         nearly_dependent(&desk, seed, 100);
-        memcpy(given, desk.c.info.voltage, desk.p.inputs * sizeof *given);
+        memcpy(given, desk.control.info.voltage, desk.problem.inputs * sizeof *given);
         for (unsigned round = 0; round < 12; round++) {
             random_error(&desk);
             if (round % 4 == 1)
-                (void)pzs_step(&desk.c, desk.error);
+                (void)pzs_step(&desk.control, desk.error);
             if (round % 4 == 2)
-                assert_int_equal(pzs_quantise(&desk.c, given, PZS_R(.25), 0), PZS_OK);
+                assert_int_equal(pzs_quantise(&desk.control, given, PZS_R(.25), 0), PZS_OK);
             if (round % 4 == 3)
-                assert_int_equal(pzs_control_start(&desk.c, given), PZS_OK);
+                assert_int_equal(pzs_control_start(&desk.control, given), PZS_OK);
             if (round % 3 == 0)
-                (void)pzs_step(&desk.c, desk.error);
-            assert_false(PZS_IS_ERROR(pzs_tick(&desk.c, desk.error, NULL)));
+                (void)pzs_step(&desk.control, desk.error);
+            assert_false(PZS_IS_ERROR(pzs_tick(&desk.control, desk.error, NULL)));
             assert_true(prediction_gap(&desk) < 32 * (double)PZS_EPSILON);
-            (void)pzs_step(&desk.c, desk.error);
-            assert_true(desk.c.state.behind || prediction_gap(&desk) < 32 * (double)PZS_EPSILON);
+            (void)pzs_step(&desk.control, desk.error);
+            assert_true(desk.control.state.behind ||
+                        prediction_gap(&desk) < 32 * (double)PZS_EPSILON);
         }
     }
 }
@@ -328,9 +336,9 @@ static void a_step_after_converter_steps(void **state)
                     optimum */
     pzs_real given[25];
     warm(&desk, 25, 121, .1, HUGE_VAL);
-    memcpy(given, desk.c.info.voltage, sizeof given);
+    memcpy(given, desk.control.info.voltage, sizeof given);
     for (int step = 0; step < 300; step++) {
-        assert_int_equal(pzs_quantise(&desk.c, given, PZS_R(.01), 0), PZS_OK);
+        assert_int_equal(pzs_quantise(&desk.control, given, PZS_R(.01), 0), PZS_OK);
         aim(&desk, step, 1);
         assert_true(checked_step(&desk) <= 1);
     }
@@ -342,18 +350,19 @@ static void limits_narrowed_by_a_few_roundings_are_met(void **state)
     warm(&desk, 25, 121, 1, HUGE_VAL);
     for (unsigned k = 0; k < 2000; k++) {
         const uint32_t j = below(&desk, 25);
-        const pzs_real v = desk.c.info.voltage[j], inward = (1 + (pzs_real)below(&desk, 1000)) *
-                                                            PZS_EPSILON * (pzs_real)fabs((double)v);
+        const pzs_real v = desk.control.info.voltage[j],
+                       inward = (1 + (pzs_real)below(&desk, 1000)) * PZS_EPSILON *
+                                (pzs_real)fabs((double)v);
         aim(&desk, 0, 1);
-        assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
-        if (desk.c.info.voltage[j] > 0)
-            desk.c.state.upper[j] = desk.c.state.voltage[j] - inward;
+        assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
+        if (desk.control.info.voltage[j] > 0)
+            desk.control.state.upper[j] = desk.control.state.voltage[j] - inward;
         else
-            desk.c.state.lower[j] = desk.c.state.voltage[j] + inward;
-        assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
-        assert_true(desk.c.info.voltage[j] >= desk.c.info.lower[j] &&
-                    desk.c.info.voltage[j] <= desk.c.info.upper[j]);
-        assert_int_equal(pzs_release(&desk.c, (uint16_t)j), PZS_OK);
+            desk.control.state.lower[j] = desk.control.state.voltage[j] + inward;
+        assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
+        assert_true(desk.control.info.voltage[j] >= desk.control.info.lower[j] &&
+                    desk.control.info.voltage[j] <= desk.control.info.upper[j]);
+        assert_int_equal(pzs_release(&desk.control, (uint16_t)j), PZS_OK);
     }
 }
 
@@ -364,16 +373,16 @@ static void assessment_before_the_first_step(void **state)
     pzs_real half[25];
     plain(&desk, 3, 25, 121, 1);
     for (unsigned j = 0; j < 25; j++) {
-        desk.slew[j] = PZS_R(.1);
+        desk.step_limit[j] = PZS_R(.1);
         half[j] = PZS_R(.5);
     }
     assert_int_equal(start(&desk), PZS_OK);
     assert_int_equal(assess(&desk).active_limits, 0);
     assert_true(assess(&desk).kkt_violation > PZS_R(.5));
-    assert_int_equal(pzs_control_start(&desk.c, half), PZS_OK);
+    assert_int_equal(pzs_control_start(&desk.control, half), PZS_OK);
     assert_int_equal(assess(&desk).active_limits, 0);
-    assert_int_equal(pzs_control_init(&desk.c, &desk.p, NULL, NULL, 0), PZS_E_ARGUMENT);
-    assert_int_equal(pzs_step(&desk.c, desk.error), PZS_E_STAGE);
+    assert_int_equal(pzs_control_init(&desk.control, &desk.problem, NULL, NULL, 0), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_step(&desk.control, desk.error), PZS_E_STAGE);
 }
 
 static void a_slew_of_a_few_roundings_is_kept(void **state)
@@ -382,19 +391,19 @@ static void a_slew_of_a_few_roundings_is_kept(void **state)
                     and never taken for a clash */
     for (unsigned seed = 0; seed < 2000; seed++) {
         plain(&desk, seed, 1 + seed % 3, 4, 200);
-        for (unsigned j = 0; j < desk.p.inputs; j++) {
-            desk.prefer[j] = (pzs_real)uniform(&desk, -199, 199);
-            desk.slew[j] = (pzs_real)(uniform(&desk, .1, 4) * (double)PZS_EPSILON *
-                                      fabs((double)desk.prefer[j]));
+        for (unsigned j = 0; j < desk.problem.inputs; j++) {
+            desk.reference_voltage[j] = (pzs_real)uniform(&desk, -199, 199);
+            desk.step_limit[j] = (pzs_real)(uniform(&desk, .1, 4) * (double)PZS_EPSILON *
+                                            fabs((double)desk.reference_voltage[j]));
         }
         assert_int_equal(start(&desk), PZS_OK);
         for (unsigned step = 0; step < 5; step++) {
             random_error(&desk);
             note_limits(&desk);
-            assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
-            for (unsigned j = 0; j < desk.p.inputs; j++)
-                assert_true(fabs((double)desk.c.info.voltage[j] - (double)desk.last[j]) <=
-                            (double)desk.slew[j]);
+            assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
+            for (unsigned j = 0; j < desk.problem.inputs; j++)
+                assert_true(fabs((double)desk.control.info.voltage[j] - (double)desk.last[j]) <=
+                            (double)desk.step_limit[j]);
         }
     }
 }
@@ -405,17 +414,19 @@ static void a_target_that_vanishes_is_followed(void **state)
                     warning then or later */
     for (unsigned ticks = 0; ticks < 2; ticks++) {
         warm(&desk, 25, 121, HUGE_VAL, HUGE_VAL);
-        desk.p.regularisation = 0;
-        desk.p.crc = pzs_problem_crc(&desk.p);
-        assert_int_equal(pzs_control_init(&desk.c, &desk.p, NULL, desk.work, sizeof desk.work),
-                         PZS_OK);
+        desk.problem.regularisation = 0;
+        desk.problem.crc = pzs_problem_crc(&desk.problem);
+        assert_int_equal(
+            pzs_control_init(&desk.control, &desk.problem, NULL, desk.work, sizeof desk.work),
+            PZS_OK);
         for (int step = 0; step < 50; step++) {
             aim(&desk, step, step < 10 ? 50 : 0);
-            assert_int_equal(ticks ? pzs_tick(&desk.c, desk.error, NULL)
-                                   : pzs_step(&desk.c, desk.error),
+            assert_int_equal(ticks ? pzs_tick(&desk.control, desk.error, NULL)
+                                   : pzs_step(&desk.control, desk.error),
                              PZS_OK);
             for (unsigned j = 0; step >= 10 && j < 25; j++)
-                assert_true(fabs((double)desk.c.info.voltage[j]) < 50 * 64 * (double)PZS_EPSILON);
+                assert_true(fabs((double)desk.control.info.voltage[j]) <
+                            50 * 64 * (double)PZS_EPSILON);
         }
     }
 }
@@ -427,15 +438,15 @@ static void converter_steps_stay_inside(void **state)
     warm(&desk, 25, 121, 1, HUGE_VAL);
     for (unsigned k = 0; k < 500; k++) {
         const uint16_t j = (uint16_t)below(&desk, 25);
-        assert_int_equal(pzs_hold(&desk.c, j, (pzs_real)uniform(&desk, -1, 1)), PZS_OK);
+        assert_int_equal(pzs_hold(&desk.control, j, (pzs_real)uniform(&desk, -1, 1)), PZS_OK);
         aim(&desk, (int)k, 1);
-        assert_int_equal(pzs_step(&desk.c, desk.error), PZS_OK);
+        assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
         memset(given, 0, sizeof given);
-        assert_int_equal(pzs_quantise(&desk.c, given, PZS_R(.125), PZS_R(.3)), PZS_OK);
+        assert_int_equal(pzs_quantise(&desk.control, given, PZS_R(.125), PZS_R(.3)), PZS_OK);
         for (unsigned i = 0; i < 25; i++)
-            assert_true(desk.c.info.voltage[i] >= desk.c.info.lower[i] &&
-                        desk.c.info.voltage[i] <= desk.c.info.upper[i]);
-        assert_int_equal(pzs_release(&desk.c, j), PZS_OK);
+            assert_true(desk.control.info.voltage[i] >= desk.control.info.lower[i] &&
+                        desk.control.info.voltage[i] <= desk.control.info.upper[i]);
+        assert_int_equal(pzs_release(&desk.control, j), PZS_OK);
     }
 }
 
@@ -447,15 +458,15 @@ static uint32_t walk(unsigned n, double limit, double slew)
     for (int step = 0; step < STEPS; step++) {
         aim(&desk, step, 1 + .2 * (step % 7));
         if (step % 31 == 0)
-            (void)pzs_hold(&desk.c, (uint16_t)below(&desk, n), 0);
+            (void)pzs_hold(&desk.control, (uint16_t)below(&desk, n), 0);
         if (step % 31 == 9)
             for (uint16_t j = 0; j < n; j++)
-                (void)pzs_release(&desk.c, j);
+                (void)pzs_release(&desk.control, j);
         if (step / 100 % 2)
-            (void)pzs_step(&desk.c, desk.error);
+            (void)pzs_step(&desk.control, desk.error);
         else
-            (void)pzs_tick(&desk.c, desk.error, NULL);
-        crc = pzs_guard_crc(crc, desk.c.info.voltage, n * sizeof *desk.c.info.voltage);
+            (void)pzs_tick(&desk.control, desk.error, NULL);
+        crc = pzs_guard_crc(crc, desk.control.info.voltage, n * sizeof *desk.control.info.voltage);
     }
     return ~crc;
 }
