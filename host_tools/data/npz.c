@@ -28,7 +28,7 @@ typedef struct archive {
     FILE *file;
     member member[NAMED_ARRAY_MOST + 1];
     size_t members;
-    uint64_t offset; /* number of bytes written so far */
+    uint64_t offset; /* number of bytes of the archive written so far */
 } archive;
 
 /* ---- bytes ------------------------------------------------------------ */
@@ -54,16 +54,16 @@ static void put_number(archive *archive, uint32_t number, int bytes)
 static void put_member(archive *archive, const member *member)
 {
     put_number(archive, 20, 2); /* version of the ZIP format that is needed to read the member */
-    put_number(archive, 0, 2);  /* flags of the member */
-    put_number(archive, 0, 2);  /* compression method: none */
-    put_number(archive, 0, 2);  /* modification time: midnight */
+    put_number(archive, 0, 2);  /* flags of the archive's member: none */
+    put_number(archive, 0, 2);  /* compression method of the member: none */
+    put_number(archive, 0, 2);  /* modification time of the member: midnight */
     put_number(archive, 33, 2); /* modification date: 1 January 1980, so that equal arrays give
                                    equal files */
     put_number(archive, member->crc, 4);
     put_number(archive, member->bytes, 4);
     put_number(archive, member->bytes, 4);
     put_number(archive, (uint32_t)strlen(member->name), 2);
-    put_number(archive, 0, 2); /* length of the extra field */
+    put_number(archive, 0, 2); /* length of the member's extra field: 0 bytes */
 }
 
 /* ---- members ---------------------------------------------------------- */
@@ -160,20 +160,22 @@ static void put_directory(archive *archive)
         put_number(archive, 20, 2); /* version of the ZIP format that the writer of the archive uses
                                      */
         put_member(archive, member);
-        put_number(archive, 0, 2); /* length of the member's comment */
-        put_number(archive, 0, 4); /* number of the first disk, and internal attributes */
+        put_number(archive, 0, 2); /* length of the member's comment: 0 bytes */
+        put_number(archive, 0, 4); /* number of the disk on which the member starts, and internal
+                                      attributes of the member */
         put_number(archive, 0, 4); /* external attributes of the member */
         put_number(archive, member->offset, 4);
         put_bytes(archive, member->name, strlen(member->name));
     }
     const uint32_t end = (uint32_t)archive->offset;
     put_bytes(archive, "PK\5\6", 4);
-    put_number(archive, 0, 4); /* numbers of this disk and of the disk with the directory */
+    put_number(archive, 0, 4); /* numbers of this disk and of the disk on which the archive's
+                                  directory starts */
     put_number(archive, (uint32_t)archive->members, 2);
     put_number(archive, (uint32_t)archive->members, 2);
     put_number(archive, end - begin, 4);
     put_number(archive, begin, 4);
-    put_number(archive, 0, 2); /* length of the archive's comment */
+    put_number(archive, 0, 2); /* length of the ZIP archive's comment: 0 bytes */
 }
 
 int named_array_npz(FILE *file, const named_array *array, size_t count)

@@ -27,7 +27,7 @@ typedef struct number_table {
     number_name *row_name;    /* [rows] names of the rows, or NULL if the file has none */
     uint32_t *line; /* [rows] line of each row in a text file, counted from 1; NULL for binary files
                      */
-    uint32_t hash;  /* FNV-1a hash of the bytes of the file */
+    uint32_t hash;  /* FNV-1a hash of the bytes of the file that the table was read from */
 } number_table;
 
 /*

@@ -31,10 +31,10 @@ typedef struct polygon_sums {
 typedef enum polygon_fault {
     POLYGON_GOOD,
     POLYGON_FEW,      /* the outline has fewer than three points */
-    POLYGON_INFINITE, /* a coordinate is not a finite number */
-    POLYGON_REPEATED, /* two neighbouring points are equal */
-    POLYGON_CROSSED,  /* two sides cross or touch each other */
-    POLYGON_FLAT      /* the enclosed area is 0 */
+    POLYGON_INFINITE, /* a coordinate of the outline is not a finite number */
+    POLYGON_REPEATED, /* two neighbouring points of the outline are equal */
+    POLYGON_CROSSED,  /* two sides of the outline cross or touch each other */
+    POLYGON_FLAT      /* the area that the outline encloses is 0 */
 } polygon_fault;
 
 /*

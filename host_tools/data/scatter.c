@@ -21,11 +21,11 @@ struct scatter {
                        built */
 };
 
-/* Nearest points found so far, with ascending distance. */
+/* Nearest points found so far in a search, with ascending distance. */
 typedef struct neighbours {
     size_t count, most;
     size_t index[NEAREST];
-    double square[NEAREST]; /* squared distances of the points */
+    double square[NEAREST]; /* squared distances of the nearest points from the place */
 } neighbours;
 
 /* ---- tree ------------------------------------------------------------- */
@@ -239,8 +239,8 @@ static void rotate(double matrix[SCATTER_AXES][SCATTER_AXES],
  */
 static double linear_value(moments *moments, const double place[SCATTER_AXES])
 {
-    static const double narrow = 1e-8; /* smallest relative squared spread that determines a slope
-                                        */
+    static const double narrow = 1e-8; /* smallest squared spread of the points, relative to the
+                                          largest one, that determines a slope */
     double vectors[SCATTER_AXES][SCATTER_AXES] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     double widest = 0, value = moments->value;
     for (int sweep = 0; sweep < 12; sweep++)

@@ -84,7 +84,7 @@ static int take_size(number_table *table, fitsfile *file, int dimensions, char *
 static int read_image(number_table *table, fitsfile *file, int dimensions, char *error)
 {
     LONGLONG first[FITS_DIMENSIONS] = {1, 1, 1};
-    double blank = (double)NAN; /* value for pixels that the file marks as undefined */
+    double blank = (double)NAN; /* value of pixels that the FITS file marks as undefined */
     int status = 0, has_blank = 0;
     if (take_size(table, file, dimensions, error) < 0)
         return -1;

@@ -10,7 +10,7 @@
 
 typedef struct pgm_reader {
     const unsigned char *at, *end;
-    char *error; /* [NUMBER_ERROR] memory of the error message */
+    char *error; /* [NUMBER_ERROR] memory of the error message of the reader */
 } pgm_reader;
 
 static int fault(const pgm_reader *reader, const char *message)
@@ -76,7 +76,7 @@ int table_pgm_read(number_table *table, const char *bytes, size_t count, char *e
     if (rows > NUMBER_VALUES / columns)
         return fault(&reader, "too many pixels; a picture of at most 8 million is read");
     if (!is_text)
-        reader.at++; /* exactly one blank separates the header from the pixels */
+        reader.at++; /* exactly one blank separates the header of the picture from its pixels */
     table->rows = (size_t)rows;
     table->columns = (size_t)columns;
     table->value = calloc(table->rows * table->columns, sizeof *table->value);

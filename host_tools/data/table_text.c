@@ -8,7 +8,7 @@
 #include <string.h>
 #include "number_table.h"
 
-/* Cell of a line, without the blanks and quotes around it. */
+/* Cell in a line of a text table, without the blanks and quotes around it. */
 typedef struct cell {
     const char *text;
     size_t length;
@@ -21,7 +21,7 @@ typedef struct text_reader {
                      */
     cell comment;   /* text of the last line that begins with #, without the # */
     unsigned long line; /* number of the line whose cells are in `cell`, counted from 1 */
-    cell *cell;         /* [cells] cells of the present line */
+    cell *cell;         /* [cells] cells of the present line of the text */
     size_t cells, room_cells, room_rows;
     char *error;
 } text_reader;
@@ -81,7 +81,8 @@ static int split(text_reader *reader, const char *from, const char *to)
         while (reader->delimiter == ' ' && from < to && is_blank(*from))
             from++;
         if (from == to && stop < to && reader->delimiter != ' ')
-            return add_cell(reader, to, to); /* there is an empty cell behind the last delimiter */
+            return add_cell(reader, to, to); /* behind the last delimiter of the line there is an
+                                                empty cell */
     }
     return 0;
 }

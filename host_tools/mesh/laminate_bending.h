@@ -13,7 +13,7 @@ typedef struct laminate_bending {
     double bending;  /* bending stiffness of the laminate (N m) */
     double faces;    /* sum of the bending stiffnesses of the single stiff plies (N m); 0 without a
                         soft core */
-    double shear;    /* transverse shear stiffness from equilibrium (N/m) */
+    double shear;    /* transverse shear stiffness of the laminate from equilibrium (N/m) */
     double constant; /* transverse shear stiffness for a shear strain that is constant through the
                         thickness (N/m) */
 } laminate_bending;

@@ -561,7 +561,7 @@ static int list_prescribed(mesh *mesh, const double *values)
     return of_dof && mesh->prescribed_dof && mesh->prescribed_value ? 0 : -1;
 }
 
-/* Give the free dof of one node the next numbers. */
+/* Give the free dof of a node the next numbers in the order of the mesh. */
 static void number_node(mesh *mesh, int node)
 {
     uint16_t *dof = mesh->node_dof + (size_t)node * mesh->dof_per_node;

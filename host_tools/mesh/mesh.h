@@ -19,12 +19,14 @@
  * no springs.
  */
 typedef struct mesh_springs {
-    int count;  /* number of springs and stacks */
+    int count;  /* number of springs and stack actuators */
     int *first; /* [items + 1] number of the first spring of each item; items are the springs of the
                    scene, then the actuators */
-    uint32_t *start;         /* [count + 1] number of the first entry of each spring */
-    uint16_t *dof;           /* [start[count]] number of the free dof of each entry */
-    double *value;           /* [start[count]] elongation per unit of the dof of each entry (1) */
+    uint32_t *start; /* [count + 1] number of the first entry of each spring's sparse row */
+    uint16_t *dof; /* [start[count]] number of the free dof of each entry in the rows of the springs
+                    */
+    double *value; /* [start[count]] elongation of the spring per unit of the dof, for each entry
+                      (1) */
     double *stiffness;       /* [count] stiffness of each spring (N/m) */
     double envelope_without; /* number of entries that the factor of the stiffness matrix would have
                                 without springs */

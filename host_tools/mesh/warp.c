@@ -187,6 +187,7 @@ int warp_fill(pzs_element_type *type, double share)
         return -1;
     type->warp[0] = share;
     for (int k = 0; k < ROWS; k++)
-        type->warp[1 + k] = 0 - share * factors[k]; /* subtraction from 0 avoids a negative zero */
+        type->warp[1 + k] = 0 - share * factors[k]; /* subtraction from 0 gives 0 where a sign
+                                                       change would give -0 */
     return 0;
 }

@@ -22,7 +22,7 @@ static const double middle_of_side = 0.5, corner_of_block = 0.42;
  */
 typedef struct disc_plan {
     const quad_disc *disc;
-    int around; /* number of elements along every circle */
+    int around; /* number of elements along every circle of the disc */
     int bands;  /* number of bands of the disc, each inside one circle: disc->rings + 1 */
     double circle[QUAD_RINGS + 1];
     int across[QUAD_RINGS + 1]; /* number of elements across each band of the disc; the first band

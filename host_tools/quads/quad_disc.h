@@ -11,7 +11,7 @@
 enum { QUAD_RINGS = 16 };
 
 typedef struct quad_disc {
-    double radius; /* radius of the rim (m) */
+    double radius; /* radius of the disc's rim (m) */
     double sphere; /* radius of the sphere that the disc is part of (m), its centre below the disc;
                       0: flat disc */
     double ring[QUAD_RINGS]; /* [rings] radii of circles along which elements end, ascending,

@@ -15,12 +15,12 @@ enum { QUAD_ERROR = 300 };
 
 typedef struct quad_file {
     const char *path;
-    char *text; /* [bytes + 1] contents of the file, followed by a NUL */
+    char *text; /* [bytes + 1] contents of the mesh file, followed by a NUL */
     size_t bytes;
-    size_t at;      /* reading position, from 0 to bytes */
+    size_t at;      /* reading position in the file, from 0 to bytes */
     bool is_binary; /* whether numbers are binary; the position of a fault is then a byte, else a
                        line */
-    char *error;    /* [QUAD_ERROR] memory of the error message */
+    char *error;    /* [QUAD_ERROR] memory of the error message about the file */
 } quad_file;
 
 /*

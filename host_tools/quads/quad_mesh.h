@@ -24,14 +24,15 @@ typedef struct quad_set {
 
 /* Layers that the elements of a region have in common. */
 typedef struct quad_region {
-    uint32_t present_plies; /* bit i is set where ply i of the laminate is present */
+    uint32_t present_plies; /* bit i is set if ply i of the laminate is present in the elements of
+                               the region */
     double direction[3]; /* vector whose projection on an element is material axis 1; zero vector:
                             direction 1 of each element */
 } quad_region;
 
 typedef struct quad_mesh {
     size_t nodes, elements, regions;
-    double (*position)[3]; /* [nodes] points of the reference surface (m) */
+    double (*position)[3]; /* [nodes] points of the reference surface at the nodes (m) */
     double (*director)[3]; /* [nodes] unit normals towards the outer face, axis e3 of each node's
                               triad */
     double (*axis)[3]; /* [nodes] unit vectors e1 of the triads, normal to the directors; e2 = e3 x
@@ -51,16 +52,16 @@ typedef struct quad_mesh {
                                  region 0 */
     quad_region *region;      /* [regions] layers of each region; there is at least one region */
     size_t node_sets, element_sets, edge_sets;
-    quad_set *node_set;    /* [node_sets] named sets of nodes */
-    quad_set *element_set; /* [element_sets] named sets of elements */
-    quad_set *edge_set;    /* [edge_sets] named sets of edges */
+    quad_set *node_set;    /* [node_sets] named sets of nodes of the mesh */
+    quad_set *element_set; /* [element_sets] named sets of elements of the mesh */
+    quad_set *edge_set;    /* [edge_sets] named sets of edges of the mesh */
     uint32_t hash;         /* hash of the mesh file; 0: the mesh comes from no file */
 } quad_mesh;
 
 /* Release the arrays of a mesh; the mesh is empty afterwards. */
 void quad_mesh_free(quad_mesh *mesh);
 
-/* Sort the members of a set and drop repetitions. */
+/* Sort the members of a set in ascending order and remove repetitions. */
 void quad_set_sort(quad_set *set);
 
 /* Return the set with a given name among `count` sets, or NULL if there is none. */

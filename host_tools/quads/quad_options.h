@@ -11,7 +11,7 @@ typedef struct quad_options {
     double unit;       /* unit of length of the mesh file, in the unit of length of the scene */
     bool is_flipped;   /* true: the outer face is the one from which the elements of the file appear
                           clockwise */
-    size_t most_nodes; /* largest number of nodes that is accepted */
+    size_t most_nodes; /* largest number of nodes that a mesh file may have */
 } quad_options;
 
 /* Warnings about a valid mesh. Elements and nodes are given by their numbers in the mesh file. */

@@ -17,7 +17,7 @@ typedef struct quad_raw_node {
 
 /* Cell of a mesh file: a point (1 corner), an edge (2 corners) or a quadrilateral (4 corners). */
 typedef struct quad_raw_cell {
-    int64_t label;   /* number of the element in the mesh file */
+    int64_t label;   /* number of the cell (point, edge or quadrilateral) in the mesh file */
     int64_t node[4]; /* [corners] numbers of the cell's nodes in the file */
     int corners;
     int group; /* number that the reader of a file format uses to collect the members of sets */

@@ -19,7 +19,7 @@ quad_side quad_side_between(uint32_t from, uint32_t to, uint32_t edge);
 /* Compare two quad_side for qsort: by their nodes, then by their edge numbers. */
 int quad_side_compare(const void *left, const void *right);
 
-/* Return whether two sides have the same nodes. */
+/* Return whether two sides of elements have the same nodes. */
 bool quad_side_is_same(const quad_side *first, const quad_side *second);
 
 /* List the sides of all elements, sorted by quad_side_compare (list [4 elements] out). */

@@ -16,7 +16,7 @@
  */
 typedef struct entity {
     int dimension, tag, count;
-    int *physical; /* [count] numbers of the physical groups */
+    int *physical; /* [count] numbers of the entity's physical groups */
 } entity;
 
 typedef struct physical_name {
@@ -29,7 +29,7 @@ typedef struct physical_name {
 typedef struct gmsh {
     quad_file *file;
     quad_raw *raw;
-    int version; /* version of the file format, 2 or 4 */
+    int version; /* version of the Gmsh file format, 2 or 4 */
     size_t entities, entity_room, names, name_room;
     entity *entity;
     physical_name *name;
@@ -179,7 +179,7 @@ static int read_names(gmsh *gmsh)
     quad_file *file = gmsh->file;
     const bool is_binary = file->is_binary;
     int count, dimension, tag;
-    file->is_binary = false; /* names are in text form in a binary file, too */
+    file->is_binary = false; /* the section $PhysicalNames is text in a binary file, too */
     if (quad_read_int(file, "the number of names", &count) < 0 ||
         quad_check_count(file, "names", count, 4) < 0)
         return -1;
@@ -298,7 +298,7 @@ static int read_nodes_2(gmsh *gmsh)
         return -1;
     gmsh->file->is_binary = is_binary;
     if (is_binary)
-        gmsh->file->at++; /* the character behind the numbers is a line end */
+        gmsh->file->at++; /* one line end separates the number of nodes from the binary data */
     for (int i = 0; i < count; i++) {
         if (!is_binary)
             quad_skip(gmsh->file);
@@ -461,7 +461,7 @@ static int read_elements_2(gmsh *gmsh)
         return -1;
     gmsh->file->is_binary = is_binary;
     if (is_binary)
-        gmsh->file->at++; /* the character behind the numbers is a line end */
+        gmsh->file->at++; /* one line end separates the number of elements from the binary data */
     while (is_binary && left > 0)
         if (read_element_block_2(gmsh, &left) < 0)
             return -1;

@@ -35,7 +35,7 @@ typedef struct inp {
     bool generates; /* whether the lines contain first, last and step instead of single numbers
                        (mode SET_MEMBERS) */
     int set;        /* index of the set that the present lines of the file belong to, or -1 */
-    bool has_part;  /* whether the keyword *PART was read */
+    bool has_part;  /* whether the keyword *PART was read before */
     size_t sets, room;
     listed_set *list;
 } inp;

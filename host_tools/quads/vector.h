@@ -15,14 +15,14 @@ static inline double vector_length(const double vector[3])
     return sqrt(vector_dot(vector, vector));
 }
 
-/* Compute the cross product of two vectors. */
+/* Compute the cross product of two vectors in space. */
 static inline void vector_cross(const double a[3], const double b[3], double product[3])
 {
     for (int i = 0; i < 3; i++)
         product[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
 }
 
-/* Return the distance between two points. */
+/* Return the distance between two points in space. */
 static inline double vector_distance(const double a[3], const double b[3])
 {
     const double difference[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};

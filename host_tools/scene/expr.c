@@ -242,7 +242,7 @@ static int take_operator(parser *parser)
         return fault(parser, "a power is written ^");
     op = ops[sign - signs];
     if (reduce(parser, op == OP_POWER ? precedence(op) + 1 : precedence(op)) != 0)
-        return -1; /* the power operator ^ is right-associative */
+        return -1; /* two power operators ^ are evaluated from right to left */
     parser->at++;
     parser->want_value = 1;
     return push(parser, op, NULL);

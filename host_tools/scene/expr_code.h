@@ -48,7 +48,7 @@ typedef struct instruction {
 } instruction;
 
 struct expr {
-    const char *text; /* copy of the source text, stored behind the code */
+    const char *text; /* copy of the formula's source text, stored behind its code */
     int length, constant;
     scatter *scatter;             /* interpolated function through scattered points, or NULL */
     int axes, axis[SCATTER_AXES]; /* number and indices of the coordinates that the scattered points

@@ -11,7 +11,7 @@
  */
 typedef struct expr_jet {
     double value;
-    double first[2];  /* derivatives with respect to theta1 and theta2 */
+    double first[2];  /* first derivatives with respect to theta1 and theta2 */
     double second[3]; /* second derivatives: twice with respect to theta1, twice to theta2, and
                          mixed */
 } expr_jet;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Elements in the plane of the outlines of electrodes (outline_cell.h). */
+/*
+ * Cells: elements, and parts of elements, as quadrilaterals in the plane of the outlines of
+ * electrodes (outline_cell.h).
+ */
 #include "outline_cell.h"
 
 #include <math.h>

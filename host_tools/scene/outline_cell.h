@@ -16,14 +16,16 @@
 enum { OUTLINE_AXES = 5 };
 
 typedef struct outline_cell {
-    double at[4][OUTLINE_AXES]; /* coordinates of the corners (-,-) (+,-) (+,+) (-,+) */
-    double quad[4][2];          /* corners in the plane of the outlines, counterclockwise */
-    double centre[2];           /* mean of the four corners in the plane of the outlines */
+    double at[4][OUTLINE_AXES]; /* coordinates x, y, z, theta1, theta2 of the corners (-,-) (+,-)
+                                   (+,+) (-,+) of the cell */
+    double quad[4][2]; /* corners of the cell in the plane of the outlines, counterclockwise */
+    double centre[2];  /* mean of the cell's four corners in the plane of the outlines */
     double ratio[3];   /* area of the surface over that of the plane at the centre, and its two
                           derivatives along the coordinates of the plane */
     double plane_area; /* area of the cell in the plane of the outlines */
-    double area;       /* area of the surface, from plane_area and ratio */
-    polygon_box box;   /* bounding box of quad */
+    double area;     /* area of the cell on the surface, from its area in the plane and the ratio of
+                        both */
+    polygon_box box; /* bounding box of the cell in the plane of the outlines */
     bool is_mirrored; /* true where the plane shows the inner face of the surface; quad then has the
                          reverse order of the corners */
     bool is_steep;    /* true where the surface stands at more than 84 degrees to the plane */

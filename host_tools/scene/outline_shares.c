@@ -41,7 +41,10 @@ static void append(share_list *list, int element, int electrode, double share)
     list->entry[list->count++] = (share_entry){element, electrode, share};
 }
 
-/* The item of the section `patches` whose covered parts of elements are being computed. */
+/*
+ * Arguments and scratch memory while the covered parts of elements are computed for one item of the
+ * section `patches`.
+ */
 typedef struct outline_work {
     const scene *scene;
     scene_patches *patches;

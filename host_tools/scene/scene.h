@@ -62,7 +62,7 @@ typedef enum scene_kinematics {
 
 /* Settings of the solver for the nonlinear equilibrium. */
 typedef struct scene_equilibrium {
-    int load_steps;   /* number of load steps of the first attempt */
+    int load_steps;   /* number of load steps that the equilibrium solver tries first */
     double tolerance; /* convergence tolerance of a load step: largest norm of the last increment
                          relative to the displacement of the step */
     int extrapolated_iterations; /* number of iterations of a load step with extrapolated
@@ -90,7 +90,7 @@ typedef struct scene_element {
                    0: metric of the reference surface */
     int exact_area;   /* 1: exact area of an element; 0: area from the metric at the centre of the
                          element */
-    int dof_per_node; /* number of dof per node, 7 or 6 */
+    int dof_per_node; /* number of dof of a node, 7 or 6 */
     int equilibrium_shear; /* 1: transverse shear stiffness of a laminate from equilibrium of its
                               layers; 0: from a shear strain that is constant through the thickness
                             */
@@ -246,7 +246,7 @@ typedef enum scene_per { PER_POINT, PER_LENGTH, PER_AREA } scene_per;
  * amplifier.
  */
 typedef struct scene_spring {
-    char name[SCENE_NAME]; /* name of the springs, empty if not given */
+    char name[SCENE_NAME]; /* name of the springs; empty if the scene gives none */
     scene_where where; /* nodes to which one spring each is attached; where.at.column is 0 if the
                           springs are attached at points instead */
     int points;
@@ -524,7 +524,7 @@ typedef struct scene_event {
     int ticks;     /* duration (ticks) of EVENT_NAN, EVENT_FROZEN, EVENT_LOST and of the event types
                       from EVENT_SINE on */
     int load;      /* index of the load that EVENT_LOAD, EVENT_IMPULSE and EVENT_SINE change */
-    double frequency; /* frequency of the load variation of EVENT_SINE (Hz) */
+    double frequency; /* frequency (Hz) at which EVENT_SINE varies a load */
     int known;        /* EVENT_LOAD: 1 if the controller is given the factor of the load one tick in
                          advance */
     int amplifiers, *amplifier; /* [amplifiers] numbers of the amplifiers that EVENT_DEAD,
@@ -637,7 +637,7 @@ typedef struct scene_dynamics {
                              laminate (scene units) */
 } scene_dynamics;
 
-/* Data of the control loop on the device. */
+/* Settings of the control loop on the device. */
 typedef struct scene_control {
     double rate; /* tick rate of the control loop (ticks per second); 0 if neither given nor needed
                     by a simulation */

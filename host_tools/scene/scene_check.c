@@ -101,8 +101,8 @@ static int check_poles(const scene *scene, char *error)
     int i;
     for (i = 0; i <= SAMPLES; i++) {
         double theta1 = sample(line, i), radius;
-        if (surface_closes(&scene->surface, 1) && i < SAMPLES) /* the radius is smallest between two
-                                                                  samples */
+        if (surface_closes(&scene->surface, 1) && i < SAMPLES) /* the radius of the surface can be
+                                                                  smallest between two samples */
             theta1 = fmax(theta1, fmin(sample(line, i + 1),
                                        (2 * floor(theta1 / full_turn) + 1) * full_turn / 2));
         radius = surface_at(&scene->surface, theta1, 0).a[1];

@@ -33,18 +33,18 @@ typedef struct choice {
 } choice; /* Word of a scene and the value that it stands for; an array of choices ends with word =
              NULL. */
 
-/* Kind of value that a key of a scene accepts. */
+/* Type of the value that a key of a scene accepts. */
 typedef enum form_type {
-    FORM_NUMBER,  /* constant formula, or plain number with a unit */
-    FORM_WHOLE,   /* integer number */
-    FORM_FORMULA, /* formula in the coordinates of a point */
-    FORM_NAME,    /* name of at most SCENE_NAME - 1 bytes */
+    FORM_NUMBER,  /* FORM_NUMBER: constant formula, or plain number with a unit of measurement */
+    FORM_WHOLE,   /* FORM_WHOLE: integer number */
+    FORM_FORMULA, /* FORM_FORMULA: formula in the coordinates of a point */
+    FORM_NAME,    /* FORM_NAME: name of at most SCENE_NAME - 1 bytes */
     FORM_TEXT,
-    FORM_WORD,  /* one word of an array of choices */
-    FORM_LIST,  /* list whose items all have one form */
-    FORM_MAP,   /* mapping whose keys are the rows of a table */
-    FORM_NAMED, /* mapping of names that the user chooses to values of one form */
-    FORM_ANY    /* value of any one of several forms */
+    FORM_WORD,  /* FORM_WORD: one word of an array of choices */
+    FORM_LIST,  /* FORM_LIST: list whose items all have one form */
+    FORM_MAP,   /* FORM_MAP: mapping whose keys are the rows of a table */
+    FORM_NAMED, /* FORM_NAMED: mapping of names that the user chooses to values of one form */
+    FORM_ANY    /* FORM_ANY: value of any one of several forms */
 } form_type;
 
 /*
@@ -63,13 +63,13 @@ typedef struct form {
     form_type type;
     const range *range;  /* FORM_NUMBER, FORM_WHOLE, FORM_FORMULA: permitted range of the number;
                             NULL: any */
-    const choice *words; /* FORM_WORD: permitted words */
-    const struct form *item;  /* FORM_LIST, FORM_NAMED: form of each item */
+    const choice *words; /* FORM_WORD: array of the permitted words */
+    const struct form *item;  /* FORM_LIST, FORM_NAMED: form of each item of the value */
     const struct form *first; /* FORM_LIST: form of the first item where it differs from the form of
                                  the others, else NULL */
     int least, most; /* FORM_LIST, FORM_NAMED: smallest and largest number of items; most = 0: any
                         number */
-    const struct field *fields; /* FORM_MAP: table of the keys */
+    const struct field *fields; /* FORM_MAP: table of the keys that the mapping may have */
     const form_case *cases; /* FORM_MAP: permitted combinations of keys; NULL: any combination */
     const struct form *const *any; /* FORM_ANY: array of the permitted forms, ended by NULL */
 } form;
@@ -87,7 +87,7 @@ typedef struct field {
     const void *rule; /* argument of the read function: a range, an array of choices, or another
                          rule */
     int required;
-    dimension of;     /* physical dimension of the numbers in the value */
+    dimension of;     /* physical dimension of the numbers in the value of the key */
     const form *form; /* form of the value; NULL where the form follows from a basic read function
                        */
     const char *help; /* sentence that explains the key to users */
@@ -127,7 +127,7 @@ int check_type_case(reader *reader, int node, const form_case *cases, const char
  */
 form field_form(const field *field);
 
-/* Form of a complete scene (scene_read.c). */
+/* Form of the mapping that is a complete scene (scene_read.c). */
 extern const form scene_form;
 
 /*

@@ -44,7 +44,7 @@ extern const form row_function_form, place_function_form, list_form, list_file_f
  */
 typedef struct scene_numbers {
     int count;
-    double *value; /* [count] the numbers */
+    double *value; /* [count] values of the numbers, in the unit of the scene */
 } scene_numbers;
 int scene_numbers_read(reader *reader, int node, scene_numbers *numbers);
 extern const form numbers_form;

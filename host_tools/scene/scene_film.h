@@ -8,7 +8,7 @@
 
 #include "scene_fields.h"
 
-/* Data sheet of a film; thickness 0: no film. */
+/* Data sheet of a film, a thin actuator with fibres; thickness = 0: the material is no film. */
 typedef struct scene_film {
     double voltage;      /* voltage at which strains and force are given (V) */
     double strain[2];    /* free strains along and across the fibres (1) */
@@ -20,12 +20,16 @@ field_read read_film;
 extern const form film_form;
 
 /*
- * Piezoelectric constant d31 (direction 0) or d32 (direction 1) of a film poled along +3: a
- * positive voltage, whose field is -voltage/thickness, causes the strain of the data sheet.
+ * Return the piezoelectric constant d31 (direction 0) or d32 (direction 1) of a film that is poled
+ * along +3: a positive voltage, whose field is -voltage/thickness, causes the strain of the data
+ * sheet.
  */
 double scene_film_constant(const scene_film *film, int direction);
 
-/* Modulus E1 of a film (N/m2): the blocking force divided by free strain, width and thickness. */
+/*
+ * Return Young's modulus E1 of a film along its fibres (N/m2): the blocking force divided by free
+ * strain, width and thickness.
+ */
 double scene_film_modulus(const scene_film *film);
 
 #endif

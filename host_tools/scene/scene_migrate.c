@@ -12,7 +12,7 @@
 /* Edit of a text: `length` bytes from the byte `from` on are replaced by another text. */
 typedef struct edit {
     size_t from, length;
-    char *insert; /* the new text, allocated and owned by the edit */
+    char *insert; /* text that is inserted, allocated and owned by the edit */
 } edit;
 
 /* Text of a scene file with its YAML tree and the edits that are collected for it. */

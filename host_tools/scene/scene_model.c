@@ -269,7 +269,7 @@ static int elastic_stiffness(reader *reader, int node, material_text *text)
     return 0;
 }
 
-/* Constants of a film from its data sheet. */
+/* Compute the material constants of a film from its data sheet. */
 static int take_film(reader *reader, int node, material_text *text)
 {
     scene_material *material = &text->m;

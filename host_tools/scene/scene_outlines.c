@@ -25,8 +25,8 @@ static int out_of_memory(reader *reader, int node)
 }
 
 /*
- * Refuse a pattern whose gap leaves no electrode. size: smallest width of any electrode of the
- * pattern
+ * Refuse a pattern whose gap leaves no electrode; `size` is the smallest width of any electrode of
+ * the pattern. Returns 0, or -1 after writing the error message of the YAML tree.
  */
 static int check_gap(reader *reader, int node, double gap, double size)
 {
@@ -40,7 +40,10 @@ static int check_gap(reader *reader, int node, double gap, double size)
 
 /* ---- polygons --------------------------------------------------------- */
 
-/* Refuse a list of points that is not the outline of an area. */
+/*
+ * Refuse a list of points that is not the outline of an area. Returns 0, or -1 after writing the
+ * error message of the YAML tree.
+ */
 static int check_polygon(reader *reader, int node, const double (*point)[2], size_t count)
 {
     size_t at[2];
@@ -291,7 +294,7 @@ static int read_inside(reader *reader, int node, void *to, const void *rule)
 
 typedef struct bitmap_text {
     double from[2], to[2], threshold;
-    int file; /* node of the scene file that names the bitmap */
+    int file; /* YAML node with the name of the bitmap's file */
 } bitmap_text;
 
 static int read_bitmap_file(reader *reader, int node, void *to, const void *rule)
@@ -370,7 +373,10 @@ static int add_row(const bitmap_text *text, const number_table *table, size_t ro
     return 0;
 }
 
-/* Return the number of electrodes of a bitmap, or -1 with the error of the tree filled. */
+/*
+ * Return the number of electrodes of a bitmap, or -1 after writing the error message of the YAML
+ * tree.
+ */
 static int count_labels(reader *reader, const bitmap_text *text, const number_table *table)
 {
     int most = 0;

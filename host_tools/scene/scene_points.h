@@ -8,7 +8,7 @@
 
 #include "scene_file.h"
 
-/* Number of coordinates of a point in space. */
+/* Number of coordinates x, y, z of a point in space. */
 enum { SCENE_AXES = 3 };
 
 extern const form scene_points_form;

@@ -13,7 +13,7 @@
 typedef struct reader {
     tree *t;
     scene *s;
-    dimension of; /* physical dimension of the key whose value is being read */
+    dimension of; /* physical dimension that the key whose value is being read requires */
 } reader;
 
 /* Return the text of a YAML node that is a scalar, or NULL for a list or mapping. */

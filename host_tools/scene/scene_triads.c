@@ -45,9 +45,9 @@ static double project(double vector[3], const double unit[3])
 typedef struct edge_normal {
     double sum[3];   /* sum of the unit vectors that are normal to each edge and tangent to the
                         surface */
-    double first[3]; /* unit normal of the first edge that was added */
+    double first[3]; /* unit normal of the first edge that was added at the node */
     int edges;
-    bool is_corner; /* whether two of the edges meet at an angle */
+    bool is_corner; /* whether two edges of the support's set meet at an angle at the node */
 } edge_normal;
 
 typedef struct triads {
@@ -55,8 +55,8 @@ typedef struct triads {
     quad_mesh *mesh;
     char *error;
     unsigned char *in_set; /* [nodes] 1 for the nodes of the support that is being applied */
-    unsigned char *fixed;  /* [nodes] 1 where a support has determined the axis e1 */
-    edge_normal *normal;   /* [nodes] sums of the normals of the support's edges */
+    unsigned char *fixed;  /* [nodes] 1 for the nodes whose axis e1 a support has determined */
+    edge_normal *normal;   /* [nodes] sums of the normals of the support's edges at each node */
 } triads;
 
 static long long label(const triads *triads, size_t node)

@@ -57,7 +57,8 @@ surface_point formula_at(const scene_surface *surface, double theta1, double the
     for (int direction = 0; direction < 2; direction++)
         point.k[direction] = normal > 0 ? -vector_dot(point.e[2], at.second[direction]) /
                                               (point.a[direction] * point.a[direction])
-                                        : (double)NAN; /* the surface has no normal at this point */
+                                        : (double)NAN; /* the curvature is undefined where the
+                                                          surface has no normal */
     return point;
 }
 

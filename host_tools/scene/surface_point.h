@@ -6,7 +6,7 @@
 #include "scene.h"
 
 typedef struct surface_point {
-    double x[3];    /* coordinates x, y, z in space (scene unit of length) */
+    double x[3];    /* coordinates x, y, z of the point in space (scene unit of length) */
     double e[3][3]; /* unit vectors e1, e2, e3 = e1 x e2 as rows; e3 points to the outer side of the
                        shell */
     double a[2];    /* Lame parameters A1, A2: arc length per unit of theta1 and theta2 */

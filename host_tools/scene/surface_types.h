@@ -125,8 +125,8 @@ surface_area_function plate_area, polar_area, cylinder_area, cone_area, sphere_a
 /* Row of the table of surface types without its texts for the scene (surface.c). */
 typedef struct surface_type {
     surface_at_function *at;
-    surface_meridian_function *meridian; /* function of the meridian; NULL: no surface of revolution
-                                          */
+    surface_meridian_function *meridian; /* function of the meridian; NULL: the surface is no
+                                            surface of revolution */
     surface_area_function *area; /* function of the area; NULL: the area is integrated numerically
                                   */
     int closed, angles; /* sets of coordinates with the period 2 pi, and of coordinates that are

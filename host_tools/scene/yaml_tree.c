@@ -174,7 +174,7 @@ typedef struct builder {
     int line; /* line number that is assigned to every node; 0: nodes take the positions of the file
                */
     int depth;
-    int open[TREE_DEPTH];  /* indices of the lists and mappings that are not closed yet */
+    int open[TREE_DEPTH];  /* indices of the lists and mappings that are still open */
     char *key[TREE_DEPTH]; /* key that was read in an open mapping and whose value follows, or NULL
                             */
     scene_at key_at[TREE_DEPTH];

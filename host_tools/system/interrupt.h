@@ -17,8 +17,8 @@ enum { INTERRUPT_FILES = 8, INTERRUPT_PATH = 4096 };
 void interrupt_install(void);
 
 /*
- * Register a file before it is created. The file is removed on a signal until it is unregistered.
- * Returns its slot, or -1 where no slot is free.
+ * Register a file before it is created. It is removed on a signal until it is unregistered. Returns
+ * the number of its slot, or -1 if no slot is free.
  */
 int interrupt_file(const char *path);
 void interrupt_forget_file(int slot);
@@ -27,8 +27,8 @@ void interrupt_forget_file(int slot);
 void interrupt_folder(const char *path);
 
 /*
- * Register a child program that leads a process group. The whole group is ended on a signal; 0:
- * none.
+ * Register the process number of a child program that leads a process group, or 0 for none. The
+ * whole group is ended on a signal.
  */
 void interrupt_group(int process);
 

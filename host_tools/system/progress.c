@@ -15,7 +15,7 @@
 
 enum {
     QUIET_SECONDS = 2,
-    INTERVAL = 500000 /* period of the timer (us) */,
+    INTERVAL = 500000 /* period of the timer that updates the display (us) */,
     LINE = 160,
     DIGITS = 20
 };
@@ -25,7 +25,7 @@ static const uint32_t *volatile solves;
 static volatile sig_atomic_t done, total, is_running, is_shown;
 static struct timespec began;
 
-/* Line of text that is being composed. */
+/* Line of the progress display while it is composed. */
 typedef struct text {
     char at[LINE];
     size_t length;

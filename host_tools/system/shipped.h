@@ -5,7 +5,7 @@
 
 #include "../text/suggest.h"
 
-/* Size of a path (characters). */
+/* Size of the memory for a path (characters). */
 enum { SHIPPED_PATH = 4096 };
 
 /*
