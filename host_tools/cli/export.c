@@ -25,8 +25,8 @@ bool export_is_wanted(const options *options)
 
 /* ---- arrays ----------------------------------------------------------- */
 
-static void add(arrays *arrays, const char *name, const char *unit, size_t rows, size_t columns,
-                const double *value)
+static void add_array(arrays *arrays, const char *name, const char *unit, size_t rows,
+                      size_t columns, const double *value)
 {
     named_array *array = &arrays->array[arrays->count];
     if (arrays->count == NAMED_ARRAY_MOST || !value || rows == 0)
@@ -40,7 +40,7 @@ static void add(arrays *arrays, const char *name, const char *unit, size_t rows,
 }
 
 /* Allocate memory for a computed array. Returns NULL where memory runs out. */
-static double *own(arrays *arrays, size_t count)
+static double *allocate_array(arrays *arrays, size_t count)
 {
     double *value = arrays->owners < NAMED_ARRAY_MOST ? calloc(count + 1, sizeof *value) : NULL;
     if (value)
@@ -115,10 +115,10 @@ static int write_arrays(const options *options, arrays *arrays)
 static void add_places(arrays *arrays, const design *design, const char *name, const int *node,
                        size_t count)
 {
-    double *place = own(arrays, 3 * count);
+    double *place = allocate_array(arrays, 3 * count);
     for (size_t i = 0; i < count && place; i++)
         memcpy(place + 3 * i, design->mesh.point[node ? (size_t)node[i] : i].x, 3 * sizeof *place);
-    add(arrays, name, design->scene->unit_length, count, 3, place);
+    add_array(arrays, name, design->scene->unit_length, count, 3, place);
 }
 
 int export_solve(const options *options, const analysis *analysis, const double *displacement,
@@ -129,17 +129,17 @@ int export_solve(const options *options, const analysis *analysis, const double 
     arrays arrays = {.count = 0};
     if (!export_is_wanted(options))
         return 0;
-    double *vector = own(&arrays, 3 * nodes);
+    double *vector = allocate_array(&arrays, 3 * nodes);
     add_places(&arrays, design, "node_place", NULL, nodes);
     if (vector)
         report_displacement(&design->mesh, displacement, vector);
-    add(&arrays, "displacement", design->scene->unit_length, nodes, 3, vector);
+    add_array(&arrays, "displacement", design->scene->unit_length, nodes, 3, vector);
     for (int k = 0; k < design->scene->outputs; k++) {
         const size_t first = (size_t)design->named_first[k],
                      rows = (size_t)design->named_first[k + 1] - first;
         char name[NAMED_ARRAY_NAME];
         snprintf(name, sizeof name, "output_%d", k + 1);
-        add(&arrays, name, design->scene->unit_length, rows, 0, value + first);
+        add_array(&arrays, name, design->scene->unit_length, rows, 0, value + first);
     }
     return write_arrays(options, &arrays);
 }
@@ -150,8 +150,10 @@ static void add_results(arrays *arrays, const shape_run *run)
     const design *design = &run->analysis->design;
     const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets,
                  count = (size_t)run->count;
-    double *voltage = own(arrays, count * amplifiers), *shape = own(arrays, count * targets),
-           *misfit = own(arrays, count * targets), *error = own(arrays, count);
+    double *voltage = allocate_array(arrays, count * amplifiers),
+           *shape = allocate_array(arrays, count * targets),
+           *misfit = allocate_array(arrays, count * targets),
+           *error = allocate_array(arrays, count);
     if (arrays->is_full)
         return;
     for (size_t row = 0; row < count; row++) {
@@ -162,10 +164,10 @@ static void add_results(arrays *arrays, const shape_run *run)
             misfit[row * targets + i] = result->shape[i] - result->aligned_target[i];
         error[row] = result->error;
     }
-    add(arrays, "voltage", design->scene->unit_voltage, count, amplifiers, voltage);
-    add(arrays, "shape", design->scene->unit_length, count, targets, shape);
-    add(arrays, "misfit", design->scene->unit_length, count, targets, misfit);
-    add(arrays, "error", "", count, 0, error);
+    add_array(arrays, "voltage", design->scene->unit_voltage, count, amplifiers, voltage);
+    add_array(arrays, "shape", design->scene->unit_length, count, targets, shape);
+    add_array(arrays, "misfit", design->scene->unit_length, count, targets, misfit);
+    add_array(arrays, "error", "", count, 0, error);
 }
 
 int export_shape(const options *options, const shape_run *run)
@@ -178,13 +180,14 @@ int export_shape(const options *options, const shape_run *run)
     if (!export_is_wanted(options))
         return 0;
     add_places(&arrays, design, "place", design->target_node, targets);
-    add(&arrays, "weight", "", targets, 0, design->weight);
-    add(&arrays, "target", scene->unit_length, targets, 0, design->target);
-    add(&arrays, "wanted", scene->unit_length, targets, 0, design->wanted);
-    add(&arrays, "influence", influence_unit(scene, unit), targets, amplifiers, design->influence);
-    add(&arrays, "lower", scene->unit_voltage, amplifiers, 0, design->lower);
-    add(&arrays, "upper", scene->unit_voltage, amplifiers, 0, design->upper);
-    add(&arrays, "step_limit", scene->unit_voltage, amplifiers, 0, design->step_limit);
+    add_array(&arrays, "weight", "", targets, 0, design->weight);
+    add_array(&arrays, "target", scene->unit_length, targets, 0, design->target);
+    add_array(&arrays, "wanted", scene->unit_length, targets, 0, design->wanted);
+    add_array(&arrays, "influence", influence_unit(scene, unit), targets, amplifiers,
+              design->influence);
+    add_array(&arrays, "lower", scene->unit_voltage, amplifiers, 0, design->lower);
+    add_array(&arrays, "upper", scene->unit_voltage, amplifiers, 0, design->upper);
+    add_array(&arrays, "step_limit", scene->unit_voltage, amplifiers, 0, design->step_limit);
     add_results(&arrays, run);
     return write_arrays(options, &arrays);
 }
@@ -195,13 +198,13 @@ int export_modes(const options *options, const design *design, const vibration *
     arrays arrays = {.count = 0};
     if (!export_is_wanted(options))
         return 0;
-    double *shape = own(&arrays, count * 3 * nodes);
+    double *shape = allocate_array(&arrays, count * 3 * nodes);
     add_places(&arrays, design, "node_place", NULL, nodes);
     for (size_t k = 0; k < count && shape; k++)
         report_displacement(&design->mesh, vibration->shape + k * (size_t)design->mesh.free_dof,
                             shape + k * 3 * nodes);
-    add(&arrays, "frequency", "Hz", count, 0, vibration->frequency);
-    add(&arrays, "mode_shape", "", count, 3 * nodes, shape);
+    add_array(&arrays, "frequency", "Hz", count, 0, vibration->frequency);
+    add_array(&arrays, "mode_shape", "", count, 3 * nodes, shape);
     return write_arrays(options, &arrays);
 }
 
@@ -218,18 +221,18 @@ int export_simulation(const options *options, const simulation *simulation, cons
     if (!export_is_wanted(options))
         return 0;
     for (size_t k = 0; k < HISTORY_COLUMNS; k++) {
-        double *column = own(&arrays, history->ticks);
+        double *column = allocate_array(&arrays, history->ticks);
         for (size_t tick = 0; tick < history->ticks && column; tick++)
             column[tick] = history->row[tick * HISTORY_COLUMNS + k];
-        add(&arrays, name[k], k == 0 ? "s" : "", history->ticks, 0, column);
+        add_array(&arrays, name[k], k == 0 ? "s" : "", history->ticks, 0, column);
     }
-    add(&arrays, "voltage", design->scene->unit_voltage, history->ticks, amplifiers,
-        history->voltage);
+    add_array(&arrays, "voltage", design->scene->unit_voltage, history->ticks, amplifiers,
+              history->voltage);
     add_places(&arrays, design, "place", design->target_node, targets);
-    add(&arrays, "target", design->scene->unit_length, targets, 0, design->target);
-    add(&arrays, "influence", influence_unit(design->scene, unit), targets, amplifiers,
-        design->influence);
-    add(&arrays, "lower", design->scene->unit_voltage, amplifiers, 0, design->lower);
-    add(&arrays, "upper", design->scene->unit_voltage, amplifiers, 0, design->upper);
+    add_array(&arrays, "target", design->scene->unit_length, targets, 0, design->target);
+    add_array(&arrays, "influence", influence_unit(design->scene, unit), targets, amplifiers,
+              design->influence);
+    add_array(&arrays, "lower", design->scene->unit_voltage, amplifiers, 0, design->lower);
+    add_array(&arrays, "upper", design->scene->unit_voltage, amplifiers, 0, design->upper);
     return write_arrays(options, &arrays);
 }

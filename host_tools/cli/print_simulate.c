@@ -42,36 +42,36 @@ static void print_csv_tick(FILE *file, const scene *scene, int estimates,
 
 /* ---- output during the run --------------------------------------------- */
 
-typedef struct onlookers {
+typedef struct receivers {
     const scene *scene;
     const simulate_sinks *sinks;
     int estimates;
-} onlookers;
+} receivers;
 
-static void look(void *context, const simulate_sample *sample)
+static void receive_tick(void *context, const simulate_sample *sample)
 {
-    onlookers *onlookers = context;
-    record_tick(onlookers->sinks->record, sample);
-    if (onlookers->sinks->history && sample->law == LAW_CONTROLLER)
-        history_add(onlookers->sinks->history, onlookers->scene, sample);
-    if (onlookers->sinks->csv && sample->law == LAW_CONTROLLER)
-        print_csv_tick(onlookers->sinks->csv, onlookers->scene, onlookers->estimates, sample);
-    progress_count(sample->tick + 1, onlookers->scene->simulate.ticks);
+    receivers *receivers = context;
+    record_tick(receivers->sinks->record, sample);
+    if (receivers->sinks->history && sample->law == LAW_CONTROLLER)
+        history_add(receivers->sinks->history, receivers->scene, sample);
+    if (receivers->sinks->csv && sample->law == LAW_CONTROLLER)
+        print_csv_tick(receivers->sinks->csv, receivers->scene, receivers->estimates, sample);
+    progress_count(sample->tick + 1, receivers->scene->simulate.ticks);
 }
 
 int print_run(simulation *simulation, const simulate_sinks *sinks, char *error)
 {
-    onlookers onlookers = {simulation->nominal->design.scene, sinks, simulation->estimates};
+    receivers receivers = {simulation->nominal->design.scene, sinks, simulation->estimates};
     if (sinks->csv)
-        print_csv_head(sinks->csv, onlookers.scene, simulation->estimates);
+        print_csv_head(sinks->csv, receivers.scene, simulation->estimates);
     progress_stage("simulating the controller");
-    if (simulate_run(simulation, LAW_CONTROLLER, look, &onlookers, error) < 0)
+    if (simulate_run(simulation, LAW_CONTROLLER, receive_tick, &receivers, error) < 0)
         return -1;
     progress_stage("simulating clipped voltages");
-    if (simulate_run(simulation, LAW_CLAMP, look, &onlookers, error) < 0)
+    if (simulate_run(simulation, LAW_CLAMP, receive_tick, &receivers, error) < 0)
         return -1;
     progress_stage("simulating regularised, then clipped voltages");
-    if (simulate_run(simulation, LAW_REGULARISED, look, &onlookers, error) < 0)
+    if (simulate_run(simulation, LAW_REGULARISED, receive_tick, &receivers, error) < 0)
         return -1;
     progress_stage("optimum of each phase");
     return simulate_optima(simulation, error);
@@ -231,7 +231,7 @@ static void print_estimated(const simulation *simulation)
            100 * worst->course[LAW_CONTROLLER].measurement_error, worst->from);
 }
 
-static void print_found(const simulation *simulation)
+static void print_detected(const simulation *simulation)
 {
     const simulate_count *count = &simulation->count[LAW_CONTROLLER];
     if (simulation->nominal->design.scene->simulate.finds)
@@ -262,7 +262,7 @@ void print_simulation(const simulation *simulation, const simulate_record *recor
         print_history(record, simulation->nominal->design.scene->control.rate);
     print_count(simulation, LAW_CONTROLLER);
     print_estimated(simulation);
-    print_found(simulation);
+    print_detected(simulation);
     print_board(simulation);
     print_count(simulation, LAW_CLAMP);
     print_count(simulation, LAW_REGULARISED);

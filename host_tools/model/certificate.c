@@ -57,7 +57,7 @@ static void fill_loop(const double *loop, int stride, const double *square, int 
  * Number of modes whose vibration lasts from tick to tick; the other modes enter with their static
  * response only.
  */
-static int lasting(const double *square, int modes, const double *damping, double interval)
+static int lasting_modes(const double *square, int modes, const double *damping, double interval)
 {
     int count = 0;
     while (count < modes && damping[count] * sqrt(square[count]) * interval < decayed)
@@ -68,7 +68,7 @@ static int lasting(const double *square, int modes, const double *damping, doubl
 double certificate_radius(const double *loop, const double *square, int modes,
                           const double *damping, int delay, double interval, int squarings)
 {
-    const int count = lasting(square, modes, damping, interval);
+    const int count = lasting_modes(square, modes, damping, interval);
     const size_t order = (size_t)count * (size_t)(delay + 3);
     double *matrix = malloc((2 * order * order + 1) * sizeof *matrix), radius = (double)NAN;
     if (matrix) {
@@ -138,7 +138,7 @@ static void rate_text(const certificate *certificate, char text[SCENE_ERROR])
 }
 
 /* Append formatted text to the description of a certificate, as printf does. */
-static void append(char text[CERTIFICATE_TEXT], const char *format, ...)
+static void append_text(char text[CERTIFICATE_TEXT], const char *format, ...)
 {
     const size_t length = strlen(text);
     va_list values;
@@ -159,14 +159,15 @@ static const char *plural(int count)
 static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     if (!loop->is_stable)
-        append(text, "The damped tick is not safe.");
+        append_text(text, "The damped tick is not safe.");
     else if (loop->observed > 0)
-        append(text, "The damped tick is stable and damps %d mode%s from %.4g to %.4g Hz.",
-               loop->observed, plural(loop->observed), loop->observed_from, loop->observed_to);
+        append_text(text, "The damped tick is stable and damps %d mode%s from %.4g to %.4g Hz.",
+                    loop->observed, plural(loop->observed), loop->observed_from, loop->observed_to);
     else
-        append(text,
-               "The tick is stable and damps no mode, because each turns by more than 2 rad in a "
-               "tick:\nit follows the static optimum so slowly that vibration decays by itself.");
+        append_text(
+            text,
+            "The tick is stable and damps no mode, because each turns by more than 2 rad in a "
+            "tick:\nit follows the static optimum so slowly that vibration decays by itself.");
 }
 
 /*
@@ -175,53 +176,57 @@ static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEX
  */
 static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
-    append(text,
-           "\nStorms (targets jump faster than the voltages can follow, then the last one stands; "
-           "in a third of\nthem 5 %% of the ticks are missed): ");
+    append_text(
+        text,
+        "\nStorms (targets jump faster than the voltages can follow, then the last one stands; "
+        "in a third of\nthem 5 %% of the ticks are missed): ");
     if (loop->storms == 0) {
-        append(text, "none was run.");
+        append_text(text, "none was run.");
         return;
     }
-    append(text,
-           "\n%d of %d storms settle; the worst ends %.3g of the target from the best shape "
-           "(allowed: %g).",
-           loop->storms - loop->failed, loop->storms, loop->worst, CERTIFICATE_TOLERANCE);
+    append_text(text,
+                "\n%d of %d storms settle; the worst ends %.3g of the target from the best shape "
+                "(allowed: %g).",
+                loop->storms - loop->failed, loop->storms, loop->worst, CERTIFICATE_TOLERANCE);
 }
 
 /* Append the sentences on the error of the readings' age that a stable loop tolerates. */
 static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
-    append(text,
-           "\nAge of the readings: every storm settles, too, with readings %d tick%s older%s than "
-           "the scene says",
-           loop->older, plural(loop->older), loop->ends_at_most ? " (more were not tried)" : "");
+    append_text(
+        text,
+        "\nAge of the readings: every storm settles, too, with readings %d tick%s older%s than "
+        "the scene says",
+        loop->older, plural(loop->older), loop->ends_at_most ? " (more were not tried)" : "");
     if (loop->delay > 0)
-        append(text, ",\nand %d tick%s newer", loop->newer, plural(loop->newer));
-    append(text, ".");
+        append_text(text, ",\nand %d tick%s newer", loop->newer, plural(loop->newer));
+    append_text(text, ".");
     if (loop->older == 0)
-        append(text, "\nREADINGS ONE TICK OLDER CAN MAKE THE LOOP SWING WITHOUT END.");
+        append_text(text, "\nREADINGS ONE TICK OLDER CAN MAKE THE LOOP SWING WITHOUT END.");
 }
 
 /* Append the sentences on the margins and stable tick rates of a loop with a vibration model. */
 static void margin_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     if (loop->has_margins)
-        append(text,
-               "\nMargins of the growth: gain x %.3g, frequencies x %.3g to x %.3g (tried: gain to "
-               "x 10,\nfrequencies x 0.1 to x 5).",
-               loop->margin_gain, loop->margin_slow, loop->margin_fast);
+        append_text(
+            text,
+            "\nMargins of the growth: gain x %.3g, frequencies x %.3g to x %.3g (tried: gain to "
+            "x 10,\nfrequencies x 0.1 to x 5).",
+            loop->margin_gain, loop->margin_slow, loop->margin_fast);
     if (loop->rate_to > 0)
-        append(text,
-               "\nTick rates that pass growth and two storms, with tables for each: %.6g to %.6g a "
-               "second\n(tried: 1/32 to 32 times the scene's rate).",
-               loop->rate_from, loop->rate_to);
+        append_text(
+            text,
+            "\nTick rates that pass growth and two storms, with tables for each: %.6g to %.6g a "
+            "second\n(tried: 1/32 to 32 times the scene's rate).",
+            loop->rate_from, loop->rate_to);
 }
 
 /* Append all sentences on a loop with a vibration model. */
 static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     verdict_text(loop, text);
-    append(
+    append_text(
         text,
         "\nTried on structures with %d modes whose response to voltages is 0.8 to 1.33 of the "
         "model's (gain)\nand whose frequencies are 0.9 to 1.1 of the model's.\n"

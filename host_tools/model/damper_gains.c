@@ -144,7 +144,7 @@ static int doubling_open(doubling *doubling, size_t order)
  * Add `next` to the iterate of the doubling that converges to the solution of the Riccati equation.
  * Returns the largest change of an entry relative to the largest entry.
  */
-static double renew(doubling *doubling, const double *next)
+static double add_change(doubling *doubling, const double *next)
 {
     double change = 0, size = 0;
     for (size_t i = 0; i < doubling->n * doubling->n; i++) {
@@ -163,7 +163,7 @@ static double renew(doubling *doubling, const double *next)
  * iterates h, g and a become h + a' h w a, g + a w g a' and a w a. Returns the relative change of
  * h, or NAN where a matrix is singular.
  */
-static double advance(doubling *doubling)
+static double double_once(doubling *doubling)
 {
     const size_t order = doubling->n;
     multiply(doubling->work, doubling->g, doubling->h, order, false);
@@ -175,7 +175,7 @@ static double advance(doubling *doubling)
     multiply(doubling->work, doubling->w, doubling->a, order, false);
     multiply(doubling->other, doubling->h, doubling->work, order, false);
     multiply(doubling->work, doubling->a, doubling->other, order, true);
-    const double change = renew(doubling, doubling->work);
+    const double change = add_change(doubling, doubling->work);
     multiply(doubling->work, doubling->aw, doubling->g, order, false);
     for (size_t i = 0; i < order; i++)
         for (size_t j = 0; j < order; j++)
@@ -192,7 +192,8 @@ static double advance(doubling *doubling)
  * Set the initial iterates of the doubling: transposed transition matrix, measurement information
  * and process noise of the modes.
  */
-static void fill(doubling *doubling, const damper_model *model, const damper_settings *settings)
+static void start_doubling(doubling *doubling, const damper_model *model,
+                           const damper_settings *settings)
 {
     const size_t modes = model->modes, all = 3 * modes;
     for (size_t i = 0; i < modes; i++) {
@@ -247,9 +248,9 @@ static int solve_observer(damper_gains *gains, const damper_model *model,
     double change = 1;
     if (doubling_open(&doubling, 3 * model->modes) != 0)
         return -1;
-    fill(&doubling, model, settings);
+    start_doubling(&doubling, model, settings);
     for (int i = 0; i < DOUBLINGS && change > converged; i++)
-        change = advance(&doubling);
+        change = double_once(&doubling);
     const int failed =
         change <= 100 * converged ? fill_observer(gains->observer, &doubling, model) : -1;
     if (!failed && gains->covariance)

@@ -34,7 +34,7 @@ typedef struct estimation {
                                                          [sensors], [targets] and [sensors] */
 } estimation;
 
-static int take(estimation *estimation)
+static int allocate(estimation *estimation)
 {
     const size_t inputs = estimation->analysis->design.structure.input.count;
     estimation->sigma = calloc(estimation->disturbances + 1, sizeof *estimation->sigma);
@@ -59,7 +59,7 @@ static int take(estimation *estimation)
            estimation->rotated;
 }
 
-static void give_back(estimation *estimation)
+static void release(estimation *estimation)
 {
     double *const all[] = {estimation->sigma,       estimation->sensitivity,    estimation->noise,
                            estimation->shape,       estimation->scaled_reading, estimation->square,
@@ -162,7 +162,7 @@ static int fill_sensitivities(estimation *estimation)
  * Compute the weighted shapes, the readings divided by the noise, and the covariance of these
  * readings, for disturbances of one standard deviation.
  */
-static void form(estimation *estimation)
+static void form_covariance(estimation *estimation)
 {
     const design *design = &estimation->analysis->design;
     const size_t inputs = design->structure.input.count;
@@ -351,7 +351,7 @@ static void find_worst(estimation *estimation, estimator *estimator)
         estimator->worst[i] /= most;
 }
 
-static void rate(const estimation *estimation, estimator *estimator)
+static void measure_sensors(const estimation *estimation, estimator *estimator)
 {
     double least = HUGE_VAL, most = 0;
     for (size_t i = 0; i < estimation->sensors; i++) {
@@ -412,7 +412,7 @@ static int check_observability(const estimator *estimator, const analysis *analy
         text);
 }
 
-static int build(estimation *estimation, estimator *estimator, char *error)
+static int build_estimator(estimation *estimation, estimator *estimator, char *error)
 {
     const design *design = &estimation->analysis->design;
     const size_t inputs = design->structure.input.count;
@@ -426,7 +426,7 @@ static int build(estimation *estimation, estimator *estimator, char *error)
         calloc(estimation->targets * estimation->sensors + 1, sizeof *estimator->gain);
     estimator->worst = calloc(estimation->targets + 1, sizeof *estimator->worst);
     if (!estimator->shape_per_load || !estimator->reading_per_load || !estimator->direct ||
-        !estimator->gain || !estimator->worst || !take(estimation))
+        !estimator->gain || !estimator->worst || !allocate(estimation))
         return no_memory(estimation->analysis, error);
     for (size_t i = 0; i < estimation->targets; i++)
         memcpy(estimator->shape_per_load + i * estimation->loads,
@@ -436,12 +436,12 @@ static int build(estimation *estimation, estimator *estimator, char *error)
         find_sizes(estimation);
         if (fill_sensitivities(estimation) < 0)
             return no_memory(estimation->analysis, error);
-        form(estimation);
+        form_covariance(estimation);
         diagonalise(estimation);
         make_gains(estimation, estimator);
         measure_errors(estimation, estimator);
         find_worst(estimation, estimator);
-        rate(estimation, estimator);
+        measure_sensors(estimation, estimator);
     }
     fill_tables(estimator, design);
     return estimation->sensors > 0 ? check_observability(estimator, estimation->analysis, error)
@@ -462,8 +462,8 @@ int estimator_open(estimator *estimator, const analysis *analysis, char *error)
             (size_t)analysis_outputs(analysis, design->scene->estimate.reading[reading].output);
     estimator->sensors = (int)estimation.sensors;
     estimator->disturbances = (int)estimation.disturbances;
-    const int failed = build(&estimation, estimator, error);
-    give_back(&estimation);
+    const int failed = build_estimator(&estimation, estimator, error);
+    release(&estimation);
     if (failed)
         estimator_close(estimator);
     return failed;

@@ -19,7 +19,7 @@
  * consists of a displacement and a load factor; `direction` is the increment of the last step,
  * which distinguishes forwards from backwards.
  */
-typedef struct walk {
+typedef struct arc_search {
     pzs_solver *solver;
     const double *full; /* [inputs] input values of the scene at full load */
     size_t n;
@@ -37,43 +37,45 @@ typedef struct walk {
     double load_factor; /* load factor at the present point of the load path */
     double start_factor; /* load factor at the last converged point of the load path */
     int iterations;
-} walk;
+} arc_search;
 
-static double inner(const walk *walk, const double *first, const double *second)
+static double scalar_product(const arc_search *arc_search, const double *first,
+                             const double *second)
 {
     double sum = 0;
-    for (size_t i = 0; i < walk->n; i++)
-        sum += walk->metric[i] * first[i] * second[i];
+    for (size_t i = 0; i < arc_search->n; i++)
+        sum += arc_search->metric[i] * first[i] * second[i];
     return sum;
 }
 
-static void fill_metric(walk *walk)
+static void fill_metric(arc_search *arc_search)
 {
-    const pzs_structure *structure = walk->solver->state.model->state.structure;
+    const pzs_structure *structure = arc_search->solver->state.model->state.structure;
     const double thickness = structure->type[0].thickness;
     for (uint32_t i = 0; i < (uint32_t)structure->nodes * structure->dof_per_node; i++)
         if (structure->node_dof[i] != PZS_CONSTRAINED)
-            walk->metric[structure->node_dof[i]] =
+            arc_search->metric[structure->node_dof[i]] =
                 i % structure->dof_per_node < 3 ? 1 : thickness * thickness;
 }
 
 /* Allocate the vectors of the arc-length method. Returns 0, or -1 where memory runs out. */
-static int walk_open(walk *walk, analysis *analysis)
+static int arc_open(arc_search *arc_search, analysis *analysis)
 {
-    memset(walk, 0, sizeof *walk);
-    walk->solver = &analysis->equilibrium.solver;
-    walk->full = analysis->equilibrium.full_input;
-    walk->n = (size_t)analysis->design.mesh.free_dof;
-    double **const vector[] = {&walk->metric,    &walk->start,       &walk->direction,
-                               &walk->increment, &walk->by_residual, &walk->by_load,
-                               &walk->unit};
+    memset(arc_search, 0, sizeof *arc_search);
+    arc_search->solver = &analysis->equilibrium.solver;
+    arc_search->full = analysis->equilibrium.full_input;
+    arc_search->n = (size_t)analysis->design.mesh.free_dof;
+    double **const vector[] = {&arc_search->metric,      &arc_search->start,
+                               &arc_search->direction,   &arc_search->increment,
+                               &arc_search->by_residual, &arc_search->by_load,
+                               &arc_search->unit};
     const size_t vectors = sizeof vector / sizeof *vector;
-    walk->memory = calloc(vectors * walk->n, sizeof *walk->memory);
-    if (!walk->memory)
+    arc_search->memory = calloc(vectors * arc_search->n, sizeof *arc_search->memory);
+    if (!arc_search->memory)
         return -1;
     for (size_t i = 0; i < vectors; i++)
-        *vector[i] = walk->memory + i * walk->n;
-    fill_metric(walk);
+        *vector[i] = arc_search->memory + i * arc_search->n;
+    fill_metric(arc_search);
     return 0;
 }
 
@@ -83,29 +85,29 @@ static int walk_open(walk *walk, analysis *analysis)
  * Set the solver to the displacement of the last converged point plus the present increment, at the
  * present load factor.
  */
-static void set_point(walk *walk)
+static void set_point(arc_search *arc_search)
 {
-    pzs_solver *solver = walk->solver;
+    pzs_solver *solver = arc_search->solver;
     const uint32_t inputs = solver->state.model->state.structure->input.count;
-    for (size_t i = 0; i < walk->n; i++)
-        solver->state.displacement[i] = walk->start[i] + walk->increment[i];
+    for (size_t i = 0; i < arc_search->n; i++)
+        solver->state.displacement[i] = arc_search->start[i] + arc_search->increment[i];
     for (uint32_t j = 0; j < inputs; j++)
-        solver->state.input_value[j] = walk->load_factor * walk->full[j];
+        solver->state.input_value[j] = arc_search->load_factor * arc_search->full[j];
     pzs_nonlinear_set_prescribed(solver);
 }
 
 /* Compute the force per unit of the load factor at the present point and store it in by_load. */
-static void full_force(walk *walk)
+static void full_force(arc_search *arc_search)
 {
-    const uint32_t inputs = walk->solver->state.model->state.structure->input.count;
-    memset(walk->by_load, 0, walk->n * sizeof *walk->by_load);
+    const uint32_t inputs = arc_search->solver->state.model->state.structure->input.count;
+    memset(arc_search->by_load, 0, arc_search->n * sizeof *arc_search->by_load);
     for (uint32_t j = 0; j < inputs; j++) {
-        if (walk->full[j] == 0)
+        if (arc_search->full[j] == 0)
             continue;
-        memset(walk->unit, 0, walk->n * sizeof *walk->unit);
-        pzs_nonlinear_unit_force(walk->solver, j, walk->unit);
-        for (size_t i = 0; i < walk->n; i++)
-            walk->by_load[i] += walk->full[j] * walk->unit[i];
+        memset(arc_search->unit, 0, arc_search->n * sizeof *arc_search->unit);
+        pzs_nonlinear_unit_force(arc_search->solver, j, arc_search->unit);
+        for (size_t i = 0; i < arc_search->n; i++)
+            arc_search->by_load[i] += arc_search->full[j] * arc_search->unit[i];
     }
 }
 
@@ -113,18 +115,18 @@ static void full_force(walk *walk)
  * Assemble and factor the tangent stiffness at the present point, and solve for by_residual and
  * by_load. Returns false if the tangent stiffness is singular.
  */
-static bool solve_both(walk *walk)
+static bool solve_both(arc_search *arc_search)
 {
-    pzs_solver *solver = walk->solver;
-    set_point(walk);
-    pzs_nonlinear_build(solver, true, walk->by_residual);
-    full_force(walk);
-    walk->iterations++;
+    pzs_solver *solver = arc_search->solver;
+    set_point(arc_search);
+    pzs_nonlinear_build(solver, true, arc_search->by_residual);
+    full_force(arc_search);
+    arc_search->iterations++;
     if (!pzs_nonlinear_factor(solver))
         return false;
-    pzs_model_backsolve(solver->state.model, walk->by_residual, walk->by_residual);
-    pzs_model_backsolve(solver->state.model, walk->by_load, walk->by_load);
-    return pzs_guard_nonfinite(walk->by_load, (uint32_t)walk->n) < 0;
+    pzs_model_backsolve(solver->state.model, arc_search->by_residual, arc_search->by_residual);
+    pzs_model_backsolve(solver->state.model, arc_search->by_load, arc_search->by_load);
+    return pzs_guard_nonfinite(arc_search->by_load, (uint32_t)arc_search->n) < 0;
 }
 
 /* ---- one step --------------------------------------------------------- */
@@ -135,18 +137,22 @@ static bool solve_both(walk *walk)
  * per unit of the load factor; of the two solutions of |increment + by_residual + change by_load|^2
  * = arc^2, the one that turns the increment less is returned, or NAN where there is none.
  */
-static double constrained_change(const walk *walk, double arc)
+static double constrained_change(const arc_search *arc_search, double arc)
 {
-    const double *load = walk->by_load, *residual = walk->by_residual, *increment = walk->increment;
-    const double load2 = inner(walk, load, load);
-    const double half = inner(walk, increment, load) + inner(walk, residual, load);
-    const double rest = inner(walk, increment, increment) + 2 * inner(walk, increment, residual) +
-                        inner(walk, residual, residual) - arc * arc;
+    const double *load = arc_search->by_load, *residual = arc_search->by_residual,
+                 *increment = arc_search->increment;
+    const double load2 = scalar_product(arc_search, load, load);
+    const double half =
+        scalar_product(arc_search, increment, load) + scalar_product(arc_search, residual, load);
+    const double rest = scalar_product(arc_search, increment, increment) +
+                        2 * scalar_product(arc_search, increment, residual) +
+                        scalar_product(arc_search, residual, residual) - arc * arc;
     const double root = sqrt(half * half - load2 * rest);
-    const double along = inner(walk, increment, load); /* scalar product of the increment and the
-                                                          change of displacement per unit of the
-                                                          load factor; its sign decides which of the
-                                                          two solutions turns the increment less */
+    const double along = scalar_product(arc_search, increment, load); /* scalar product of the
+                                                          increment and the change of displacement
+                                                          per unit of the load factor; its sign
+                                                          decides which of the two solutions turns
+                                                          the increment less */
     return (-half + (along < 0 ? -root : root)) / load2;
 }
 
@@ -154,23 +160,23 @@ static double constrained_change(const walk *walk, double arc)
  * Correct the increment until it leads to an equilibrium at the distance `arc` from the last
  * converged point. Returns whether the iteration has converged.
  */
-static bool correct(walk *walk, double arc)
+static bool correct_increment(arc_search *arc_search, double arc)
 {
     enum { CORRECTIONS = 12 };
     const double tolerance = 1e-8;
     for (int i = 0; i < CORRECTIONS; i++) {
-        if (!solve_both(walk))
+        if (!solve_both(arc_search))
             return false;
-        const double change = constrained_change(walk, arc);
+        const double change = constrained_change(arc_search, arc);
         if (!isfinite(change))
             return false;
         double moved2 = 0;
-        for (size_t k = 0; k < walk->n; k++) {
-            const double by = walk->by_residual[k] + change * walk->by_load[k];
-            walk->increment[k] += by;
-            moved2 += walk->metric[k] * by * by;
+        for (size_t k = 0; k < arc_search->n; k++) {
+            const double by = arc_search->by_residual[k] + change * arc_search->by_load[k];
+            arc_search->increment[k] += by;
+            moved2 += arc_search->metric[k] * by * by;
         }
-        walk->load_factor += change;
+        arc_search->load_factor += change;
         if (moved2 <= tolerance * tolerance * arc * arc)
             return true;
     }
@@ -178,20 +184,20 @@ static bool correct(walk *walk, double arc)
 }
 
 /* Sign of the change of the load factor that continues in the direction of the last step. */
-static double forwards(const walk *walk)
+static double forward_sign(const arc_search *arc_search)
 {
-    return inner(walk, walk->direction, walk->by_load) < 0 ? -1 : 1;
+    return scalar_product(arc_search, arc_search->direction, arc_search->by_load) < 0 ? -1 : 1;
 }
 
 /*
  * Return to the last converged point and compute its tangent stiffness. Returns whether this has
  * succeeded.
  */
-static bool go_back(walk *walk)
+static bool restore_start(arc_search *arc_search)
 {
-    memset(walk->increment, 0, walk->n * sizeof *walk->increment);
-    walk->load_factor = walk->start_factor;
-    return solve_both(walk);
+    memset(arc_search->increment, 0, arc_search->n * sizeof *arc_search->increment);
+    arc_search->load_factor = arc_search->start_factor;
+    return solve_both(arc_search);
 }
 
 /*
@@ -199,27 +205,29 @@ static bool go_back(walk *walk)
  * factored. Returns whether the step has converged; then by_load and the pivots belong to the new
  * point, and `start` is still the old point.
  */
-static bool try_step(walk *walk, double arc)
+static bool try_step(arc_search *arc_search, double arc)
 {
-    const double change = forwards(walk) * arc / sqrt(inner(walk, walk->by_load, walk->by_load));
-    for (size_t i = 0; i < walk->n; i++)
-        walk->increment[i] = change * walk->by_load[i];
-    walk->load_factor = walk->start_factor + change;
-    return correct(walk, arc) && solve_both(walk);
+    const double change =
+        forward_sign(arc_search) * arc /
+        sqrt(scalar_product(arc_search, arc_search->by_load, arc_search->by_load));
+    for (size_t i = 0; i < arc_search->n; i++)
+        arc_search->increment[i] = change * arc_search->by_load[i];
+    arc_search->load_factor = arc_search->start_factor + change;
+    return correct_increment(arc_search, arc) && solve_both(arc_search);
 }
 
 /*
  * Make the present point of the load path the last converged point, from which the next step
  * starts.
  */
-static void accept(walk *walk)
+static void accept_point(arc_search *arc_search)
 {
-    for (size_t i = 0; i < walk->n; i++) {
-        walk->direction[i] = walk->increment[i];
-        walk->start[i] += walk->increment[i];
-        walk->increment[i] = 0;
+    for (size_t i = 0; i < arc_search->n; i++) {
+        arc_search->direction[i] = arc_search->increment[i];
+        arc_search->start[i] += arc_search->increment[i];
+        arc_search->increment[i] = 0;
     }
-    walk->start_factor = walk->load_factor;
+    arc_search->start_factor = arc_search->load_factor;
 }
 
 /* ---- critical points -------------------------------------------------- */
@@ -238,10 +246,10 @@ typedef struct signature {
  * the change of the load factor and number of negative pivots.
  *   along [free_dof] in  an increment of the displacement in the direction of the path
  */
-static signature signature_at(const walk *walk, const double *along)
+static signature signature_at(const arc_search *arc_search, const double *along)
 {
-    return (signature){inner(walk, along, walk->by_load) < 0 ? -1.0 : 1.0,
-                       (int)walk->solver->info.negative_pivots};
+    return (signature){scalar_product(arc_search, along, arc_search->by_load) < 0 ? -1.0 : 1.0,
+                       (int)arc_search->solver->info.negative_pivots};
 }
 
 static bool differs(signature first, signature second, load_path_event_type type)
@@ -256,16 +264,17 @@ static bool differs(signature first, signature second, load_path_event_type type
  * of the change of the load factor and the number of negative pivots. The present point is
  * overwritten.
  */
-static double locate(walk *walk, double arc, signature before, load_path_event_type type)
+static double locate_critical_point(arc_search *arc_search, double arc, signature before,
+                                    load_path_event_type type)
 {
     enum { BISECTIONS = 14 };
-    double low = 0, high = arc, load_factor = walk->load_factor;
+    double low = 0, high = arc, load_factor = arc_search->load_factor;
     for (int i = 0; i < BISECTIONS; i++) {
         const double middle = (low + high) / 2;
-        if (!go_back(walk) || !try_step(walk, middle))
+        if (!restore_start(arc_search) || !try_step(arc_search, middle))
             return load_factor;
-        load_factor = walk->load_factor;
-        if (differs(before, signature_at(walk, walk->increment), type))
+        load_factor = arc_search->load_factor;
+        if (differs(before, signature_at(arc_search, arc_search->increment), type))
             high = middle;
         else
             low = middle;
@@ -284,36 +293,38 @@ static void add_event(load_path *path, load_path_event_type type, double load_fa
  * limit point changes the sign of one pivot; further sign changes are bifurcations. Returns whether
  * the end of the step could be restored.
  */
-static bool find_events(walk *walk, load_path *path, double arc, signature before)
+static bool find_events(arc_search *arc_search, load_path *path, double arc, signature before)
 {
-    const signature after = signature_at(walk, walk->increment);
+    const signature after = signature_at(arc_search, arc_search->increment);
     const bool is_limit = before.course != after.course;
     const int changes = abs(after.negative_pivots - before.negative_pivots);
     if (!is_limit && changes == 0)
         return true;
-    const double load_factor = walk->load_factor;
-    double *kept = malloc(walk->n * sizeof *kept);
+    const double load_factor = arc_search->load_factor;
+    double *kept = malloc(arc_search->n * sizeof *kept);
     if (!kept)
         return false;
-    memcpy(kept, walk->increment, walk->n * sizeof *kept);
+    memcpy(kept, arc_search->increment, arc_search->n * sizeof *kept);
     if (is_limit)
-        add_event(path, LOAD_PATH_LIMIT, locate(walk, arc, before, LOAD_PATH_LIMIT));
+        add_event(path, LOAD_PATH_LIMIT,
+                  locate_critical_point(arc_search, arc, before, LOAD_PATH_LIMIT));
     if (changes > is_limit)
-        add_event(path, LOAD_PATH_BIFURCATION, locate(walk, arc, before, LOAD_PATH_BIFURCATION));
-    memcpy(walk->increment, kept, walk->n * sizeof *kept);
+        add_event(path, LOAD_PATH_BIFURCATION,
+                  locate_critical_point(arc_search, arc, before, LOAD_PATH_BIFURCATION));
+    memcpy(arc_search->increment, kept, arc_search->n * sizeof *kept);
     free(kept);
-    walk->load_factor = load_factor;
-    return solve_both(walk);
+    arc_search->load_factor = load_factor;
+    return solve_both(arc_search);
 }
 
 /* ---- path ------------------------------------------------------------- */
 
-static void add_point(load_path *path, const walk *walk)
+static void add_point(load_path *path, const arc_search *arc_search)
 {
-    const pzs_solver *solver = walk->solver;
-    path->point[path->points] =
-        (load_path_point){walk->start_factor, (int)solver->info.negative_pivots, walk->iterations};
-    pzs_observe(solver->state.model->state.structure, walk->start,
+    const pzs_solver *solver = arc_search->solver;
+    path->point[path->points] = (load_path_point){
+        arc_search->start_factor, (int)solver->info.negative_pivots, arc_search->iterations};
+    pzs_observe(solver->state.model->state.structure, arc_search->start,
                 path->value + (size_t)path->points * (size_t)path->rows);
     path->points++;
 }
@@ -332,37 +343,39 @@ static double next_arc(double arc, int iterations, double longest)
  * Make all steps of the load path. The first step is as long as the linear displacement under a
  * twentieth of the load, and no step is longer than four times that.
  */
-static void take_steps(walk *walk, load_path *path)
+static void take_steps(arc_search *arc_search, load_path *path)
 {
-    const double first = sqrt(inner(walk, walk->by_load, walk->by_load)) / 20;
+    const double first =
+        sqrt(scalar_product(arc_search, arc_search->by_load, arc_search->by_load)) / 20;
     double arc = first;
-    memcpy(walk->direction, walk->by_load, walk->n * sizeof *walk->direction);
-    while (path->points < LOAD_PATH_POINTS && walk->start_factor < 1 && arc > first / 1024) {
-        const signature before = signature_at(walk, walk->direction);
-        walk->iterations = 0;
-        if (!try_step(walk, arc) || !find_events(walk, path, arc, before)) {
-            path->linear_solves += walk->iterations;
+    memcpy(arc_search->direction, arc_search->by_load,
+           arc_search->n * sizeof *arc_search->direction);
+    while (path->points < LOAD_PATH_POINTS && arc_search->start_factor < 1 && arc > first / 1024) {
+        const signature before = signature_at(arc_search, arc_search->direction);
+        arc_search->iterations = 0;
+        if (!try_step(arc_search, arc) || !find_events(arc_search, path, arc, before)) {
+            path->linear_solves += arc_search->iterations;
             arc /= 2;
-            if (!go_back(walk))
+            if (!restore_start(arc_search))
                 return;
             continue;
         }
-        path->linear_solves += walk->iterations;
-        accept(walk);
-        add_point(path, walk);
-        arc = next_arc(arc, walk->iterations, 4 * first);
+        path->linear_solves += arc_search->iterations;
+        accept_point(arc_search);
+        add_point(path, arc_search);
+        arc = next_arc(arc, arc_search->iterations, 4 * first);
     }
 }
 
 /* Make the last point of the path the equilibrium from which the solver continues. */
-static void hand_over(walk *walk)
+static void continue_from_end(arc_search *arc_search)
 {
-    pzs_solver *solver = walk->solver;
-    memset(walk->increment, 0, walk->n * sizeof *walk->increment);
-    walk->load_factor = walk->start_factor;
-    set_point(walk);
+    pzs_solver *solver = arc_search->solver;
+    memset(arc_search->increment, 0, arc_search->n * sizeof *arc_search->increment);
+    arc_search->load_factor = arc_search->start_factor;
+    set_point(arc_search);
     memcpy(solver->state.converged_displacement, solver->state.displacement,
-           walk->n * sizeof *solver->state.displacement);
+           arc_search->n * sizeof *solver->state.displacement);
     memcpy(solver->state.converged_input_value, solver->state.input_value,
            solver->state.model->state.structure->input.count * sizeof *solver->state.input_value);
     solver->settings.extrapolated_iterations = 0;
@@ -390,7 +403,7 @@ static int check_scene(const analysis *analysis, char *error)
 
 int load_path_follow(load_path *path, analysis *analysis, char *error)
 {
-    walk walk;
+    arc_search arc_search;
     memset(path, 0, sizeof *path);
     if (check_scene(analysis, error) < 0)
         return -1;
@@ -398,21 +411,22 @@ int load_path_follow(load_path *path, analysis *analysis, char *error)
     path->rows = (int)analysis->design.structure.output.count;
     path->value = calloc((size_t)LOAD_PATH_POINTS * ((size_t)path->rows + 1), sizeof *path->value);
     pzs_solver_reset(&analysis->equilibrium.solver);
-    if (!path->value || walk_open(&walk, analysis) < 0)
+    if (!path->value || arc_open(&arc_search, analysis) < 0)
         return scene_fault(scene, scene->at_surface, error, "out of memory");
-    if (!solve_both(&walk) || !(inner(&walk, walk.by_load, walk.by_load) > 0)) {
-        free(walk.memory);
+    if (!solve_both(&arc_search) ||
+        !(scalar_product(&arc_search, arc_search.by_load, arc_search.by_load) > 0)) {
+        free(arc_search.memory);
         return scene_fault(scene, scene->at_surface, error,
                            "--path: the scene has no load, or its reference state is not stiff");
     }
-    add_point(path, &walk);
-    take_steps(&walk, path);
-    hand_over(&walk);
-    path->is_complete = walk.start_factor >= 1;
+    add_point(path, &arc_search);
+    take_steps(&arc_search, path);
+    continue_from_end(&arc_search);
+    path->is_complete = arc_search.start_factor >= 1;
     if (!path->is_complete)
         scene_fault(scene, scene->at_surface, error,
-                    "the load path ends at %.4g of the load after %d points", walk.start_factor,
-                    path->points);
-    free(walk.memory);
+                    "the load path ends at %.4g of the load after %d points",
+                    arc_search.start_factor, path->points);
+    free(arc_search.memory);
     return 0;
 }

@@ -83,7 +83,7 @@ static double share(const laminate_place *place, int row, int column, double lum
 }
 
 /* Cosine of the angle between local axis a of node p and local axis b of node q. */
-static double between(const surface_point *p, int a, const surface_point *q, int b)
+static double cosine_between(const surface_point *p, int a, const surface_point *q, int b)
 {
     return p->e[a][0] * q->e[b][0] + p->e[a][1] * q->e[b][1] + p->e[a][2] * q->e[b][2];
 }
@@ -100,7 +100,7 @@ static void fill_element(const mesh *mesh, int element, double lumped,
             const surface_point *row_point = &mesh->point[mesh->element[element][row_corner]],
                                 *column_point = &mesh->point[mesh->element[element][column_corner]];
             const double cosine =
-                between(row_point, component_of[i], column_point, component_of[j]);
+                cosine_between(row_point, component_of[i], column_point, component_of[j]);
             *entry++ = place->area * share(place, row_corner, column_corner, lumped) *
                        m[function_of[i]][function_of[j]] * cosine;
         }

@@ -15,7 +15,7 @@
  *   last  in  difference between the results on the two finest meshes
  *   ratio in  difference before the last one over the last one; 4 for second order
  */
-static double slow_rest(double last, double ratio)
+static double remaining_error(double last, double ratio)
 {
     const double SLOWEST = 1.25, second_order = 1.0 / 3;
     return fabs(last) * (1 / (fmax(ratio, SLOWEST) - 1) - second_order);
@@ -31,7 +31,7 @@ mesh_estimate mesh_estimate_from(const double *value, int meshes)
     const double ratio = before / last;
     result.uncertainty = fmax(fabs(last), fabs(before) / 4);
     if (ratio > 0 && ratio < 4)
-        result.uncertainty += slow_rest(last, ratio);
+        result.uncertainty += remaining_error(last, ratio);
     if (ratio > 1)
         result.order = log2(ratio);
     return result;

@@ -113,7 +113,8 @@ static int is_repeated(const plausible_warning *warning, const struct rule *rule
  * Entry of the list for a new warning: the warning of the same rule on an earlier result, or the
  * next free entry. NULL where a worse or equal warning is stored, or the list is full.
  */
-static plausible_warning *place(plausible *warnings, const struct rule *rule, const measured *found)
+static plausible_warning *warning_entry(plausible *warnings, const struct rule *rule,
+                                        const measured *found)
 {
     for (int i = 0; i < warnings->count; i++) {
         if (is_repeated(&warnings->warning[i], rule, found))
@@ -132,7 +133,7 @@ static void warn(plausible *warnings, const scene *scene, const struct rule *rul
                  const measured *found)
 {
     const int is_above = found->value > rule->high;
-    plausible_warning *warning = place(warnings, rule, found);
+    plausible_warning *warning = warning_entry(warnings, rule, found);
     if (!warning)
         return;
     warning->rule = rule->name;

@@ -36,7 +36,7 @@ uint64_t tick_work_limit(const design *design)
 }
 
 /* Pseudo-random number in [-1, 1]; the sequence is the same in every run. */
-static double draw(uint64_t *seed)
+static double random_number(uint64_t *seed)
 {
     *seed = *seed * 6364136223846793005u + 1442695040888963407u;
     return (double)(*seed >> 11) * 0x1p-52 - 1;
@@ -46,21 +46,21 @@ static double draw(uint64_t *seed)
  * Compute a target that is the shape under random voltages of up to 1.5 times the limits.
  *   wanted [targets] out
  */
-static void jump(const design *design, uint64_t *seed, double *wanted)
+static void random_target(const design *design, uint64_t *seed, double *wanted)
 {
     memset(wanted, 0, (size_t)design->targets * sizeof *wanted);
     for (int k = 0; k < design->amplifiers; k++) {
         const double lower = design->problem.lower[k], upper = design->problem.upper[k];
         const double room = isfinite(upper - lower) ? upper - lower : 1;
-        const double voltage = .75 * room * draw(seed);
+        const double voltage = .75 * room * random_number(seed);
         for (int i = 0; i < design->targets; i++)
             wanted[i] += voltage * design->problem.influence[i * design->amplifiers + k];
     }
 }
 
 /* Number of multiply-adds of the optimiser in the longest of many ticks. */
-static uint64_t measure(const design *design, uint64_t limit, void *work, size_t bytes,
-                        double *wanted)
+static uint64_t longest_work(const design *design, uint64_t limit, void *work, size_t bytes,
+                             double *wanted)
 {
     pzs_problem problem = design->problem;
     pzs_control control;
@@ -72,7 +72,7 @@ static uint64_t measure(const design *design, uint64_t limit, void *work, size_t
         control.settings.work_limit = limit;
         for (int tick = 0; tick < TICKS / 3; tick++) {
             if (tick % hold == 0)
-                jump(design, &seed, wanted);
+                random_target(design, &seed, wanted);
             (void)pzs_tick(&control, wanted, NULL);
         }
         most = control.info.work_most > most ? control.info.work_most : most;
@@ -96,7 +96,7 @@ void tick_work_make(tick_work *result, const design *design)
         result->is_limited = given > 0;
         result->limit = given > 0 ? given : PZS_WORK_LIMIT(amplifiers);
         result->bound = PZS_STEP_WORK(amplifiers, targets, result->limit);
-        result->measured = measure(design, result->limit, work, bytes, wanted);
+        result->measured = longest_work(design, result->limit, work, bytes, wanted);
         result->ticks = TICKS / 3 * 3;
         result->instructions = instructions(design, (double)result->limit);
         result->longest = instructions(design, (double)result->measured);

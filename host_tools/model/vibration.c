@@ -115,7 +115,7 @@ static int count_below(search *search, double bound)
  * Whether the pivots of the stiffness matrix show, beyond rounding errors, that the supports
  * prevent every rigid motion.
  */
-static int is_held(const search *search, const linalg_inertia *inertia)
+static int has_supports(const search *search, const linalg_inertia *inertia)
 {
     return inertia->zero < 0 && inertia->negative == 0 && search->model.info.condition < held_below;
 }
@@ -154,7 +154,7 @@ static double upper_bound(search *search)
 static int choose_shift(search *search, int number)
 {
     linalg_inertia inertia = factor(search, 0, 0);
-    if (is_held(search, &inertia))
+    if (has_supports(search, &inertia))
         return 1;
     double bound = upper_bound(search);
     for (int i = 0; i < SHIFTS && isfinite(bound); i++) {
@@ -171,7 +171,7 @@ static int choose_shift(search *search, int number)
 /* ---- basis ------------------------------------------------------------ */
 
 /* Pseudo-random number in [-1, 1]; the sequence is the same in every run. */
-static double draw(search *search)
+static double random_number(search *search)
 {
     search->seed = search->seed * 6364136223846793005u + 1442695040888963407u;
     return (double)(search->seed >> 11) / 4503599627370496.0 - 1;
@@ -228,14 +228,14 @@ static void apply(search *search, const double *vector)
 }
 
 /* Append a random vector in which the lowest modes dominate to the basis. */
-static void inject(search *search)
+static void append_random(search *search)
 {
     double *vector = search->basis + search->made * search->n; /* random vector, in the memory
                                                                   behind the last basis vector */
     if (search->made == search->room)
         return;
     for (size_t k = 0; k < search->n; k++)
-        vector[k] = draw(search);
+        vector[k] = random_number(search);
     apply(search, vector);
     append(search, NULL);
 }
@@ -244,10 +244,10 @@ static void inject(search *search)
  * Apply the operator of the Lanczos method to one more basis vector. Returns whether there was a
  * vector left.
  */
-static int advance(search *search)
+static int extend_basis(search *search)
 {
     if (search->done == search->made)
-        inject(search);
+        append_random(search);
     if (search->done == search->made)
         return 0;
     apply(search, search->basis + search->done * search->n);
@@ -258,7 +258,7 @@ static int advance(search *search)
 
 /* ---- Ritz values ------------------------------------------------------ */
 
-static double value(const search *search, size_t i)
+static double ritz_value(const search *search, size_t i)
 {
     const size_t k = search->order[i];
     return search->ritz[k * search->done + k];
@@ -267,7 +267,7 @@ static double value(const search *search, size_t i)
 /* Squared angular frequency of the i-th lowest Ritz pair. */
 static double square_of(const search *search, size_t i)
 {
-    return 1 / value(search, i) - search->shift;
+    return 1 / ritz_value(search, i) - search->shift;
 }
 
 static void sort_values(search *search)
@@ -275,7 +275,7 @@ static void sort_values(search *search)
     for (size_t i = 0; i < search->done; i++) {
         size_t at = i;
         search->order[i] = i;
-        while (at > 0 && value(search, at) > value(search, at - 1)) {
+        while (at > 0 && ritz_value(search, at) > ritz_value(search, at - 1)) {
             const size_t swapped = search->order[at];
             search->order[at] = search->order[at - 1];
             search->order[at - 1] = swapped;
@@ -309,7 +309,7 @@ static double residual(const search *search, size_t i)
                    search->turn[j * search->done + search->order[i]];
         sum += row * row;
     }
-    return sqrt(sum) / value(search, i);
+    return sqrt(sum) / ritz_value(search, i);
 }
 
 /* Whether the first `number` Ritz pairs have converged. */
@@ -318,7 +318,7 @@ static int have_converged(const search *search, size_t number)
     if (search->done < number)
         return 0;
     for (size_t i = 0; i < number; i++)
-        if (!(value(search, i) > 0) || !(residual(search, i) < converged_at))
+        if (!(ritz_value(search, i) > 0) || !(residual(search, i) < converged_at))
             return 0;
     return 1;
 }
@@ -332,7 +332,7 @@ static size_t cluster_end(const search *search, size_t number)
     const double last = square_of(search, number - 1);
     const double limit = fmax(last * (1 + 1e-5), known_to * search->shift);
     size_t end = number;
-    while (end < search->done && value(search, end) > 0 && square_of(search, end) < limit)
+    while (end < search->done && ritz_value(search, end) > 0 && square_of(search, end) < limit)
         end++;
     return end;
 }
@@ -349,7 +349,7 @@ static size_t iterate(search *search, size_t number)
     for (;;) {
         int is_whole = 0;
         while (search->done < next && !is_whole)
-            is_whole = !advance(search);
+            is_whole = !extend_basis(search);
         find_ritz(search);
         const size_t end = search->done < number ? number : cluster_end(search, number);
         if (have_converged(search, end))
@@ -370,7 +370,7 @@ static double bound_above(const search *search, size_t found)
 {
     const double last = square_of(search, found - 1),
                  beyond = fmax(last, known_to * search->shift) * (1 + 1e-3);
-    if (found == search->done || !(value(search, found) > 0))
+    if (found == search->done || !(ritz_value(search, found) > 0))
         return beyond;
     return fmin(beyond, (last + square_of(search, found)) / 2);
 }
@@ -409,7 +409,7 @@ static int find_modes(search *search, size_t number, char *error)
         if (below == (int)found)
             return 0;
         for (int k = 0; k < BLOCK; k++)
-            inject(search);
+            append_random(search);
     }
     return scene_fault(of, of->at_surface, error,
                        "%d modes lie below %.6g Hz, but %zu were found; ask for more or fewer",
@@ -567,7 +567,7 @@ static void free_search(search *search)
     free(search->mw);
 }
 
-static int run(search *search, vibration *vibration, size_t number, char *error)
+static int search_modes(search *search, vibration *vibration, size_t number, char *error)
 {
     const scene *of = search->d->scene;
     if (!choose_shift(search, (int)number))
@@ -576,7 +576,7 @@ static int run(search *search, vibration *vibration, size_t number, char *error)
                            "has neither");
     const int block = search->shift > 0 ? BLOCK_LOOSE : BLOCK;
     for (int i = 0; i < block; i++)
-        inject(search);
+        append_random(search);
     if (find_modes(search, number, error) < 0)
         return -1;
     if (!allocate_results(vibration, number, search->n))
@@ -609,7 +609,7 @@ int vibration_solve(vibration *vibration, const design *design, int number, doub
         scene_fault(design->scene, design->scene->line[0].at, error,
                     "%d modes of %d free dof do not fit into memory", wanted, most);
     else
-        failed = run(&search, vibration, (size_t)wanted, error);
+        failed = search_modes(&search, vibration, (size_t)wanted, error);
     free_search(&search);
     if (failed)
         vibration_free(vibration);

@@ -140,7 +140,7 @@ static pzs_status optimise_voltages(const design *design, common_limits common,
 
 /* ---- voltages and their shape ----------------------------------------- */
 
-static int start(const analysis *analysis, voltages *result, const char *name)
+static int open_result(const analysis *analysis, voltages *result, const char *name)
 {
     memset(result, 0, sizeof *result);
     snprintf(result->name, sizeof result->name, "%s", name);
@@ -252,9 +252,9 @@ static int evaluate_or_none(analysis *analysis, voltages *result, char *error)
 
 int voltages_linear(analysis *analysis, common_limits common, voltages *result, char *error)
 {
-    if (start(analysis, result,
-              common.source == LIMITS_NONE ? "linear optimum, no limits"
-                                           : "linear optimum in limits") < 0)
+    if (open_result(analysis, result,
+                    common.source == LIMITS_NONE ? "linear optimum, no limits"
+                                                 : "linear optimum in limits") < 0)
         return out_of_memory(analysis, error);
     const pzs_status status =
         optimise_voltages(&analysis->design, common, NULL, analysis->design.wanted, HUGE_VAL,
@@ -295,9 +295,11 @@ static pzs_status clip_voltages(const design *design, common_limits common, bool
     return status;
 }
 
-static int clip(analysis *analysis, common_limits common, bool tuned, voltages *result, char *error)
+static int clipped_result(analysis *analysis, common_limits common, bool tuned, voltages *result,
+                          char *error)
 {
-    if (start(analysis, result, tuned ? "regularised, then clipped" : "clipped least squares") < 0)
+    if (open_result(analysis, result,
+                    tuned ? "regularised, then clipped" : "clipped least squares") < 0)
         return out_of_memory(analysis, error);
     const pzs_status status = clip_voltages(&analysis->design, common, tuned, result, error);
     if (status != PZS_OK)
@@ -307,18 +309,18 @@ static int clip(analysis *analysis, common_limits common, bool tuned, voltages *
 
 int voltages_clipped(analysis *analysis, common_limits common, voltages *result, char *error)
 {
-    return clip(analysis, common, false, result, error);
+    return clipped_result(analysis, common, false, result, error);
 }
 
 int voltages_regularised(analysis *analysis, common_limits common, voltages *result, char *error)
 {
-    return clip(analysis, common, true, result, error);
+    return clipped_result(analysis, common, true, result, error);
 }
 
 int voltages_given(analysis *analysis, const char *name, const double *voltage, voltages *result,
                    char *error)
 {
-    if (start(analysis, result, name) < 0)
+    if (open_result(analysis, result, name) < 0)
         return out_of_memory(analysis, error);
     memcpy(result->voltage, voltage, (size_t)analysis->design.amplifiers * sizeof *result->voltage);
     return evaluate_or_none(analysis, result, error);
@@ -386,7 +388,7 @@ static void save_best(const analysis *analysis, newton *newton, const voltages *
         memcpy(own.u, result->u, (size_t)analysis->design.mesh.free_dof * sizeof *result->u);
 }
 
-static void go_back(analysis *analysis, const newton *newton, voltages *result)
+static void restore_best(analysis *analysis, const newton *newton, voltages *result)
 {
     equilibrium_restore(&analysis->equilibrium, newton->state);
     memcpy(result->voltage, newton->best.voltage,
@@ -456,8 +458,8 @@ static double largest_change(const analysis *analysis, const newton *newton, con
  * objective is undone and repeated with a smaller radius. Returns the relative decrease of the
  * objective; 0: no step decreases it.
  */
-static double improve(analysis *analysis, common_limits common, newton *newton, voltages *result,
-                      pzs_status *status, char *error)
+static double make_trust_region_step(analysis *analysis, common_limits common, newton *newton,
+                                     voltages *result, pzs_status *status, char *error)
 {
     const double before = objective(analysis, result);
     for (int refused = 0; refused < MOST_REFUSED; refused++) {
@@ -475,7 +477,7 @@ static double improve(analysis *analysis, common_limits common, newton *newton, 
             newton->trust_radius = 2 * change;
         if (reached && objective(analysis, result) < before)
             return 1 - objective(analysis, result) / before;
-        go_back(analysis, newton, result);
+        restore_best(analysis, newton, result);
     }
     return 0;
 }
@@ -495,13 +497,13 @@ static int gauss_newton(analysis *analysis, common_limits common, voltages *resu
     newton.wanted = newton.influence + targets * amplifiers;
     newton.work = newton.wanted + targets;
     pzs_status status =
-        start(analysis, &newton.best, "") == 0 && newton.full_influence && newton.state
+        open_result(analysis, &newton.best, "") == 0 && newton.full_influence && newton.state
             ? PZS_OK
             : PZS_E_WORKSPACE;
     while (status == PZS_OK && fell > 1e-3 && result->relinearised < MOST_RELINEARISED) {
         status = relinearise(analysis, &newton, result);
         if (status == PZS_OK)
-            fell = improve(analysis, common, &newton, result, &status, error);
+            fell = make_trust_region_step(analysis, common, &newton, result, &status, error);
     }
     voltages_free(&newton.best);
     free(newton.state);

@@ -32,7 +32,7 @@ static bool has_bandwidth(const design *design)
  * First-order lag of the amplifiers. The resulting voltage is the mean over the interval.
  *   voltage [amplifiers] in/out  (V)
  */
-static void lag(const imperfections *on, double *voltage, double interval)
+static void apply_lag(const imperfections *on, double *voltage, double interval)
 {
     const double times = 2 * 3.14159265358979323846 * of(on)->bandwidth * interval;
     for (int k = 0; k < on->design->amplifiers; k++) {
@@ -48,7 +48,7 @@ static bool has_swaps(const design *design)
     return design->scene->simulate.imperfections.swaps > 0;
 }
 
-static void swap(const imperfections *on, double *voltage, double interval)
+static void swap_cables(const imperfections *on, double *voltage, double interval)
 {
     const scene_imperfections *settings = of(on);
     (void)interval;
@@ -65,7 +65,7 @@ static bool has_reversals(const design *design)
     return design->scene->simulate.imperfections.reversals > 0;
 }
 
-static void reverse(const imperfections *on, double *voltage, double interval)
+static void reverse_wires(const imperfections *on, double *voltage, double interval)
 {
     const scene_imperfections *settings = of(on);
     (void)interval;
@@ -80,7 +80,7 @@ static bool may_fail(const design *design)
 }
 
 /* Set the voltages of faulty electrodes, which ignore their amplifiers. */
-static void fail(const imperfections *on, double *voltage, double interval)
+static void set_faulty(const imperfections *on, double *voltage, double interval)
 {
     (void)interval;
     for (int k = 0; k < on->design->amplifiers; k++)
@@ -108,7 +108,7 @@ static double through_play(electrode *electrode, double voltage, double half_ran
  * Apply the hysteresis model to the voltages. After a full cycle the mean of the play operators has
  * a loop width of 5/16 of the range; the factor 16/5 scales this width to the scene's hysteresis.
  */
-static void play(const imperfections *on, double *voltage, double interval)
+static void apply_hysteresis(const imperfections *on, double *voltage, double interval)
 {
     const design *design = on->design;
     const double share = imperfections_hysteresis(design) * 16 / 5;
@@ -123,7 +123,7 @@ static bool has_creep(const design *design)
     return design->scene->simulate.imperfections.creep > 0;
 }
 
-static void creep(const imperfections *on, double *voltage, double interval)
+static void add_creep(const imperfections *on, double *voltage, double interval)
 {
     const double a_decade = of(on)->creep;
     for (int k = 0; k < on->design->amplifiers; k++) {
@@ -140,8 +140,9 @@ static void creep(const imperfections *on, double *voltage, double interval)
 static const struct {
     bool (*is_present)(const design *design);
     void (*apply)(const imperfections *on, double *voltage, double interval);
-} actuator_stages[] = {{has_bandwidth, lag}, {has_swaps, swap},      {has_reversals, reverse},
-                       {may_fail, fail},     {has_hysteresis, play}, {has_creep, creep}};
+} actuator_stages[] = {{has_bandwidth, apply_lag},         {has_swaps, swap_cables},
+                       {has_reversals, reverse_wires},     {may_fail, set_faulty},
+                       {has_hysteresis, apply_hysteresis}, {has_creep, add_creep}};
 enum { ACTUATOR_STAGES = sizeof actuator_stages / sizeof *actuator_stages };
 
 /* Whether a material strains in an electric field. */
@@ -217,12 +218,12 @@ bool imperfections_stroke(const imperfections *on, double *lowest, double *highe
 
 /* ---- sensors ---------------------------------------------------------- */
 
-static double drift(const imperfections *on, int sensor, double value)
+static double add_drift(const imperfections *on, int sensor, double value)
 {
     return value + on->sensor[sensor].slope * on->time;
 }
 
-static double stray(const imperfections *on, int sensor, double value)
+static double add_outlier(const imperfections *on, int sensor, double value)
 {
     const scene_imperfections *settings = of(on);
     (void)sensor;
@@ -240,7 +241,7 @@ static double quantise(const imperfections *on, int sensor, double value)
 
 /* Imperfections of the sensors, in the order of their effect. */
 static double (*const sensor_stages[])(const imperfections *on, int sensor,
-                                       double value) = {drift, stray, quantise};
+                                       double value) = {add_drift, add_outlier, quantise};
 enum { SENSOR_STAGES = sizeof sensor_stages / sizeof *sensor_stages };
 
 void imperfections_draw(const imperfections *on)

@@ -44,7 +44,7 @@ double law_limited(double from, double to, double step_limit)
 }
 
 /* Pass the clipped voltages of a control law to the controller. */
-static void give(const law *law, pzs_control *control)
+static void set_voltages(const law *law, pzs_control *control)
 {
     const pzs_control_info *info = &control->info;
     for (int k = 0; k < law->problem.inputs; k++) {
@@ -76,7 +76,7 @@ static law *law_of(const pzs_loop_signals *signals)
 }
 
 /* Displacement of one output that the model predicts under the present voltages. */
-static double predicted(const law *law, const double *voltage, size_t output)
+static double predicted_displacement(const law *law, const double *voltage, size_t output)
 {
     const double *row = law->problem.influence + output * law->problem.inputs;
     double sum = 0;
@@ -93,12 +93,12 @@ static pzs_status clipped_tick(void *self, pzs_loop_signals *signals)
     for (size_t i = 0; i < law->problem.outputs; i++) {
         const double measured = signals->measured ? signals->measured[i] : (double)NAN;
         if (isfinite(measured))
-            law->disturbance[i] = measured - predicted(law, voltage, i);
+            law->disturbance[i] = measured - predicted_displacement(law, voltage, i);
         law->required[i] = signals->wanted[i] - law->disturbance[i];
     }
     if (!unconstrained_solve(&law->solver, law->required, law->next))
         return PZS_E_NONFINITE;
-    give(law, signals->control);
+    set_voltages(law, signals->control);
     return PZS_OK;
 }
 
@@ -115,7 +115,7 @@ static pzs_status leaky_tick(void *self, pzs_loop_signals *signals)
         return PZS_E_NONFINITE;
     for (size_t k = 0; k < law->problem.inputs; k++)
         law->next[k] = (1 - law->leak) * voltage[k] + law->gain * law->next[k];
-    give(law, signals->control);
+    set_voltages(law, signals->control);
     return PZS_OK;
 }
 

@@ -28,7 +28,7 @@ static int add_temperature(scene *scene)
     return more[scene->loads++].value ? 0 : -1;
 }
 
-static int warms(const scene_simulate *simulate)
+static int has_temperature_events(const scene_simulate *simulate)
 {
     for (int i = 0; i < simulate->events; i++)
         if (simulate->event[i].type == EVENT_TEMPERATURE)
@@ -37,7 +37,7 @@ static int warms(const scene_simulate *simulate)
 }
 
 /* Next number of a pseudo-random sequence that is equal on every computer, uniform in [0, 1). */
-static double draw(uint32_t *state)
+static double random_number(uint32_t *state)
 {
     *state = *state * 1664525u + 1013904223u;
     return (*state >> 8) * 0x1p-24;
@@ -55,7 +55,7 @@ static void scale_matrix(scene *scene)
     for (size_t i = 0; i < (size_t)scene->influence.outputs * amplifiers; i++) {
         double error = -6; /* the sum of twelve uniform random numbers has the variance 1 */
         for (int k = 0; k < 12; k++)
-            error += draw(&state);
+            error += random_number(&state);
         scene->influence.matrix[i] *=
             (simulate->gain ? simulate->gain[i % amplifiers] : 1) * (1 + simulate->scatter * error);
     }
@@ -69,7 +69,7 @@ static int change_scene(scene *scene)
     for (int i = 0; i < scene->materials; i++)
         material_scale(&scene->material[i], simulate->stiffness ? simulate->stiffness[i] : 1,
                        simulate->d ? simulate->d[i] : 1);
-    return warms(simulate) ? add_temperature(scene) : 0;
+    return has_temperature_events(simulate) ? add_temperature(scene) : 0;
 }
 
 /*
@@ -100,7 +100,7 @@ static bool wants_inertia(plant *plant)
 }
 
 /* Compute the modes of the plant. Returns 0, or -1 with error filled. */
-static int give_inertia(plant *plant, char *error)
+static int prepare_modes(plant *plant, char *error)
 {
     const design *design = &plant->analysis.design;
     const size_t inputs = (size_t)(design->amplifiers + design->loads);
@@ -133,7 +133,7 @@ int plant_open(plant *plant, const scene *nominal, char *error)
     if (failed)
         scene_fault(nominal, nominal->simulate.at, error, "out of memory");
     failed = failed || analysis_prepare(&plant->analysis, &plant->scene, error) < 0 ||
-             analysis_influence(&plant->analysis, error) < 0 || give_inertia(plant, error) < 0;
+             analysis_influence(&plant->analysis, error) < 0 || prepare_modes(plant, error) < 0;
     const design *design = &plant->analysis.design;
     if (!failed) {
         plant->input = calloc((size_t)design->structure.input.count, sizeof *plant->input);
@@ -153,7 +153,7 @@ int plant_open(plant *plant, const scene *nominal, char *error)
     if (plant->analysis.nonlinear)
         memcpy(plant->scene_input, plant->analysis.equilibrium.full_input,
                (size_t)design->structure.input.count * sizeof *plant->scene_input);
-    if (warms(&plant->scene.simulate))
+    if (has_temperature_events(&plant->scene.simulate))
         plant->temperature = design->amplifiers + design->loads - 1;
     plant_rest(plant);
     return 0;
@@ -222,7 +222,7 @@ void plant_rest(plant *plant)
  * Set the inputs of the modal model to their present values. At the first call after plant_rest the
  * plant is at rest in the equilibrium under these inputs.
  */
-static void act(plant *plant)
+static void set_modal_inputs(plant *plant)
 {
     const design *design = &plant->analysis.design;
     const size_t amplifiers = (size_t)design->amplifiers;
@@ -247,7 +247,7 @@ void plant_elapse(plant *plant, const double *voltage, double seconds)
     if (!plant->has_inertia)
         return;
     memcpy(plant->input, voltage, (size_t)plant->analysis.design.amplifiers * sizeof *voltage);
-    act(plant);
+    set_modal_inputs(plant);
     inertia_advance(&plant->inertia, seconds);
 }
 
@@ -265,11 +265,11 @@ double plant_period(const plant *plant)
 }
 
 /* Compute the deviation of every output row from the static equilibrium. */
-static void vibrate(plant *plant)
+static void compute_deviation(plant *plant)
 {
     if (!plant->has_inertia)
         return;
-    act(plant);
+    set_modal_inputs(plant);
     inertia_observe(&plant->inertia, 0, plant->modal.rows, plant->deviation);
 }
 
@@ -290,7 +290,7 @@ static void sum_columns(const plant *plant, size_t rows, double *shape)
  * Compute the equilibrium under the present inputs, starting from the latest shape. Where the
  * inputs have not changed, the latest shape is kept.
  */
-static int reach(plant *plant, char *error)
+static int compute_equilibrium(plant *plant, char *error)
 {
     analysis *analysis = &plant->analysis;
     pzs_solver *run = &analysis->equilibrium.solver;
@@ -318,7 +318,7 @@ static int static_shape(plant *plant, const double *voltage, double *shape, char
         sum_columns(plant, (size_t)plant->analysis.design.targets, shape);
         return 0;
     }
-    if (reach(plant, error) < 0)
+    if (compute_equilibrium(plant, error) < 0)
         return -1;
     design_shape(&plant->analysis.design, plant->analysis.equilibrium.solver.info.displacement,
                  shape);
@@ -329,7 +329,7 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
 {
     if (static_shape(plant, voltage, shape, error) < 0)
         return -1;
-    vibrate(plant);
+    compute_deviation(plant);
     for (int i = 0; i < plant->analysis.design.targets && plant->has_inertia; i++)
         shape[i] += plant->deviation[i];
     return 0;
@@ -339,7 +339,7 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
  * Compute all static output values, including the voltages and charges of electrodes where the
  * scene has such outputs.
  */
-static pzs_status look(plant *plant)
+static pzs_status compute_outputs(plant *plant)
 {
     analysis *analysis = &plant->analysis;
     if (analysis->nonlinear)
@@ -354,7 +354,7 @@ int plant_readings(plant *plant, double *reading, char *error)
 {
     const analysis *analysis = &plant->analysis;
     const scene_estimate *estimate = &plant->scene.estimate;
-    const pzs_status status = look(plant);
+    const pzs_status status = compute_outputs(plant);
     for (size_t i = 0; i < analysis->design.structure.output.count && plant->has_inertia; i++)
         plant->value[i] += plant->deviation[i];
     for (int index = 0; index < estimate->readings; index++)
