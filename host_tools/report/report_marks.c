@@ -68,32 +68,21 @@ void shell_loads(const shell *shell)
             draw_load(shell, &shell->mesh->scene->load[k]);
 }
 
-/* Node of an output at a single node, or -1. */
-static int output_node(const shell *shell, int output)
-{
-    const scene_where *where = &shell->mesh->scene->output[output].where;
-    if (where->type != WHERE_POINT && where->type != WHERE_PLACE)
-        return -1;
-    return mesh_point_node(shell->mesh, where);
-}
-
 void shell_outputs(const shell *shell)
 {
-    for (int k = 0; k < shell->mesh->scene->outputs; k++) {
-        const int node = output_node(shell, k);
-        int before = 0; /* number of earlier outputs at the same node */
+    const scene *scene = shell->mesh->scene;
+    for (int k = 0; k < scene->outputs; k++) {
+        const scene_where *where = &scene->output[k].where;
         double at[2];
-        if (node < 0)
+        if (where->type != WHERE_POINT && where->type != WHERE_PLACE)
             continue;
-        for (int i = 0; i < k; i++)
-            before += output_node(shell, i) == node;
-        if (before == 0)
-            shell_node(shell, node, "dot", 3.5);
+        const int node = mesh_point_node(shell->mesh, where);
+        shell_node(shell, node, "dot", 3.5);
         node_at(shell, node, at);
         const bool is_left = at[0] > shell->view.width * 0.65;
         put(shell->file, "<text class=\"tag%s\" x=\"%f\" y=\"%f\">%t</text>\n",
-            is_left ? " end" : "", at[0] + (is_left ? -8 : 8), at[1] + 14 + 13 * before,
-            shell->mesh->scene->output[k].name);
+            is_left ? " end" : "", at[0] + (is_left ? -8 : 8), at[1] + 14 + 13 * (k % 3),
+            scene->output[k].name);
     }
 }
 
@@ -125,55 +114,50 @@ static double gap_at(const equilibrium *equilibrium, const double place[3], doub
 }
 
 /*
- * Move a point onto the surface of the body. This takes several iterations, because the gap
- * function need not be the exact distance.
+ * Move a point onto the body, in some iterations because the gap need not be the exact distance.
+ *   normal  out  normal of the body there
  */
 static void pull_to_body(const equilibrium *equilibrium, double place[3], double normal[3])
 {
-    enum { ITERATIONS = 4 };
-    for (int k = 0; k < ITERATIONS; k++) {
+    for (int k = 0; k < 4; k++) {
         const double gap = gap_at(equilibrium, place, normal);
         for (int i = 0; i < 3; i++)
             place[i] -= gap * normal[i];
     }
 }
 
-/* Return the node that is nearest to the body. */
-static int nearest_node(const equilibrium *equilibrium, const shell *shell)
+/* Project the node that is nearest to the body onto the body. */
+static void find_foot(const equilibrium *equilibrium, const shell *shell, double foot[3],
+                      double normal[3])
 {
-    double least = HUGE_VAL, place[3], unused[3];
-    int nearest = 0;
+    double least = HUGE_VAL, place[3];
     for (int n = 0; n < shell->mesh->nodes; n++) {
         node_place(shell, n, place);
-        const double gap = gap_at(equilibrium, place, unused);
-        if (gap >= least)
-            continue;
-        least = gap;
-        nearest = n;
+        const double gap = gap_at(equilibrium, place, normal);
+        if (gap < least)
+            memcpy(foot, place, sizeof place);
+        least = fmin(least, gap);
     }
-    return nearest;
+    pull_to_body(equilibrium, foot, normal);
 }
 
-void shell_body_find(shell_body *body, const analysis *analysis, shell *shell)
+void shell_find_body(shell_body *body, const analysis *analysis, shell *shell)
 {
     const equilibrium *equilibrium = &analysis->equilibrium;
+    double foot[3] = {0, 0, 0}, axis[3] = {0, 0, 0}, along[2][3], unused[3];
+    int least = 0;
     body->is_given = analysis->nonlinear && analysis->design.scene->contact.given;
     if (!body->is_given)
         return;
-    const double half = 0.2 * equilibrium->contact_face.size;
-    double foot[3], axis[3] = {0, 0, 0}, along[2][3], unused[3];
-    int least = 0;
-    node_place(shell, nearest_node(equilibrium, shell), foot);
-    pull_to_body(equilibrium, foot, body->normal);
+    find_foot(equilibrium, shell, foot, body->normal);
     for (int i = 1; i < 3; i++)
         least = fabs(body->normal[i]) < fabs(body->normal[least]) ? i : least;
-    axis[least] = 1;
+    axis[least] = 0.2 * equilibrium->contact_face.size;
     vector_cross(body->normal, axis, along[0]);
-    vector_normalise(along[0]);
     vector_cross(along[0], body->normal, along[1]);
     for (int k = 0; k < SHELL_NET * SHELL_NET; k++) {
-        const double first = half * (2.0 * (k / SHELL_NET) / (SHELL_NET - 1) - 1);
-        const double second = half * (2.0 * (k % SHELL_NET) / (SHELL_NET - 1) - 1);
+        const double first = 2.0 * (k / SHELL_NET) / (SHELL_NET - 1) - 1;
+        const double second = 2.0 * (k % SHELL_NET) / (SHELL_NET - 1) - 1;
         double *place = body->place[k / SHELL_NET][k % SHELL_NET];
         for (int i = 0; i < 3; i++)
             place[i] = foot[i] + first * along[0][i] + second * along[1][i];
@@ -182,17 +166,18 @@ void shell_body_find(shell_body *body, const analysis *analysis, shell *shell)
     }
 }
 
-void shell_body_draw(const shell *shell, const shell_body *body, bool is_in_front)
+void shell_draw_body(const shell *shell, const shell_body *body, bool is_in_front)
 {
-    const view *view = &shell->view;
-    if (!body->is_given || (vector_dot(body->normal, view->axis[2]) < 0) != is_in_front)
+    const bool is_hiding = vector_dot(body->normal, shell->view.axis[2]) < 0;
+    if (!body->is_given || is_hiding != is_in_front)
         return;
     draw_path(shell->file, "body");
     for (int i = 0; i + 1 < SHELL_NET; i++)
         for (int j = 0; j + 1 < SHELL_NET; j++) {
             double at[4][2];
             for (int r = 0; r < 4; r++)
-                view_project(view, body->place[i + (r == 1 || r == 2)][j + (r >= 2)], at[r]);
+                view_project(&shell->view, body->place[i + (r == 1 || r == 2)][j + (r >= 2)],
+                             at[r]);
             draw_polygon(shell->file, (const double(*)[2])at, 4);
         }
     draw_path_end(shell->file);

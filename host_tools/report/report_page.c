@@ -127,28 +127,25 @@ static void write_facts(const page *page, double residual)
     put(page->file, FACT("Scene", "%s") "</dl>\n", hash);
 }
 
-static void write_warning(const page *page, const char *rule, const char *text)
-{
-    put(page->file, "<li><b class=\"warn\">%t</b>: %t</li>\n", rule, text);
-}
-
 /*
  * Write the list of the warnings on implausible numbers, and of the warning of the last load step.
  */
 static void write_warnings(const page *page)
 {
+    static const char *const item = "<li><b class=\"warn\">%t</b>: %t</li>\n";
     const analysis *analysis = page->analysis;
     const plausible *warnings = &analysis->warnings;
-    const bool is_behind = analysis->nonlinear && analysis->status == PZS_W_BEHIND;
     char text[SCENE_ERROR];
-    fputs(warnings->count > 0 || is_behind ? "<h2>Warnings</h2>\n<ul>\n" : "<ul>\n", page->file);
+    if (warnings->count > 0)
+        fputs("<h2>Warnings</h2>\n", page->file);
+    fputs("<ul>\n", page->file);
     for (int k = 0; k < warnings->count; k++)
-        write_warning(page, warnings->warning[k].rule, warnings->warning[k].text);
+        put(page->file, item, warnings->warning[k].rule, warnings->warning[k].text);
     if (warnings->dropped > 0)
         put(page->file, "<li>and %d more</li>\n", warnings->dropped);
-    if (is_behind) {
+    if (analysis->nonlinear && analysis->status == PZS_W_BEHIND) {
         equilibrium_penetration_text(&analysis->equilibrium, analysis->status, text);
-        write_warning(page, pzs_status_text(analysis->status), text);
+        put(page->file, item, pzs_status_text(analysis->status), text);
     }
     fputs("</ul>\n", page->file);
 }
@@ -236,18 +233,6 @@ void page_map(const page *page, const double *value, const draw_scale *scale, co
     va_start(more, format);
     write_caption(page, scale, format, &more);
     va_end(more);
-}
-
-page_words page_magnified(const page *page)
-{
-    const char *const thinned = shell_is_thinned(page->mesh) ? ", not every mesh line drawn" : "";
-    page_words words;
-    if (page->mesh->elements == 0)
-        snprintf(words.text, sizeof words.text, "at the places of the outputs");
-    else
-        snprintf(words.text, sizeof words.text, "displacement <b>× %g</b>%s", page->space.factor,
-                 thinned);
-    return words;
 }
 
 double page_largest(const mesh *mesh, const double *vector)

@@ -58,12 +58,6 @@ void page_caption(const page *page, const draw_scale *scale, const char *format,
 void page_map(const page *page, const double *value, const draw_scale *scale, const char *title,
               const char *format, ...);
 
-/* Words for a caption: how much displacements are magnified, and whether all lines are drawn. */
-typedef struct page_words {
-    char text[80];
-} page_words;
-page_words page_magnified(const page *page);
-
 /* Write the tables of the layers and materials, and the text of the scene file. */
 void page_structure(const page *page);
 

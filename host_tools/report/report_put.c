@@ -51,49 +51,23 @@ static void put_raised(FILE *file, const char *digits)
         fputs(*digits == '-' ? "⁻" : raised[*digits - '0'], file);
 }
 
-/* Exponent of ten of a number after rounding to the given number of digits. */
-static int power_of(double value, int digits)
+/* Write a number with some significant digits, far from 1 with a power of ten. */
+static void put_number(FILE *file, double value, int digits)
 {
+    const double size = fabs(value);
+    const int power = size > 0 && isfinite(size) ? (int)floor(log10(size)) : 0;
     char text[40];
-    snprintf(text, sizeof text, "%.*e", digits - 1, fabs(value));
-    return atoi(strchr(text, 'e') + 1);
-}
-
-/*
- * Write a number given as its absolute value and its sign, with the given number of decimals but
- * without trailing zeros.
- */
-static void put_decimals(FILE *file, double size, int decimals, bool is_negative)
-{
-    char text[64];
-    int length = snprintf(text, sizeof text, "%.*f", decimals, size);
-    while (decimals > 0 && text[length - 1] == '0')
-        text[--length] = '\0';
-    if (text[length - 1] == '.')
-        text[length - 1] = '\0';
-    put(file, is_negative && strtod(text, NULL) > 0 ? "−%s" : "%s", text);
-}
-
-/*
- * Write a number in the notation of the largest of its column `most`: in plain digits, or with the
- * power of ten of `most`.
- */
-static void put_number(FILE *file, double value, double most, int digits)
-{
     if (!isfinite(value)) {
         put(file, isnan(value) ? "–" : "%s∞", value < 0 ? "−" : "");
         return;
     }
-    const int power = isfinite(most) ? power_of(most, digits) : 0;
-    const bool is_plain = power >= -3 && power <= digits;
-    const double size = is_plain ? fabs(value) : fabs(value) / pow(10, power);
-    const int first = is_plain ? power : 0, least = first - 3;
-    int own = size > 0 ? power_of(size, digits) : first;
-    own = own < least ? least : own;
-    put_decimals(file, size, own < digits - 1 ? digits - 1 - own : 0, value < 0);
-    if (!is_plain) {
-        char text[16];
-        snprintf(text, sizeof text, "%d", power);
+    snprintf(text, sizeof text, "%.*g", power == digits ? digits + 1 : digits, size);
+    char *exponent = strchr(text, 'e');
+    const int written = exponent ? atoi(exponent + 1) : 0;
+    text[strcspn(text, "e")] = '\0';
+    put(file, "%s%s", value < 0 ? "−" : "", text);
+    if (exponent) {
+        snprintf(text, sizeof text, "%d", written);
         fputs("×10", file);
         put_raised(file, text);
     }
@@ -135,7 +109,8 @@ static void put_unit_name(FILE *file, const char *unit)
 static void put_quantity(FILE *file, double value, double most, const char *name)
 {
     const put_unit unit = put_unit_of(most, name);
-    put_number(file, value * unit.factor, most * unit.factor, 4);
+    const bool is_zero = fabs(value) < 1e-6 * fabs(most);
+    put_number(file, is_zero ? 0 : value * unit.factor, 4);
     if (!isnan(value))
         put_unit_name(file, unit.name);
 }
@@ -170,11 +145,11 @@ static void put_value(FILE *file, char directive, double value, va_list *more)
     else if (directive == 'f')
         fprintf(file, "%.1f", isfinite(value) ? value : 0);
     else if (directive == 'n')
-        put_number(file, value, value, 4);
+        put_number(file, value, 4);
     else if (directive == 'r')
-        put_number(file, value, value, 2);
+        put_number(file, value, 2);
     else
-        put_number(file, 100 * value, 100 * value, 3);
+        put_number(file, 100 * value, 3);
     if (directive == 'p' && !isnan(value))
         fputs("\xc2\xa0%", file);
 }

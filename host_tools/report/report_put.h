@@ -22,7 +22,7 @@
  *   %b  double, double        fraction in percent, with a bar; fraction at which the bar is full
  *   %q  double, const char *  quantity and its unit; lengths in the most readable unit
  *   %a  double, double, const char *  quantity, largest of its table column, unit; the largest
- *                             decides unit and power of ten for the whole column
+ *                             decides the unit for the whole column
  *   %u  const char *          unit
  *   %l  const double *, const char *  lower and upper limit [2], unit; a dash for no limits
  */

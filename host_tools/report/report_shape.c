@@ -111,21 +111,15 @@ static void write_name(const shape_page *shape, const voltages *result)
         shape->voltage.unit);
 }
 
-/* Write the error of the main result, and the error that would remain without voltage limits. */
+/* Write the error of the main result. */
 static void write_verdict(const shape_page *shape)
 {
     FILE *file = shape->page.file;
     const voltages *best = main_result(shape);
-    double open = HUGE_VAL;
-    for (int k = 0; k < shape->results; k++)
-        if (!is_limited(&shape->result[k]))
-            open = fmin(open, shape->result[k].error);
     put(file, "<p class=\"verdict\"><b>Relative RMS error %p</b>: ", best->error);
     write_name(shape, best);
-    put(file, ", limit active at %d of %d amplifiers.", best->active_limits, best->amplifiers);
-    if (is_limited(best) && isfinite(open))
-        put(file, " Unconstrained, %p would remain.", open);
-    fputs("</p>\n", file);
+    put(file, ", limit active at %d of %d amplifiers.</p>\n", best->active_limits,
+        best->amplifiers);
 }
 
 static void write_row(const shape_page *shape, const voltages *result, double worst)
@@ -188,10 +182,11 @@ static void draw_reached(const page *page)
 {
     fputs("<figure>\n", page->file);
     page_draw_shape(page, &page->scale);
-    page_caption(page, &page->scale,
-                 "Reached shape and <b>target</b> as lines, %s. Misfit on one scale for all "
-                 "results:",
-                 page_magnified(page).text);
+    page_caption(
+        page, &page->scale,
+        "Reached shape and <b>target</b> as lines, displacement <b>× %n</b>. Misfit on one "
+        "scale for all results:",
+        page->space.factor);
 }
 
 /* Draw target and reached values at the outputs of a measured matrix, on one scale. */

@@ -163,7 +163,7 @@ void shell_cells(const shell *shell, const char *style)
 
 void shell_lines(const shell *shell, const char *style)
 {
-    (shell_is_thinned(shell->mesh) ? shell_edges : shell_cells)(shell, style);
+    (shell->mesh->elements > FINE ? shell_edges : shell_cells)(shell, style);
 }
 
 void shell_edges(const shell *shell, const char *style)
@@ -187,11 +187,6 @@ void shell_edges(const shell *shell, const char *style)
         draw_line(shell->file, from, to);
     }
     draw_path_end(shell->file);
-}
-
-bool shell_is_thinned(const mesh *mesh)
-{
-    return mesh->elements > FINE;
 }
 
 static int farther_first(const void *one, const void *other)
@@ -264,7 +259,7 @@ static void draw_frame(const shell *shell, int cell)
     struct shell single = *shell;
     single.cell = shell->cell + cell;
     single.cells = 1;
-    if (!shell_is_thinned(shell->mesh))
+    if (shell->mesh->elements <= FINE)
         shell_cells(&single, "edge");
     for (int r = 0; r < 4; r++)
         if (shell->support[single.cell[0][r]] == SHELL_SUPPORT)

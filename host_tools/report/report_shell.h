@@ -72,9 +72,6 @@ void shell_cells(const shell *shell, const char *style);
 void shell_lines(const shell *shell, const char *style);
 void shell_edges(const shell *shell, const char *style);
 
-/* Whether the mesh is so fine that pictures show only some of its lines. */
-bool shell_is_thinned(const mesh *mesh);
-
 /*
  * Pixel coordinates of a point inside a cell.
  *   share [2]  in  from 0 to 1; the first increases from corner 0 to corner 1, the second from
@@ -107,17 +104,11 @@ typedef struct shell_body {
     double place[SHELL_NET][SHELL_NET][3];
 } shell_body;
 
-/*
- * Compute the grid of points on the rigid body for its position at the last equilibrium, and
- * include the points in the view of the displaced shell.
- */
-void shell_body_find(shell_body *body, const analysis *analysis, shell *shell);
+/* Find the rigid body in its position at the last equilibrium, and include it in the view. */
+void shell_find_body(shell_body *body, const analysis *analysis, shell *shell);
 
-/*
- * Draw the rigid body if it lies between the shell and the viewer (is_in_front true), or only if it
- * lies behind the shell (is_in_front false).
- */
-void shell_body_draw(const shell *shell, const shell_body *body, bool is_in_front);
+/* Draw the rigid body if it lies in front of the shell, or only if it lies behind the shell. */
+void shell_draw_body(const shell *shell, const shell_body *body, bool is_in_front);
 
 /* Draw a whole picture: the map of value [nodes] with frame, mesh lines and ranges. */
 void shell_map(const shell *map, const double *value, const draw_scale *scale, const char *title);

@@ -329,8 +329,9 @@ static void write_shapes(simulate_page *self)
                      phase->course[LAW_CONTROLLER].steady);
     }
     fputs("</div>\n<figure>\n", page->file);
-    page_caption(page, &page->scale, "Misfit, reached minus target, on one scale; %s.",
-                 page_magnified(page).text);
+    page_caption(page, &page->scale,
+                 "Misfit, reached minus target, on one scale; displacement <b>× %n</b>.",
+                 page->space.factor);
 }
 
 static void write_page(simulate_page *self)

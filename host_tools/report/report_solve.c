@@ -124,9 +124,11 @@ static void draw_lines(const solve_page *solve, int along)
     for (int k = 0; k < scene->outputs; k++) {
         const int count = list_values(solve, k, along, page->wanted, page->value);
         draw_curve(page->file, "wire", &x, page->wanted, &y, page->value, count);
+        const int named = (k % 4 + 1) * (count - 1) / 4; /* point that carries the name */
         if (count > 0)
-            put(page->file, "<text class=\"tag\" x=\"%f\" y=\"%f\">%t</text>\n", x.to + 6,
-                draw_on(&y, page->value[count - 1]) + 4, scene->output[k].name);
+            put(page->file, "<text class=\"tag\" x=\"%f\" y=\"%f\">%t</text>\n",
+                draw_on(&x, page->wanted[named]) + 4, draw_on(&y, page->value[named]) + 4,
+                scene->output[k].name);
     }
     draw_end(page->file, DRAW_CHART);
     page_caption(page, NULL, "Displacement (%t) over the parameter (%t).", y.unit.name,
@@ -149,23 +151,23 @@ static void fit_deformed(solve_page *solve)
     if (!page->analysis->nonlinear)
         page->space.factor = view_magnification(page->mesh, page->scale.most, 0.1);
     shell_include(&page->space);
-    shell_body_find(&solve->body, page->analysis, &page->space);
+    shell_find_body(&solve->body, page->analysis, &page->space);
     view_fit(&page->space.view, 600, 560, 180);
 }
 
 static void draw_deformed(const solve_page *solve)
 {
-    const shell *space = &solve->page.space;
-    shell undeformed = *space;
+    const page *page = &solve->page;
+    shell undeformed = page->space;
     undeformed.vector = NULL;
-    shell_body_draw(space, &solve->body, false);
+    shell_draw_body(&page->space, &solve->body, false);
     shell_lines(&undeformed, "rest");
-    shell_surface(space, solve->page.value, &solve->page.scale);
+    shell_surface(&page->space, page->value, &page->scale);
     shell_lines(&undeformed, "rest ghost");
-    shell_body_draw(space, &solve->body, true);
-    shell_loads(space);
-    shell_outputs(space);
-    shell_directions(space);
+    shell_draw_body(&page->space, &solve->body, true);
+    shell_loads(&page->space);
+    shell_outputs(&page->space);
+    shell_directions(&page->space);
 }
 
 static void write_deformed(const solve_page *solve)
@@ -183,8 +185,8 @@ static void write_deformed(const solve_page *solve)
         solve->body.is_given
             ? "<span><i class=\"key solid\"></i>rigid body, the part near the shell</span>"
             : "");
-    page_caption(page, &page->scale, "Size of the displacement, %s; largest %q",
-                 page_magnified(page).text, page->scale.most, page->scale.unit);
+    page_caption(page, &page->scale, "Size of the displacement, drawn <b>× %n</b>; largest %q",
+                 page->space.factor, page->scale.most, page->scale.unit);
 }
 
 /* Draw the maps of the displacement components along e1, e2 and e3 of the nodes. */

@@ -62,10 +62,8 @@ void page_structure(const page *page)
 {
     fputs("<section>\n<h2>Structure</h2>\n", page->file);
     if (page->analysis->source->has_structure) {
-        fputs("<div class=\"row\">\n", page->file);
         write_layers(page);
         write_materials(page);
-        fputs("</div>\n", page->file);
     }
     write_scene(page);
     fputs("</section>\n", page->file);

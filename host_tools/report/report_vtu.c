@@ -22,39 +22,37 @@ static void begin_array(FILE *file, const char *type, int components, const char
 {
     fprintf(file, "<DataArray type=\"%s\" NumberOfComponents=\"%d\" format=\"ascii\" Name=\"", type,
             components);
-    for (; *name; name++) {
-        const bool is_plain = *name > ' ' && *name < 127 && !strchr("<>&\"", *name);
-        fputc(is_plain ? *name : '_', file);
-    }
+    for (; *name; name++)
+        fputc(*name > ' ' && *name < 127 && !strchr("<>&\"", *name) ? *name : '_', file);
     fputs("\">\n", file);
 }
 
-static void end_array(FILE *file)
+/* Write an array of vectors [nodes][3]; NULL: the places of the nodes. */
+static void write_vectors(FILE *file, const mesh *mesh, const char *name, const double *vector)
 {
+    begin_array(file, "Float64", 3, name);
+    for (int k = 0; k < 3 * mesh->nodes; k++) {
+        const double value = vector ? vector[k] : mesh->point[k / 3].x[k % 3];
+        fprintf(file, "%.9g%c", isfinite(value) ? value : 0, "  \n"[k % 3]);
+    }
     fputs("</DataArray>\n", file);
 }
 
-/* Write the three components of a vector. */
-static void write_vector(FILE *file, const double vector[3])
-{
-    for (int i = 0; i < 3; i++)
-        fprintf(file, "%.9g%c", isfinite(vector[i]) ? vector[i] : 0, " \n"[i == 2]);
-}
-
+/* Write the corners of the elements, the end of each in this list, and their cell type VTK_QUAD. */
 static void write_cells(FILE *file, const mesh *mesh)
 {
     begin_array(file, "Int32", 1, "connectivity");
     for (int k = 0; k < 4 * mesh->elements; k++)
         fprintf(file, "%d%c", mesh->element[k / 4][k % 4], "   \n"[k % 4]);
-    end_array(file);
+    fputs("</DataArray>\n", file);
     begin_array(file, "Int32", 1, "offsets");
     for (int e = 0; e < mesh->elements; e++)
         fprintf(file, "%d\n", 4 * (e + 1));
-    end_array(file);
+    fputs("</DataArray>\n", file);
     begin_array(file, "UInt8", 1, "types");
     for (int e = 0; e < mesh->elements; e++)
-        fputs("9\n", file); /* cell type VTK_QUAD */
-    end_array(file);
+        fputs("9\n", file);
+    fputs("</DataArray>\n", file);
 }
 
 int report_vtu(FILE *file, const mesh *mesh, const report_field *field, int fields)
@@ -63,19 +61,12 @@ int report_vtu(FILE *file, const mesh *mesh, const report_field *field, int fiel
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\">\n"
             "<UnstructuredGrid>\n<Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">\n<Points>\n",
             mesh->nodes, mesh->elements);
-    begin_array(file, "Float64", 3, "place");
-    for (int n = 0; n < mesh->nodes; n++)
-        write_vector(file, mesh->point[n].x);
-    end_array(file);
+    write_vectors(file, mesh, "place", NULL);
     fputs("</Points>\n<Cells>\n", file);
     write_cells(file, mesh);
     fputs("</Cells>\n<PointData>\n", file);
-    for (int k = 0; k < fields; k++) {
-        begin_array(file, "Float64", 3, field[k].name);
-        for (int n = 0; n < mesh->nodes; n++)
-            write_vector(file, field[k].u + 3 * n);
-        end_array(file);
-    }
+    for (int k = 0; k < fields; k++)
+        write_vectors(file, mesh, field[k].name, field[k].u);
     fputs("</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n", file);
     return ferror(file) ? -1 : 0;
 }
