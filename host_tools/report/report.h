@@ -45,19 +45,13 @@ int report_shape(const report_job *job, const analysis *analysis, const voltages
 int report_simulate(const report_job *job, const simulation *simulation,
                     const simulate_record *record);
 
-/*
- * A named displacement field of the middle surface, u [nodes][3] in Cartesian components (length
- * unit of the scene).
- */
+/* A named displacement field u [nodes][3] of the middle surface, in Cartesian components. */
 typedef struct report_field {
     const char *name;
     const double *u;
 } report_field;
 
-/*
- * Write a VTK file for ParaView: the mesh as quadrilaterals, with each of the `fields` displacement
- * fields as a vector at the nodes.
- */
+/* Write a VTK file for ParaView: the mesh, with each of the fields as a vector at the nodes. */
 int report_vtu(FILE *file, const mesh *mesh, const report_field *field, int fields);
 
 /*

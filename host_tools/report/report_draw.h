@@ -17,18 +17,12 @@
  */
 typedef enum draw_type { DRAW_IMAGE, DRAW_GROUP, DRAW_CHART } draw_type;
 
-/*
- * Begin and end a picture of a width and a height in pixels. The title and the description of the
- * picture are plain text.
- */
+/* Begin and end a picture of a size in pixels. Its title and description are plain text. */
 void draw_begin(FILE *file, draw_type type, double width, double height, const char *title,
                 const char *description);
 void draw_end(FILE *file, draw_type type);
 
-/*
- * Write the style sheet of a whole page, or the style sheet of a picture in a file of its own. Each
- * style sheet contains the colours for light and for dark display.
- */
+/* Write the style sheet of a page or of a picture alone, for light and for dark display. */
 void draw_page_style(FILE *file);
 void draw_picture_style(FILE *file);
 
@@ -71,16 +65,10 @@ int draw_level(const draw_scale *scale, double value);
 const char *draw_class(const draw_scale *scale, int level);
 const char *draw_colour(const draw_scale *scale, double value);
 
-/*
- * Style class of a text written on the colour of a value: "strong" for the colours at the two ends
- * of the scale, "mild" for those around its middle.
- */
+/* Style class of a text on the colour of a value: "strong" at the ends of a scale, or "mild". */
 const char *draw_tone(const draw_scale *scale, double value);
 
-/*
- * Draw a colour scale with its numbers: at a place inside a picture, 30 pixels high, or as a
- * separate block of the page.
- */
+/* Draw a colour scale with its numbers inside a picture, 30 pixels high, or beside pictures. */
 void draw_legend_at(FILE *file, const draw_scale *scale, double x, double y);
 void draw_legend(FILE *file, const draw_scale *scale);
 

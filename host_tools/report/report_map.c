@@ -11,38 +11,27 @@
 /* Height of the lines of text below a map, in pixels. */
 enum { FOOT = 25 };
 
-/* Write the range of one coordinate of a map on a line below the map. */
-static void write_range(const shell *map, int line, const char *name, double low, double high,
-                        words_quantity quantity)
-{
-    char text[WORDS_UNIT];
-    words_unit(map->mesh->scene, quantity, text);
-    const put_unit unit = put_unit_of(fmax(fabs(low), fabs(high)), text);
-    put(map->file, "<text class=\"value\" x=\"%d\" y=\"%f\">%s from %n to %n%u</text>\n",
-        SHELL_MAP_WIDTH / 2, map->view.height + 5 + 14 * line, name, low * unit.factor,
-        high * unit.factor, unit.name);
-}
-
 /* Write the coordinates of a map with their ranges, or the direction in which the map is seen. */
 static void write_ranges(const shell *map)
 {
     static const char *const names[2][2] = {{"x to the right", "y upwards"},
                                             {"θ₁ downwards", "θ₂ to the right"}};
+    const scene *scene = map->mesh->scene;
     const bool has_parameters = view_has_parameters(map->mesh);
     const double *normal = map->view.axis[2];
-    if (map->mesh->quads) {
-        put(map->file, "<text class=\"value\" x=\"%d\" y=\"%f\">seen along (%n, %n, %n)</text>\n",
-            SHELL_MAP_WIDTH / 2, map->view.height + 5, normal[0], normal[1], normal[2]);
-        return;
-    }
-    for (int a = 0; a < 2; a++) {
-        double low = HUGE_VAL, high = -HUGE_VAL;
-        for (int k = 0; k < map->points; k++) {
-            low = fmin(low, map->place[k][a]);
-            high = fmax(high, map->place[k][a]);
-        }
-        write_range(map, a, names[has_parameters][a], low, high,
-                    has_parameters ? words_of_theta(map->mesh->scene, a) : QUANTITY_LENGTH);
+    if (map->mesh->quads)
+        put(map->file, "<text class=\"value\" x=\"160\" y=\"%f\">seen along (%n, %n, %n)</text>\n",
+            map->view.height + 5, normal[0], normal[1], normal[2]);
+    for (int a = 0; a < 2 && !map->mesh->quads; a++) {
+        const scene_line *line = &scene->line[a];
+        const double low = has_parameters ? line->point[0] : map->view.low[a];
+        const double high = has_parameters ? line->point[line->elements] : map->view.high[a];
+        char text[WORDS_UNIT];
+        words_unit(scene, has_parameters ? words_of_theta(scene, a) : QUANTITY_LENGTH, text);
+        const put_unit unit = put_unit_of(fmax(fabs(low), fabs(high)), text);
+        put(map->file, "<text class=\"value\" x=\"160\" y=\"%f\">%s from %n to %n%u</text>\n",
+            map->view.height + 5 + 14 * a, names[has_parameters][a], low * unit.factor,
+            high * unit.factor, unit.name);
     }
 }
 
@@ -57,10 +46,7 @@ void shell_map(const shell *map, const double *value, const draw_scale *scale, c
     draw_end(map->file, DRAW_IMAGE);
 }
 
-/*
- * Whether any patches of two actuators cover the same element. Electrodes of any outline on one
- * layer may share elements without an overlap.
- */
+/* Whether patches of two actuators overlap. Outlines on one layer may share an element. */
 static bool do_overlap(const mesh *mesh, const scene_actuator *one, const scene_actuator *other)
 {
     const scene_patches *patches = mesh->scene->patches;
@@ -179,10 +165,7 @@ typedef struct text_room {
     double middle[2], width, height;
 } text_room;
 
-/*
- * The room of an electrode that is drawn: its bounding box, shrunk to its area. The text of a ring,
- * whose centre lies outside its elements, moves to the nearest element.
- */
+/* The room of an electrode is its bounding box, shrunk to its area; in a ring an element. */
 static text_room room_of(const electrode *electrode)
 {
     static const double half[2] = {0.5, 0.5};
@@ -204,10 +187,7 @@ static text_room room_of(const electrode *electrode)
     return room;
 }
 
-/*
- * Write the voltage in its patch, as large as it fits. If the voltage does not fit at a readable
- * size, it is left out, except at a limit, where it is written over the neighbouring patches.
- */
+/* Write a voltage as large as it fits; one at a limit is always written, the others if readable. */
 static void write_voltage(FILE *file, const draw_scale *scale, const text_room *room,
                           double voltage, bool is_marked)
 {

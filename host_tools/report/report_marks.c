@@ -37,10 +37,7 @@ void shell_component(const surface_point *point, scene_component component, doub
     }
 }
 
-/*
- * Draw a point load as an arrow whose tip is at the loaded node. All arrows have the same length in
- * space, so that an arrow along the line of sight is only a disc.
- */
+/* Draw a point load as an arrow to its node, or along the line of sight as a disc. */
 static void draw_load(const shell *shell, const scene_load *load)
 {
     const double degree = 0.017453292519943295, length = 46;
@@ -100,10 +97,7 @@ void shell_directions(const shell *shell)
     }
 }
 
-/*
- * Gap between a point in space and the rigid body in its present position.
- *   normal  out  gradient of the gap
- */
+/* Gap between a point in space and the rigid body in its present position; its gradient. */
 static double gap_at(const equilibrium *equilibrium, const double place[3], double normal[3])
 {
     const double *move = equilibrium->design->scene->contact.move;
@@ -113,10 +107,7 @@ static double gap_at(const equilibrium *equilibrium, const double place[3], doub
     return equilibrium->body.gap(&equilibrium->body, from, normal, hessian);
 }
 
-/*
- * Move a point onto the body, in some iterations because the gap need not be the exact distance.
- *   normal  out  normal of the body there
- */
+/* Move a point onto the body in some steps, since a gap may be inexact; normal of the body. */
 static void pull_to_body(const equilibrium *equilibrium, double place[3], double normal[3])
 {
     for (int k = 0; k < 4; k++) {

@@ -1,13 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Frames of the pages and of single pictures, and drawings of shapes with their misfit
- * (report_page.h).
- */
+/* Frames of pages and of single pictures, and shapes with their misfit (report_page.h). */
 #include "report_page.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../model/matrix_facts.h"
 #include "../quads/vector.h"
 #include "../text/words.h"
 
@@ -41,10 +37,7 @@ void page_close(page *page)
     free(page->vector);
 }
 
-/*
- * Write the command line, without the folder of the program and with quotes around words that
- * contain blanks or special characters of the shell.
- */
+/* Write the command line, with quotes around words that are special to the shell. */
 static void write_command(const report_job *job)
 {
     for (int k = 0; k < job->words; k++) {
@@ -56,10 +49,7 @@ static void write_command(const report_job *job)
     }
 }
 
-/*
- * Result of a check of the solution, or NAN if it is negative, which means that the check was not
- * made.
- */
+/* Result of a check of the solution; NAN for a negative value: the check was not made. */
 static double checked(double value)
 {
     return value < 0 ? (double)NAN : value;
@@ -100,18 +90,6 @@ static void write_structure_facts(const page *page, double residual)
             checked(page->analysis->model.info.error_estimate));
 }
 
-/* Write the size and the rank of a measured influence matrix. */
-static void write_matrix_facts(const page *page)
-{
-    const scene_influence *influence = &page->scene->influence;
-    matrix_facts facts;
-    put(page->file, FACT("Measured matrix", "%d outputs of %d rows, %d actuators, in %t"),
-        influence->outputs, influence->file_outputs, page->scene->amplifiers, influence->file);
-    if (matrix_facts_find(&facts, page->scene) == 0 && facts.rank >= 0)
-        put(page->file, FACT("Rank", "%d; singular values from %n to %n; largest entry %n"),
-            facts.rank, facts.most, facts.least, facts.entry);
-}
-
 static void write_facts(const page *page, double residual)
 {
     const scene *scene = page->scene;
@@ -121,15 +99,14 @@ static void write_facts(const page *page, double residual)
     if (page->analysis->source->has_structure)
         write_structure_facts(page, residual);
     else
-        write_matrix_facts(page);
+        put(page->file, FACT("Measured matrix", "%d outputs, %d actuators, in %t"),
+            scene->influence.outputs, scene->amplifiers, scene->influence.file);
     if (scene->target.given)
         put(page->file, FACT("Target", "<code>%t</code>"), expr_text(scene->target.value));
     put(page->file, FACT("Scene", "%s") "</dl>\n", hash);
 }
 
-/*
- * Write the list of the warnings on implausible numbers, and of the warning of the last load step.
- */
+/* Write the warnings on implausible numbers, and the warning of the last load step. */
 static void write_warnings(const page *page)
 {
     static const char *const item = "<li><b class=\"warn\">%t</b>: %t</li>\n";

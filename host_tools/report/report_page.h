@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Parts that several report pages share: the frame of a page, figures, tables of the structure, and
- * the misfit of a shape with its picture.
- */
+/* Parts of several report pages: frames, figures, tables, and shapes with their misfit. */
 #ifndef REPORT_PAGE_H
 #define REPORT_PAGE_H
 
@@ -41,17 +38,11 @@ void page_close(page *page);
 void page_begin(const page *page, const char *kind, double residual);
 void page_end(const page *page);
 
-/*
- * Begin and end the main picture in a file of its own, with its title. `width` and `height` are
- * those of the drawing, in pixels.
- */
+/* Begin and end the main picture alone, with a title and the size of the drawing in pixels. */
 void page_begin_picture(const page *page, const char *title, double width, double height);
 void page_end_picture(const page *page, double width, double height);
 
-/*
- * End a figure with a caption in the format of the function put, and the legend of a colour scale
- * unless the scale is NULL.
- */
+/* End a figure with a caption (a format of put) and the legend of a scale that is not NULL. */
 void page_caption(const page *page, const draw_scale *scale, const char *format, ...);
 
 /* Draw a figure with the map of value [nodes], and a caption as page_caption writes it. */
@@ -61,16 +52,10 @@ void page_map(const page *page, const double *value, const draw_scale *scale, co
 /* Write the tables of the layers and materials, and the text of the scene file. */
 void page_structure(const page *page);
 
-/*
- * Write the table of the voltages as a block that can be opened: a row for each amplifier, a column
- * for each result, with its name.
- */
+/* Write the table of the voltages: a row for each amplifier, a column for each result. */
 void page_voltages(const page *page, const voltages *result, int results);
 
-/*
- * Write a section for each pair of voltage limits: the shape error of every mode of the target
- * within these limits. Writes nothing if the target lists no modes.
- */
+/* Write a section for each pair of voltage limits with the shape error of every mode, if any. */
 void page_modes(const page *page, const modes *modes);
 
 /*

@@ -6,10 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/*
- * Number of bytes of the UTF-8 character at the start of the text, or 0 if the bytes are not valid
- * UTF-8.
- */
+/* Number of bytes of the UTF-8 character at the start of a text, or 0 if it is invalid. */
 static int character_bytes(const unsigned char *text)
 {
     static const unsigned char lead[5] = {0, 0, 0xc2, 0xe0, 0xf0};
@@ -22,10 +19,7 @@ static int character_bytes(const unsigned char *text)
     return (bytes == 1 && *text >= 0x80) || *text > 0xf4 ? 0 : bytes;
 }
 
-/*
- * Write text with the characters special to XML escaped and control characters left out. All text
- * that comes from the user passes through this function.
- */
+/* Write text, which may come from the user: escaped for XML, without control characters. */
 static void put_text(FILE *file, const char *text)
 {
     static const char *const escaped[] = {['&'] = "&amp;",  ['<'] = "&lt;",   ['>'] = "&gt;",
@@ -167,10 +161,7 @@ static void put_directive(FILE *file, char directive, va_list *more)
     }
 }
 
-/*
- * Write the opening tag of a table cell with its alignment. Returns the rest of the format after
- * the alignment mark.
- */
+/* Write the opening tag of an aligned table cell. Returns the format behind the alignment. */
 static const char *open_cell(FILE *file, const char *tag, const char *at)
 {
     static const char *const style[] = {"", " class=\"word\"", " class=\"note\""};
@@ -179,10 +170,7 @@ static const char *open_cell(FILE *file, const char *tag, const char *at)
     return at + (aligned > 0);
 }
 
-/*
- * Write a format as described for the function put.
- *   cell  in  tag of the table cells that '|' separates, or NULL: no table
- */
+/* Write a format of put. cell  in  tag of the cells that '|' separates, or NULL: no table. */
 static void put_format(FILE *file, const char *format, const char *cell, va_list *more)
 {
     while (*format) {

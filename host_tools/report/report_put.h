@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Text of the report pages: escaped text, numbers and tables. All output is UTF-8 and well-formed
- * XML.
- */
+/* Text of the report pages: escaped text, numbers and tables, as UTF-8 and XML. */
 #ifndef REPORT_PUT_H
 #define REPORT_PUT_H
 

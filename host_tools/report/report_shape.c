@@ -41,10 +41,7 @@ static double largest_voltage(const voltages *result)
     return largest;
 }
 
-/*
- * Mark the amplifiers that are at an active limit of a result, unless they are held, and those with
- * a voltage beyond the limits of the scene.
- */
+/* Mark the amplifiers at an active limit, except held ones, and those beyond the scene's limits. */
 static void find_marks(const shape_page *shape, const voltages *result)
 {
     const design *design = shape->page.design;
@@ -93,10 +90,7 @@ static void fit_page(shape_page *shape)
     view_fit(&page->space.view, 420, 420, 180);
 }
 
-/*
- * The result shown first: the first one computed within limits, or simply the first one if none has
- * limits.
- */
+/* The result shown first: the first one within limits, or the first one if none has limits. */
 static const voltages *main_result(const shape_page *shape)
 {
     for (int k = 0; k < shape->results; k++)
@@ -154,10 +148,7 @@ static void write_table(const shape_page *shape)
     put_table_end(shape->page.file);
 }
 
-/*
- * Write notes on amplifiers with narrower limits than the table says, on target rows that cannot
- * move and therefore do not count in the error, and on free functions.
- */
+/* Write notes on narrower limits, on target rows that cannot move, and on free functions. */
 static void write_notes(const shape_page *shape)
 {
     FILE *file = shape->page.file;

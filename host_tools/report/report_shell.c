@@ -41,16 +41,14 @@ static void fill_from_parameters(shell *shell)
     }
 }
 
-/* List the supported nodes, except those of a support of all nodes. node [nodes] work */
+/* Mark the supported nodes, except those of a support of all nodes. node [nodes] work */
 static void find_supports(shell *shell, int *node)
 {
     const scene *scene = shell->mesh->scene;
-    for (int s = 0; s < scene->supports; s++) {
-        const scene_where *where = &scene->support[s].where;
-        const int count = where->type == WHERE_NODES ? 0 : mesh_select(shell->mesh, where, node);
-        for (int k = 0; k < count; k++)
-            shell->support[node[k]] = count == 1 ? SHELL_POINT_SUPPORT : SHELL_SUPPORT;
-    }
+    for (int s = 0; s < scene->supports; s++)
+        if (scene->support[s].where.type != WHERE_NODES)
+            for (int k = mesh_select(shell->mesh, &scene->support[s].where, node) - 1; k >= 0; k--)
+                shell->is_held[node[k]] = true;
 }
 
 int shell_open(shell *shell, FILE *file, const mesh *mesh, bool is_map)
@@ -65,10 +63,10 @@ int shell_open(shell *shell, FILE *file, const mesh *mesh, bool is_map)
     shell->node = calloc(points, sizeof *shell->node);
     shell->place = calloc(points, sizeof *shell->place);
     shell->cell = calloc(2 * cells, sizeof *shell->cell);
-    shell->support = calloc((size_t)mesh->nodes, sizeof *shell->support);
+    shell->is_held = calloc((size_t)mesh->nodes, sizeof *shell->is_held);
     shell->order = calloc(cells, sizeof *shell->order);
     shell->side = calloc(4 * cells, sizeof *shell->side);
-    if (!shell->node || !shell->place || !shell->cell || !shell->support || !shell->order ||
+    if (!shell->node || !shell->place || !shell->cell || !shell->is_held || !shell->order ||
         !shell->side)
         return -1;
     view_begin(&shell->view, mesh, is_map);
@@ -89,7 +87,7 @@ void shell_close(shell *shell)
     free(shell->node);
     free(shell->place);
     free(shell->cell);
-    free(shell->support);
+    free(shell->is_held);
     free(shell->order);
     free(shell->side);
 }
@@ -230,10 +228,7 @@ static int level_inside(const double own[4], const draw_scale *scale, double fir
     return draw_level(scale, value);
 }
 
-/*
- * Draw one cell in pieces x pieces parts, each in the colour of the value at its middle, where
- * neighbours of equal colour along theta1 are drawn as one.
- */
+/* Draw a cell in pieces of the colour of their middle; equal neighbours are one piece. */
 static void paint_cell(const shell *shell, int cell, const double *value, const draw_scale *scale,
                        int pieces)
 {
@@ -262,8 +257,8 @@ static void draw_frame(const shell *shell, int cell)
     if (shell->mesh->elements <= FINE)
         shell_cells(&single, "edge");
     for (int r = 0; r < 4; r++)
-        if (shell->support[single.cell[0][r]] == SHELL_SUPPORT)
-            shell_node(shell, single.cell[0][r], "pin", 2);
+        if (shell->is_held[single.cell[0][r]])
+            shell_node(shell, single.cell[0][r], "pin", 2.5);
 }
 
 /* Draw the values at the points as coloured discs; of very many points not every one. */
@@ -295,9 +290,6 @@ void shell_surface(const shell *shell, const double *value, const draw_scale *sc
         if (!shell->is_map)
             draw_frame(shell, shell->order[k].cell);
     }
-    for (int n = 0; n < shell->mesh->nodes; n++)
-        if (shell->support[n] == SHELL_POINT_SUPPORT)
-            shell_node(shell, n, "pin", 4);
     if (coloured == 0)
         draw_points(shell, value, scale);
     fputs("</g>\n", shell->file);

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Pictures of a mesh, either as a surface in space or as a map: coloured surface, mesh lines,
- * supports, loads and voltages.
- */
+/* Pictures of a mesh in space or as a map: colours, lines, supports, loads and voltages. */
 #ifndef REPORT_SHELL_H
 #define REPORT_SHELL_H
 
@@ -20,9 +17,6 @@ typedef struct shell_depth {
     int cell;
 } shell_depth;
 
-/* How a support includes a node: not at all, beside other nodes, or as its only node. */
-typedef enum shell_support { SHELL_NO_SUPPORT, SHELL_SUPPORT, SHELL_POINT_SUPPORT } shell_support;
-
 /*
  * A mesh as it is drawn: points, and quadrilateral cells between them. Points and cells are the
  * nodes and elements of the mesh, but on the parameter plane of a closed surface the first and the
@@ -35,21 +29,18 @@ typedef struct shell {
     view view;
     bool is_map;
     int points, cells;
-    int *node;          /* [points] mesh node of each point */
-    double (*place)[3]; /* [points] coordinates of the undeformed mesh, as the view takes them */
-    int (*cell)[4];     /* [cells] points at the corners, in order around the cell; [cells] work
-                           follow */
-    shell_support *support; /* [nodes] in space, else SHELL_NO_SUPPORT */
-    shell_depth *order;     /* [cells] work */
-    quad_side *side;        /* [cells][4] work */
-    const double *vector;   /* [nodes][3] displacement in space, or NULL: none */
-    double factor;          /* magnification of the displacement */
+    int *node;            /* [points] mesh node of each point */
+    double (*place)[3];   /* [points] coordinates of the undeformed mesh, as the view takes them */
+    int (*cell)[4];       /* [cells] points at the corners, in order around the cell; [cells] work
+                             follow */
+    bool *is_held;        /* [nodes] whether a support includes the node; in space only */
+    shell_depth *order;   /* [cells] work */
+    quad_side *side;      /* [cells][4] work */
+    const double *vector; /* [nodes][3] displacement in space, or NULL: none */
+    double factor;        /* magnification of the displacement */
 } shell;
 
-/*
- * Prepare the picture of a mesh, without a displacement; the view of a map is fitted. Returns 0, or
- * -1: out of memory. shell_close may be called in both cases.
- */
+/* Prepare a picture without displacement. Returns 0, or -1: out of memory; close in both cases. */
 int shell_open(shell *shell, FILE *file, const mesh *mesh, bool is_map);
 void shell_close(shell *shell);
 
@@ -93,10 +84,7 @@ void shell_directions(const shell *shell);
 /* Cartesian unit vector of a displacement component at a point of the surface. */
 void shell_component(const surface_point *point, scene_component component, double along[3]);
 
-/*
- * The part of the rigid body of a contact that lies close to the shell, as a translucent surface
- * through a grid of SHELL_NET x SHELL_NET points.
- */
+/* The part of the rigid body of a contact that is near the shell: a grid of points. */
 enum { SHELL_NET = 13 };
 typedef struct shell_body {
     bool is_given;

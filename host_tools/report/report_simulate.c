@@ -106,10 +106,7 @@ static void write_plant(const simulate_page *self)
         simulate->at_target ? "nonlinear optimum of its model" : "undeformed shell");
 }
 
-/*
- * Write the effect of vibrations on the control loop, as far as the scene gives the densities of
- * the materials.
- */
+/* Write the effect of vibrations on the control loop, as far as densities are known. */
 static void write_certificate(const simulate_page *self)
 {
     FILE *file = self->page.file;
@@ -133,10 +130,7 @@ static void write_certificate(const simulate_page *self)
 /* Places of a diagram over time in its picture, in pixels. */
 enum { TOP = 8, BOTTOM = 250, FOOT = 34, LEFT = 64, RIGHT = 1150 };
 
-/*
- * Draw the frame of a picture with the time axis, and a vertical line at the beginning of each
- * phase.
- */
+/* Draw a frame with the time axis, and a vertical line at the beginning of each phase. */
 static void draw_time(const simulate_page *self, double bottom)
 {
     FILE *file = self->page.file;
@@ -151,10 +145,7 @@ static void draw_time(const simulate_page *self, double bottom)
         bottom + 28, self->record->ticks / self->page.scene->control.rate, "s");
 }
 
-/*
- * Draw all errors over time, on a logarithmic axis with at most six powers of ten below the largest
- * error.
- */
+/* Draw all errors over time on a logarithmic axis of at most six powers of ten. */
 static void draw_errors(const simulate_page *self)
 {
     FILE *file = self->page.file;
@@ -213,10 +204,7 @@ static bool is_active(const simulate_record *record, int amplifier, int bin)
     return voltage <= record->lower[amplifier] || voltage >= record->upper[amplifier];
 }
 
-/*
- * Draw the row of one amplifier over time: bars in the colour of its voltage, with a line wherever
- * a limit is active.
- */
+/* Draw the voltage of an amplifier over time in colours, with a line at active limits. */
 static void draw_row(const simulate_page *self, int amplifier, const draw_scale *scale, double y,
                      double height)
 {
@@ -265,10 +253,7 @@ static void write_voltages(const simulate_page *self)
                  "marks active limits.");
 }
 
-/*
- * Take the shape at the end of phase k under the controller into the page, with its misfit. Returns
- * its largest displacement.
- */
+/* Take the shape at the end of phase k into the page. Returns its largest displacement. */
 static double take_shape(simulate_page *self, int k, double *misfit)
 {
     const simulate_phase *phase = &self->simulation->phase[k];
@@ -297,10 +282,7 @@ static void fit_shapes(simulate_page *self)
     view_fit(&page->space.view, 420, 320, 180);
 }
 
-/*
- * Whether the shape at the end of phase k is drawn: in the last phase, and if the optimum changes
- * in the following phase. After a fault of a sensor, for example, the optimum stays the same.
- */
+/* Whether the shape at the end of phase k is drawn: if the optimum changes thereafter. */
 static bool is_worth_seeing(const simulation *simulation, int k)
 {
     const double optimum = simulation->phase[k].optimum;

@@ -25,10 +25,7 @@ static double value_of(const solve_page *solve, int k, int i)
     return analysis_output(solve->page.analysis, k, i, solve->output);
 }
 
-/*
- * Range, mean and unit of the values of a named output. An output at a point has one value, an
- * output on an edge or at all nodes has several.
- */
+/* Range, mean and unit of the values of a named output, at one or at several places. */
 static spread spread_of(const solve_page *solve, int k)
 {
     const scene *scene = solve->page.scene;
@@ -124,7 +121,7 @@ static void draw_lines(const solve_page *solve, int along)
     for (int k = 0; k < scene->outputs; k++) {
         const int count = list_values(solve, k, along, page->wanted, page->value);
         draw_curve(page->file, "wire", &x, page->wanted, &y, page->value, count);
-        const int named = (k % 4 + 1) * (count - 1) / 4; /* point that carries the name */
+        const int named = (4 - k % 4) * (count - 1) / 4; /* point that carries the name */
         if (count > 0)
             put(page->file, "<text class=\"tag\" x=\"%f\" y=\"%f\">%t</text>\n",
                 draw_on(&x, page->wanted[named]) + 4, draw_on(&y, page->value[named]) + 4,
@@ -136,10 +133,7 @@ static void draw_lines(const solve_page *solve, int along)
     fputs("</section>\n", page->file);
 }
 
-/*
- * Choose the colour scale, the magnification and the view of the deformed shape. Large
- * displacements, of nonlinear results, are not magnified.
- */
+/* Choose scale and view of the deformed shape; a nonlinear displacement is not magnified. */
 static void fit_deformed(solve_page *solve)
 {
     page *page = &solve->page;

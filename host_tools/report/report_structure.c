@@ -20,10 +20,7 @@ static void write_layers(const page *page)
     put_table_end(page->file);
 }
 
-/*
- * Write the table of the material constants. The piezoelectric ones are given as strain per field
- * or as stress per field, whichever the scene contains.
- */
+/* Write the table of the material constants; d31 or e31, whichever the scene contains. */
 static void write_materials(const page *page)
 {
     const scene *scene = page->scene;
@@ -90,32 +87,29 @@ void page_voltages(const page *page, const voltages *result, int results)
     fputs("</details>\n", page->file);
 }
 
-/*
- * Write the errors of all modes within one pair of voltage limits.
- *   left [modes]  in  with a stride of the number of pairs of limits
- */
-static void write_modes(const page *page, const modes *modes, const mode_left *left)
+/* Write the errors of all modes within pair `limits` of the voltage limits. */
+static void write_modes(const page *page, const modes *modes, int limits)
 {
+    put(page->file, "<section>\n<h2>Mode by mode within %l</h2>\n", modes->left[limits].limit,
+        page->scene->unit_voltage);
     put_table(page->file,
               "Relative RMS error of each mode of the target alone. At 100\xc2\xa0% nothing is "
               "gained.",
               "Mode|Target, RMS|Unconstrained|Largest voltage,<br>unconstrained|Clipped least "
               "squares|Optimum within limits|Limit active");
-    for (int k = 0; k < modes->count; k++, left += modes->limits) {
+    for (int k = 0; k < modes->count; k++) {
         const mode *mode = &modes->mode[k];
+        const mode_left *left = &modes->left[k * modes->limits + limits];
         put_row(page->file, "%t|%q|%p|%q|%p|%b|%d", page->scene->target.mode[k].name, mode->size,
                 page->scene->unit_length, mode->unconstrained_error, mode->largest_voltage,
                 page->scene->unit_voltage, left->clipped, left->optimum, 1.0, left->active_limits);
     }
     put_table_end(page->file);
+    fputs("</section>\n", page->file);
 }
 
 void page_modes(const page *page, const modes *modes)
 {
-    for (int k = 0; modes->count > 0 && k < modes->limits; k++) {
-        put(page->file, "<section>\n<h2>Mode by mode within %l</h2>\n", modes->left[k].limit,
-            page->scene->unit_voltage);
-        write_modes(page, modes, &modes->left[k]);
-        fputs("</section>\n", page->file);
-    }
+    for (int k = 0; modes->count > 0 && k < modes->limits; k++)
+        write_modes(page, modes, k);
 }

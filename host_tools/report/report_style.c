@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Colours and style sheets of the report (report_draw.h), for light and dark display, for whole
- * pages and for single pictures.
- */
+/* Colours and style sheets of pages and of pictures (report_draw.h), light and dark. */
 #include <math.h>
 #include <string.h>
 #include "report_draw.h"
@@ -120,10 +117,7 @@ static void write_variables(FILE *file, int is_dark)
     fputs("}\n", file);
 }
 
-/*
- * Write a style rule with every var(--name) replaced by its colour, because many programs that show
- * SVG files do not support CSS variables.
- */
+/* Write a style rule with colours for its variables, which many viewers of SVG do not know. */
 static void write_expanded(FILE *file, const char *rule, int is_dark)
 {
     const char *at;

@@ -23,10 +23,7 @@ static void look_along(view *view, const double normal[3])
     vector_cross(axis[1], axis[2], axis[0]);
 }
 
-/*
- * Choose the view in space, 30 degrees above the horizon, in which a side of the shell with a
- * normal shows most.
- */
+/* Choose the view in space, 30 degrees above the horizon, that shows most of the outer side. */
 static void look_at(view *view, const double normal[3])
 {
     static const double degree = 0.017453292519943295, azimuth[4] = {-58, 32, 122, 212};

@@ -28,28 +28,19 @@ typedef struct view {
 /* Whether the map of a mesh is its parameter plane. */
 bool view_has_parameters(const mesh *mesh);
 
-/*
- * Begin a view without points: in space from above, in the direction in which the outer side of the
- * shell shows most, or on the map of the mesh.
- */
+/* Begin a view without points: of the outer side of the shell in space, or of its map. */
 void view_begin(view *view, const mesh *mesh, bool is_map);
 
 /* Make a point visible in the view. */
 void view_include(view *view, const double point[3]);
 
-/*
- * Fit the included points into a width and a height in pixels. The picture is as high as they need,
- * but at least `least` pixels.
- */
+/* Fit the included points into a picture of a size in pixels, at least `least` pixels high. */
 void view_fit(view *view, double width, double height, double least);
 
 /* Compute the pixel coordinates of a point. */
 void view_project(const view *view, const double point[3], double at[2]);
 
-/*
- * Magnification at which the largest displacement `most` is drawn at about the fraction `share` of
- * the size of the structure.
- */
+/* Round magnification that draws the displacement `most` at about a share of the size. */
 double view_magnification(const mesh *mesh, double most, double share);
 
 #endif
