@@ -726,13 +726,13 @@ static int fill(mesh *mesh, char *error)
     if (build_numbers(mesh, error) < 0)
         return -1;
     find_envelope(mesh);
-    if (build_all_types(mesh, error) < 0 || mesh_springs_build(mesh, error) < 0)
+    if (build_all_types(mesh, error) < 0)
         return -1;
     if (build_stiffness(mesh) < 0)
         return scene_fault(scene, scene->line[0].at, error,
                            "%d element matrices do not fit into memory; use fewer elements",
                            mesh->types);
-    return 0;
+    return mesh_springs_build(mesh, error);
 }
 
 int mesh_build(mesh *mesh, const scene *scene, char *error)

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../../lib/model/shell.h"
 #include "../quads/vector.h"
 #include "corner_weight.h"
 #include "mesh_spot.h"
@@ -30,6 +31,8 @@ typedef struct spring_builder {
     int *node;
     double *weight;
     size_t room_rows, room_entries;
+    double largest[2]; /* largest diagonal entries of the element matrices: of the mean
+                          displacements (N/m), of the differences of the faces (N m) */
 } spring_builder;
 
 static int fault_of_memory(const spring_builder *builder)
@@ -216,6 +219,22 @@ static int grow(spring_builder *builder)
 }
 
 /*
+ * Refuse a spring that is so much stiffer than the elements that the rounding of the stiffness
+ * matrix would lose them. Returns 0, or -1 with error filled.
+ */
+static int check_stiffness(const spring_builder *builder, double stiffness)
+{
+    const double largest_ratio = 1e10;
+    const double of_elements = builder->largest[builder->item->about.given != 0];
+    if (stiffness <= largest_ratio * of_elements)
+        return 0;
+    return scene_fault(builder->mesh->scene, builder->item->at, builder->error,
+                       "a stiffness of %.3g is %.2g times that of the elements, and rounding would "
+                       "lose the elements; use a support instead, or at most %.2g",
+                       stiffness, stiffness / of_elements, largest_ratio * of_elements);
+}
+
+/*
  * Append a spring that is attached at a point of the mesh, with its stiffness, to the springs of
  * the mesh. Returns 0, or -1 with error filled.
  */
@@ -223,7 +242,7 @@ static int append(spring_builder *builder, const mesh_spot *spot, double stiffne
 {
     mesh_springs *springs = builder->springs;
     spring_row row;
-    if (fill_row(builder, spot, &row) < 0)
+    if (check_stiffness(builder, stiffness) < 0 || fill_row(builder, spot, &row) < 0)
         return -1;
     const int rows = springs->count;
     if (rows >= UINT16_MAX)
@@ -359,6 +378,24 @@ static int check_envelope(mesh *mesh, char *error)
 
 /* ---- build ------------------------------------------------------------------ */
 
+/*
+ * Find the largest diagonal entries of the element matrices.
+ *   largest [2]  out  those of the mean displacements (N/m) and of the differences of the faces (N
+ * m)
+ */
+static void find_largest(const mesh *mesh, double largest[2])
+{
+    const size_t count = 4 * (size_t)mesh->dof_per_node, packed = SHELL_PACKED(count);
+    largest[0] = largest[1] = 0;
+    for (size_t type = 0; type < (size_t)mesh->types; type++)
+        for (size_t i = 0; i < count; i++) {
+            const size_t own = i % mesh->dof_per_node;
+            const double entry = mesh->stiffness[type * packed + SHELL_PACKED(i) + i];
+            if (own < 6)
+                largest[own / 3] = fmax(largest[own / 3], entry);
+        }
+}
+
 static bool has_springs(const scene *scene)
 {
     bool found = scene->springs > 0;
@@ -376,6 +413,7 @@ int mesh_springs_build(mesh *mesh, char *error)
     int status = -1;
     if (!has_springs(scene))
         return 0;
+    find_largest(mesh, builder.largest);
     springs->first = calloc(items + 1, sizeof *springs->first);
     builder.node = calloc((size_t)mesh->nodes, sizeof *builder.node);
     builder.weight = calloc((size_t)mesh->nodes, sizeof *builder.weight);

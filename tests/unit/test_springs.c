@@ -14,6 +14,7 @@
 #include "../../host_tools/model/mass.h"
 #include "../../host_tools/model/spring_forces.h"
 #include "../../host_tools/model/vibration.h"
+#include "../../host_tools/quads/vector.h"
 #include "../rigs/scene_assert.h"
 
 #define FREE_PLATE "tests/rigs/scenes/spring-plate.yaml"
@@ -447,6 +448,35 @@ static void test_points(void **state)
     scene_run_close(&r);
 }
 
+/*
+ * Law: under a rotation w about y the outer face moves by w h/2 along x, so that a spring on that
+ * face along x is elongated by it; one on the mean of both faces is not.
+ */
+static void test_face(void **state)
+{
+    (void)state;
+    scene_run r;
+    open_run(&r, DISC,
+             "springs=[{at: {x: 0, y: 0, z: 0}, along: x, stiffness: 1, on: outer}, {at: {x: 0, y: "
+             "0, z: 0}, along: x, stiffness: 1, on: inner}, {at: {x: 0, y: 0, z: 0}, along: x, "
+             "stiffness: 1}, {at: nodes, along: z, stiffness: 1}, {at: nodes, along: y, stiffness: "
+             "1}]");
+    const mesh *mesh = &r.analysis.design.mesh;
+    const double turn[3] = {0, 0.125, 0};
+    for (int n = 0; n < mesh->nodes; n++)
+        for (unsigned i = 0; i < 3; i++) {
+            const surface_point *point = &mesh->point[n];
+            double lean[3];
+            vector_cross(turn, point->e[2], lean);
+            r.u[mesh->node_dof[(size_t)n * mesh->dof_per_node + 3 + i]] =
+                vector_dot(lean, point->e[i]);
+        }
+    assert_near("outer", springs_elongation(&mesh->springs, 0, r.u), 0.125 * 0.01, 1e-12);
+    assert_near("inner", springs_elongation(&mesh->springs, 1, r.u), -0.125 * 0.01, 1e-12);
+    assert_true(fabs(springs_elongation(&mesh->springs, 2, r.u)) < 1e-15);
+    scene_run_close(&r);
+}
+
 /* ---- kinematic supports --------------------------------------------------------- */
 
 #define HEAT "loads=[{temperature: 100}];"
@@ -710,6 +740,9 @@ static void test_refusals(void **state)
         {"springs=[{at: nodes, along: z, stiffness: .nan}]", "stiffness"},
         {"springs=[{at: nodes, along: z, stiffness: 1e999}]", "stiffness"},
         {"springs=[{at: nodes, along: z}]", "stiffness"},
+        {"springs=[{points: [[0.3, 0.3]], along: z, stiffness: 1e30}]",
+         "times that of the elements"},
+        {"springs=[{at: nodes, about: x, stiffness: 1e30}]", "times that of the elements"},
         {"springs=[{along: z, stiffness: 1}]", "needs one of at, edge, set and points"},
         {"springs=[{at: nodes, stiffness: 1}]", "no direction"},
         {"springs=[{at: nodes, along: [0, 0, 0], stiffness: 1}]", "has no direction"},
@@ -789,6 +822,7 @@ int main(void)
         cmocka_unit_test(test_winkler_beam),
         cmocka_unit_test(test_shares),
         cmocka_unit_test(test_points),
+        cmocka_unit_test(test_face),
         cmocka_unit_test(test_kinematic_springs),
         cmocka_unit_test(test_kinematic_supports),
         cmocka_unit_test(test_direction),
