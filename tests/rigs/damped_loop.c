@@ -298,7 +298,7 @@ static void fill_gain(const damped_loop *loop, double *gain)
     free(matrix);
 }
 
-static void fill_problem(damped_loop *loop, pzs_real **at, double slew)
+static void fill_problem(damped_loop *loop, pzs_real **at, double step_limit)
 {
     const modal_structure *structure = loop->structure;
     const size_t inputs = structure->inputs;
@@ -316,7 +316,7 @@ static void fill_problem(damped_loop *loop, pzs_real **at, double slew)
         row[i] = -structure->limit;
     loop->problem.lower = put(at, row, inputs);
     for (size_t i = 0; i < inputs; i++)
-        row[i] = slew;
+        row[i] = step_limit;
     loop->problem.step_limit = put(at, row, inputs);
     memset(row, 0, inputs * sizeof *row);
     loop->problem.reference_voltage = put(at, row, inputs);
@@ -398,7 +398,7 @@ static void start(damped_loop *loop)
 }
 
 void damped_loop_open(damped_loop *loop, const modal_structure *structure, double interval,
-                      double slew, int delay, const size_t *sensor, size_t sensors,
+                      double step_limit, int delay, const size_t *sensor, size_t sensors,
                       const damper_settings *settings)
 {
     memset(loop, 0, sizeof *loop);
@@ -425,7 +425,7 @@ void damped_loop_open(damped_loop *loop, const modal_structure *structure, doubl
     loop->sensed = calloc(outputs, sizeof *loop->sensed);
     assert_true(loop->tables && loop->wanted && loop->sensed);
     pzs_real *at = loop->tables;
-    fill_problem(loop, &at, slew);
+    fill_problem(loop, &at, step_limit);
     fill_vibration(loop, &at, delay);
     assert_int_equal(at - loop->tables, reals);
     damped_loop_reset(loop, EXACT_PLANT);

@@ -98,13 +98,13 @@ typedef struct damped_loop {
 
 /*
  * Make the tables and the loop for a structure in static equilibrium.
- *   interval  in  time between ticks (s)
- *   slew      in  step limit (V)
- *   delay     in  age of the readings for which the damper is designed (ticks)
- *   sensor    in  [sensors] indices of the outputs that are sensors; NULL: all outputs
+ *   interval         in  time between ticks (s)
+ *   step_limit       in  largest change of a voltage in one tick (V)
+ *   delay            in  age of the readings for which the damper is designed (ticks)
+ *   sensor [sensors] in  indices of the outputs that are sensors; NULL: all outputs
  */
 void damped_loop_open(damped_loop *loop, const modal_structure *structure, double interval,
-                      double slew, int delay, const size_t *sensor, size_t sensors,
+                      double step_limit, int delay, const size_t *sensor, size_t sensors,
                       const damper_settings *settings);
 void damped_loop_close(damped_loop *loop);
 

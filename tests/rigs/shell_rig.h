@@ -45,11 +45,11 @@ typedef int fixing(int i, int j, int k);
  */
 typedef struct rig {
     int n1, n2, closed, nodes, elements, dof;
-    double radius, step[2], h;
-    double x[MOST_NODES][3], e[MOST_NODES][3][3];
-    uint16_t element[MOST_NODES][4], element_kind[MOST_NODES], node_dof[MOST_NODES][7],
-        first[7 * MOST_NODES];
-    pzs_element_type kind;
+    double radius, step[2], thickness;
+    double position[MOST_NODES][3], frame[MOST_NODES][3][3];
+    uint16_t element[MOST_NODES][4], element_type[MOST_NODES], node_dof[MOST_NODES][7],
+        first_column[7 * MOST_NODES];
+    pzs_element_type type;
     pzs_real stiffness[SHELL_PACKED(SHELL_MAX)];
     uint32_t input_start[3], output_start[2];
     uint16_t load_dof[MOST_NODES], output_dof[1];
@@ -57,8 +57,8 @@ typedef struct rig {
     pzs_structure structure;
     pzs_nonlinear tables;
     pzs_model model;
-    pzs_solver path;
-    void *model_work, *path_work, *contact_work;
+    pzs_solver solver;
+    void *model_work, *solver_work, *contact_work;
     pzs_real place[MOST_NODES][3], triad[MOST_NODES][3][3], area[MOST_NODES];
     pzs_contact_face face;
     pzs_body body;
@@ -85,8 +85,10 @@ static inline void place_nodes(rig *shell)
                                         {cosine, 0, sine},
                                         {0, -1, 0},
                                         {sine, 0, -cosine}};
-            memcpy(shell->x[node], shell->radius > 0 ? round[0] : plate[0], sizeof shell->x[node]);
-            memcpy(shell->e[node], shell->radius > 0 ? round[1] : plate[1], sizeof shell->e[node]);
+            memcpy(shell->position[node], shell->radius > 0 ? round[0] : plate[0],
+                   sizeof shell->position[node]);
+            memcpy(shell->frame[node], shell->radius > 0 ? round[1] : plate[1],
+                   sizeof shell->frame[node]);
         }
 }
 
@@ -106,19 +108,20 @@ static inline void make_kind(rig *shell)
         for (int direction = 0; direction < 2; direction++) {
             const int own = shell->element[0][corner],
                       other = shell->element[0][direction == 0 ? corner ^ 1 : 3 - corner];
-            const double *position = shell->x[other], *from = shell->x[own],
+            const double *position = shell->position[other], *from = shell->position[own],
                          chord[3] = {position[0] - from[0], position[1] - from[1],
                                      position[2] - from[2]};
             const double slope = sign[corner][direction] / sqrt(dot(chord, chord));
             for (int i = 0; i < 3; i++) {
                 for (int j = 0; j < 3; j++)
-                    shell->kind.t[corner][direction][i][j] =
-                        (pzs_real)(slope * dot(shell->e[own][i], shell->e[other][j]));
-                shell->kind.s[corner][direction][i][i] = (pzs_real)-slope;
-                shell->kind.g_mean[corner][direction][i] =
-                    (pzs_real)(slope * dot(shell->e[own][i], chord));
-                shell->kind.g_diff[corner][direction][i] =
-                    (pzs_real)(slope * (dot(shell->e[own][i], shell->e[other][2]) - (i == 2)));
+                    shell->type.t[corner][direction][i][j] =
+                        (pzs_real)(slope * dot(shell->frame[own][i], shell->frame[other][j]));
+                shell->type.s[corner][direction][i][i] = (pzs_real)-slope;
+                shell->type.g_mean[corner][direction][i] =
+                    (pzs_real)(slope * dot(shell->frame[own][i], chord));
+                shell->type.g_diff[corner][direction][i] =
+                    (pzs_real)(slope *
+                               (dot(shell->frame[own][i], shell->frame[other][2]) - (i == 2)));
             }
         }
 }
@@ -132,18 +135,19 @@ static inline void make_stiffness(rig *shell)
     const double shear = 1 / 2.6, lame = 0.3 / (1.3 * 0.4),
                  part[4] = {1, 1.0 / 3, 1.0 / 3, 1.0 / 9};
     for (int mode = 0; mode < 4; mode++) {
-        pzs_real *entry = shell->kind.d[mode];
+        pzs_real *entry = shell->type.d[mode];
         for (int i = 0; i < 10; i++)
             for (int j = 0; j <= i; j++, entry++) {
                 const int both_normal = i < 6 && j < 6 && i % 2 == j % 2;
                 const double modulus = both_normal ? lame + (i == j ? 2 * shear : 0)
                                        : i == j    ? shear
                                                    : 0;
-                *entry = (pzs_real)(part[mode] * shell->step[0] * shell->step[1] * modulus *
-                                    (i < 8 && i % 2 == 1 ? shell->h / 12 : shell->h));
+                *entry =
+                    (pzs_real)(part[mode] * shell->step[0] * shell->step[1] * modulus *
+                               (i < 8 && i % 2 == 1 ? shell->thickness / 12 : shell->thickness));
             }
     }
-    pzs_shell_stiffness(&shell->kind, 7, shell->stiffness);
+    pzs_shell_stiffness(&shell->type, 7, shell->stiffness);
 }
 
 static inline void number(rig *shell, fixing *fixed)
@@ -154,7 +158,7 @@ static inline void number(rig *shell, fixing *fixed)
                 shell->node_dof[node_at(shell, i, j)][k] =
                     fixed(i, j, k) ? PZS_CONSTRAINED : (uint16_t)shell->dof++;
     for (int d = 0; d < shell->dof; d++)
-        shell->first[d] = (uint16_t)d;
+        shell->first_column[d] = (uint16_t)d;
     for (int pass = 0; pass < shell->elements; pass++) {
         uint16_t least = PZS_CONSTRAINED;
         for (int i = 0; i < 28; i++) {
@@ -163,8 +167,8 @@ static inline void number(rig *shell, fixing *fixed)
         }
         for (int i = 0; i < 28; i++) {
             const uint16_t dof = shell->node_dof[shell->element[pass][i / 7]][i % 7];
-            if (dof != PZS_CONSTRAINED && least < shell->first[dof])
-                shell->first[dof] = least;
+            if (dof != PZS_CONSTRAINED && least < shell->first_column[dof])
+                shell->first_column[dof] = least;
         }
     }
 }
@@ -193,11 +197,11 @@ static inline void make_structure(rig *shell, int loaded)
                                 .dof_per_node = 7,
                                 .free_dof = (uint16_t)shell->dof,
                                 .element = (const uint16_t(*)[4])shell->element,
-                                .element_type = shell->element_kind,
+                                .element_type = shell->element_type,
                                 .node_dof = shell->node_dof[0],
-                                .first_column = shell->first,
+                                .first_column = shell->first_column,
                                 .stiffness = shell->stiffness,
-                                .type = &shell->kind,
+                                .type = &shell->type,
                                 .input = input,
                                 .output = output};
     *structure = made;
@@ -222,7 +226,7 @@ static inline rig *rig_open(int n1, int n2, double radius, double step1, double 
     shell->radius = radius;
     shell->step[0] = step1;
     shell->step[1] = step2;
-    shell->h = thickness;
+    shell->thickness = thickness;
     shell->nodes = (n1 + !closed) * (n2 + 1);
     shell->elements = n1 * n2;
     assert_in_range(shell->nodes, 4, MOST_NODES);
@@ -233,29 +237,29 @@ static inline rig *rig_open(int n1, int n2, double radius, double step1, double 
                 shell->element[i * n2 + j][corner] =
                     (uint16_t)node_at(shell, i + (corner == 1 || corner == 2), j + corner / 2);
     make_kind(shell);
-    shell->kind.thickness = (pzs_real)thickness;
-    shell->kind.skew[2] = (pzs_real)(step2 / step1);
+    shell->type.thickness = (pzs_real)thickness;
+    shell->type.skew[2] = (pzs_real)(step2 / step1);
     make_stiffness(shell);
     number(shell, fixed);
     make_structure(shell, loaded);
     const size_t bytes =
-        PZS_MODEL_BYTES(shell->dof, pzs_linalg_reals(shell->first, (uint32_t)shell->dof));
+        PZS_MODEL_BYTES(shell->dof, pzs_linalg_reals(shell->first_column, (uint32_t)shell->dof));
     const size_t path_bytes = PZS_SOLVER_BYTES(shell->dof, shell->elements, 2);
     shell->model_work = malloc(bytes);
-    shell->path_work = malloc(path_bytes);
+    shell->solver_work = malloc(path_bytes);
     assert_int_equal(pzs_model_init(&shell->model, &shell->structure, shell->model_work, bytes),
                      PZS_OK);
-    assert_int_equal(
-        pzs_solver_init(&shell->path, &shell->model, &shell->tables, shell->path_work, path_bytes),
-        PZS_OK);
-    shell->path.settings.tolerance = IS_FLOAT ? (pzs_real)1e-4 : (pzs_real)1e-7;
+    assert_int_equal(pzs_solver_init(&shell->solver, &shell->model, &shell->tables,
+                                     shell->solver_work, path_bytes),
+                     PZS_OK);
+    shell->solver.settings.tolerance = IS_FLOAT ? (pzs_real)1e-4 : (pzs_real)1e-7;
     return shell;
 }
 
 static inline void rig_close(rig *shell)
 {
     free(shell->model_work);
-    free(shell->path_work);
+    free(shell->solver_work);
     free(shell->contact_work);
     free(shell);
 }
@@ -301,7 +305,7 @@ static inline void make_follower(rig *shell, int load_face, int normal_face, int
 static inline void attach_follower(rig *shell, int load_face, int normal_face, int true_area)
 {
     make_follower(shell, load_face, normal_face, true_area);
-    assert_int_equal(pzs_attach_follower(&shell->path, &shell->follower_load, &shell->follower),
+    assert_int_equal(pzs_attach_follower(&shell->solver, &shell->follower_load, &shell->follower),
                      PZS_OK);
 }
 
@@ -315,10 +319,10 @@ static inline pzs_status try_contact(rig *shell, const pzs_body *body, const dou
     const size_t bytes = PZS_CONTACT_BYTES(shell->nodes);
     for (int node = 0; node < shell->nodes; node++)
         for (int i = 0; i < 3; i++) {
-            shell->place[node][i] =
-                (pzs_real)(shell->x[node][i] + shell->h / 2 * shell->e[node][2][i]);
+            shell->place[node][i] = (pzs_real)(shell->position[node][i] +
+                                               shell->thickness / 2 * shell->frame[node][2][i]);
             for (int j = 0; j < 3; j++)
-                shell->triad[node][i][j] = (pzs_real)shell->e[node][i][j];
+                shell->triad[node][i][j] = (pzs_real)shell->frame[node][i][j];
             face->motion[i] = (pzs_real)motion[i];
         }
     memset(shell->area, 0, sizeof shell->area);
@@ -338,7 +342,7 @@ static inline pzs_status try_contact(rig *shell, const pzs_body *body, const dou
         shell->contact_work = malloc(bytes);
     shell->body = *body;
     shell->body.crc = pzs_body_crc(body);
-    return pzs_attach_contact(&shell->path, &shell->contact, face, &shell->body,
+    return pzs_attach_contact(&shell->solver, &shell->contact, face, &shell->body,
                               shell->contact_work, bytes);
 }
 
@@ -350,7 +354,7 @@ static inline void attach_contact(rig *shell, const pzs_body *body, const double
 static inline void set_random(rig *shell, double size)
 {
     for (int i = 0; i < shell->dof; i++)
-        shell->path.state.displacement[i] = (pzs_real)(size * uniform());
+        shell->solver.state.displacement[i] = (pzs_real)(size * uniform());
 }
 
 /* The supports of a free shell: none. */

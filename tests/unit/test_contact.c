@@ -127,7 +127,7 @@ static const pzs_body ground = {pzs_gap_plane, {0, 0, (pzs_real)-1.05}, {0, 0, 1
 static pzs_status settle(rig *g, double load, double move)
 {
     const pzs_real amount[2] = {(pzs_real)load, (pzs_real)move};
-    return pzs_equilibrium(&g->path, amount);
+    return pzs_equilibrium(&g->solver, amount);
 }
 
 /* Gap of a node of the face at the shape reached. */
@@ -136,15 +136,15 @@ static double gap_of(const rig *g, int n)
     double x[3];
     pzs_real at[3], normal[3], hessian[3][3];
     for (int i = 0; i < 3; i++) {
-        x[i] = g->x[n][i] + g->h / 2 * g->e[n][2][i] -
-               (double)g->path.info.input_value[1] * (double)g->face.motion[i];
+        x[i] = g->position[n][i] + g->thickness / 2 * g->frame[n][2][i] -
+               (double)g->solver.info.input_value[1] * (double)g->face.motion[i];
         for (int k = 0; k < 3; k++)
             for (int part = 0; part < 2; part++) {
                 const uint16_t dof = g->node_dof[n][3 * part + k];
                 x[i] += dof == PZS_CONSTRAINED
                             ? 0
-                            : (part ? g->h / 2 : 1) * (double)g->path.info.displacement[dof] *
-                                  g->e[n][k][i];
+                            : (part ? g->thickness / 2 : 1) *
+                                  (double)g->solver.info.displacement[dof] * g->frame[n][k][i];
             }
         at[i] = (pzs_real)x[i];
     }
@@ -170,7 +170,7 @@ static void assert_complementary(const rig *g)
 static void contact_force(rig *g, pzs_real *f)
 {
     memset(f, 0, (size_t)g->dof * sizeof *f);
-    g->contact.option.call->add_forces(&g->contact.option, &g->path, f);
+    g->contact.option.call->add_forces(&g->contact.option, &g->solver, f);
 }
 
 /* Where a gap is closed the added matrix is minus the derivative of the force, and `unit` its
@@ -188,7 +188,7 @@ static void contact_tangent_is_the_derivative_of_its_force(void **state)
         const int n = trial % g->nodes;
         attach_contact(g, &ball, motion);
         set_random(g, 0.3);
-        g->path.state.input_value[1] = (pzs_real)0.1;
+        g->solver.state.input_value[1] = (pzs_real)0.1;
         g->body.radius += (pzs_real)gap_of(g, n);
         g->contact.state.touching[n] = 1;
         g->contact.state.pressure[n] = 1;
@@ -196,13 +196,13 @@ static void contact_tangent_is_the_derivative_of_its_force(void **state)
         const double tolerance = 400 * EPS / step + 100 * step * step;
         for (int k = 0; k <= 6; k++) { /* six unknowns of the node, then the motion */
             const uint16_t *dof = g->node_dof[n];
-            pzs_real *moved = k < 6 ? &g->path.state.displacement[dof[k]]
-                                    : &g->path.state.input_value[1],
+            pzs_real *moved = k < 6 ? &g->solver.state.displacement[dof[k]]
+                                    : &g->solver.state.input_value[1],
                      unit[7 * MOST_NODES] = {0};
             const pzs_real at = *moved;
             volatile pzs_real ahead = at + (pzs_real)step, behind = at - (pzs_real)step;
             pzs_real column[6];
-            g->contact.option.call->add_unit_force(&g->contact.option, &g->path, 1, unit);
+            g->contact.option.call->add_unit_force(&g->contact.option, &g->solver, 1, unit);
             pzs_linalg_clear(&g->model.state.stiffness);
             contact_force(g, f[0]);
             for (int i = 0; i < 6; i++) {
@@ -252,16 +252,16 @@ static void answer_does_not_depend_on_the_stiffness(void **state)
         rig *g = thin_ring_open(ring_support, h);
         attach_contact(g, &base, still);
         g->contact.settings.stiffness = (pzs_real)kappa[k];
-        g->path.settings.tolerance = IS_FLOAT ? (pzs_real)1e-4 : (pzs_real)1e-9;
+        g->solver.settings.tolerance = IS_FLOAT ? (pzs_real)1e-4 : (pzs_real)1e-9;
         assert_int_equal(settle(g, load, 0), PZS_OK);
         assert_complementary(g);
         for (int i = 0; i < g->dof && k > 0; i++)
-            assert_true(fabs((double)(g->path.info.displacement[i] - u[i])) <
+            assert_true(fabs((double)(g->solver.info.displacement[i] - u[i])) <
                         (IS_FLOAT ? 1e-3 : 1e-6));
         for (int n = 0; n < g->nodes && k > 0; n++)
             assert_true(fabs((double)(g->contact.info.pressure[n] - pressure[n])) <
                         (IS_FLOAT ? 1e-2 : 1e-6) * load / area);
-        memcpy(u, g->path.info.displacement, (size_t)g->dof * sizeof *u);
+        memcpy(u, g->solver.info.displacement, (size_t)g->dof * sizeof *u);
         memcpy(pressure, g->contact.info.pressure, (size_t)g->nodes * sizeof *pressure);
         rig_close(g);
     }
@@ -282,8 +282,8 @@ static void contact_never_pulls(void **state)
     assert_int_equal(g->contact.info.nodes, 0);
     assert_true(g->contact.info.force[2] == 0);
     for (int i = 0; i < g->dof; i++)
-        assert_true(fabs((double)(g->path.info.displacement[i] -
-                                  alone->path.info.displacement[i])) < (IS_FLOAT ? 1e-4 : 1e-9));
+        assert_true(fabs((double)(g->solver.info.displacement[i] -
+                                  alone->solver.info.displacement[i])) < (IS_FLOAT ? 1e-4 : 1e-9));
     rig_close(g);
     rig_close(alone);
 }
@@ -294,11 +294,12 @@ static void pulled_off_fails_with_a_status(void **state)
     (void)state;
     rig *g = ring_open(ring_support);
     attach_contact(g, &ground, still);
-    g->path.settings.solve_limit = 200;
+    g->solver.settings.solve_limit = 200;
     assert_int_equal(settle(g, 3e-5, 0), PZS_OK);
     assert_true(PZS_IS_ERROR(settle(g, -3e-5, 0)));
-    assert_int_equal(pzs_guard_nonfinite(g->path.info.displacement, (uint32_t)g->dof), -1);
-    assert_true(g->path.info.load_factor <= (pzs_real)0.5); /* half of the way is no load at all */
+    assert_int_equal(pzs_guard_nonfinite(g->solver.info.displacement, (uint32_t)g->dof), -1);
+    assert_true(g->solver.info.load_factor <= (pzs_real)0.5); /* half of the way is no load at all
+                                                               */
     assert_complementary(g);
     rig_close(g);
 }
@@ -309,12 +310,12 @@ static void restart_settles_at_once(void **state)
     rig *g = ring_open(ring_support);
     attach_contact(g, &ground, still);
     assert_int_equal(settle(g, 5e-5, 0), PZS_OK);
-    assert_true(g->path.info.linear_solves > 1);
-    g->path.settings.tolerance = (pzs_real)1e-3; /* of a thousandth of the displacement: above the
+    assert_true(g->solver.info.linear_solves > 1);
+    g->solver.settings.tolerance = (pzs_real)1e-3; /* of a thousandth of the displacement: above the
                                                     rounding of either precision */
     const uint16_t nodes = g->contact.info.nodes;
     assert_int_equal(settle(g, 5e-5, 0), PZS_OK);
-    assert_int_equal(g->path.info.linear_solves, 1);
+    assert_int_equal(g->solver.info.linear_solves, 1);
     assert_int_equal(g->contact.info.nodes, nodes);
     rig_close(g);
 }
@@ -326,7 +327,7 @@ static void coarse_steps_still_close_the_gaps(void **state)
     (void)state;
     rig *g = ring_open(ring_support);
     attach_contact(g, &ground, still);
-    g->path.settings.tolerance = (pzs_real)0.9;
+    g->solver.settings.tolerance = (pzs_real)0.9;
     assert_int_equal(settle(g, 5e-5, 0), PZS_OK);
     assert_complementary(g);
     rig_close(g);
@@ -341,12 +342,12 @@ static void failed_step_restores_the_contact(void **state)
     uint8_t touching[MOST_NODES];
     attach_contact(g, &ground, up);
     assert_int_equal(settle(g, 3e-5, 0), PZS_OK);
-    memcpy(u, g->path.info.displacement, (size_t)g->dof * sizeof *u);
+    memcpy(u, g->solver.info.displacement, (size_t)g->dof * sizeof *u);
     memcpy(pressure, g->contact.info.pressure, (size_t)g->nodes * sizeof *pressure);
     memcpy(touching, g->contact.state.touching, (size_t)g->nodes);
-    g->path.settings.solve_limit = 2;
+    g->solver.settings.solve_limit = 2;
     assert_int_equal(settle(g, 5e-5, 0.5), PZS_E_SOLVES);
-    assert_memory_equal(u, g->path.info.displacement, (size_t)g->dof * sizeof *u);
+    assert_memory_equal(u, g->solver.info.displacement, (size_t)g->dof * sizeof *u);
     assert_memory_equal(pressure, g->contact.info.pressure, (size_t)g->nodes * sizeof *pressure);
     assert_memory_equal(touching, g->contact.state.touching, (size_t)g->nodes);
     rig_close(g);
@@ -360,14 +361,14 @@ static void rest_forgets_the_contact(void **state)
     pzs_real u[7 * MOST_NODES];
     attach_contact(g, &ground, still);
     assert_int_equal(settle(g, 5e-5, 0), PZS_OK);
-    const uint32_t systems = g->path.info.linear_solves;
-    memcpy(u, g->path.info.displacement, (size_t)g->dof * sizeof *u);
-    pzs_solver_reset(&g->path);
+    const uint32_t systems = g->solver.info.linear_solves;
+    memcpy(u, g->solver.info.displacement, (size_t)g->dof * sizeof *u);
+    pzs_solver_reset(&g->solver);
     assert_int_equal(g->contact.info.nodes, 0);
     assert_true(g->contact.info.force[2] == 0);
     assert_int_equal(settle(g, 5e-5, 0), PZS_OK);
-    assert_int_equal(g->path.info.linear_solves, systems);
-    assert_memory_equal(u, g->path.info.displacement, (size_t)g->dof * sizeof *u);
+    assert_int_equal(g->solver.info.linear_solves, systems);
+    assert_memory_equal(u, g->solver.info.displacement, (size_t)g->dof * sizeof *u);
     rig_close(g);
 }
 
@@ -400,7 +401,7 @@ static void face_that_looks_away_is_refused(void **state)
     attach_contact(g, &below, still);
     assert_int_equal(settle(g, 1e-6, 0), PZS_E_PENETRATION);
     assert_int_equal(g->contact.info.penetration, PZS_PENETRATION_AT_NODE);
-    assert_int_equal(g->path.info.where, 0);
+    assert_int_equal(g->solver.info.where, 0);
     assert_int_equal(g->contact.info.nodes, 0);
     assert_true(fabs((double)g->contact.info.depth - 0.15) < 1e-6);
     rig_close(g);
@@ -415,7 +416,7 @@ static void centre_on_a_node_stays_finite(void **state)
     rig *g = rig_open(12, 1, 0, 0.1, 0.3, 0.1, 0, strip_support, 6);
     attach_contact(g, &ball, down);
     settle(g, 1e-5, 0);
-    assert_int_equal(pzs_guard_nonfinite(g->path.info.displacement, (uint32_t)g->dof), -1);
+    assert_int_equal(pzs_guard_nonfinite(g->solver.info.displacement, (uint32_t)g->dof), -1);
     assert_int_equal(pzs_guard_nonfinite(g->contact.info.pressure, (uint32_t)g->nodes), -1);
     assert_int_equal(pzs_guard_nonfinite(g->contact.info.force, 3), -1);
     rig_close(g);
@@ -431,19 +432,19 @@ static void influence_in_contact_is_the_change_of_the_equilibrium(void **state)
     const pzs_body drum = {pzs_gap_cylinder, {0, 0, (pzs_real)(-1.05 - 3)}, {0, 1, 0}, 3, NULL, 0};
     rig *g = ring_open(held_ring_support);
     attach_contact(g, &drum, up);
-    g->path.settings.tolerance = (pzs_real)1e-10;
+    g->solver.settings.tolerance = (pzs_real)1e-10;
     g->contact.settings.stiffness = 10000;
     pzs_real influence[2];
     assert_int_equal(settle(g, 1e-4, 0.05), PZS_OK);
     assert_in_range(g->contact.info.nodes, 1, 26);
-    assert_int_equal(pzs_influence_at(&g->path, influence), PZS_OK);
+    assert_int_equal(pzs_influence_at(&g->solver, influence), PZS_OK);
     const double step[2] = {1e-7, 1e-5};
     for (int j = 0; j < 2; j++) {
         double y[2];
         for (int side = 0; side < 2; side++) {
             const double change = side ? step[j] : -step[j];
             assert_int_equal(settle(g, 1e-4 + (j == 0) * change, 0.05 + (j == 1) * change), PZS_OK);
-            y[side] = (double)g->path.info.displacement[g->output_dof[0]];
+            y[side] = (double)g->solver.info.displacement[g->output_dof[0]];
         }
         assert_true(fabs((y[1] - y[0]) / (2 * step[j]) / (double)influence[j] - 1) < 1e-5);
     }
@@ -464,22 +465,22 @@ static void contact_tables_out_of_range_are_refused(void **state)
     for (int i = 0; i < 4; i++) {
         bad[i].crc = i < 3 ? pzs_contact_crc(&bad[i], &g->structure) : 0;
         assert_int_equal(
-            pzs_attach_contact(&g->path, &g->contact, &bad[i], &g->body, g->contact_work, bytes),
+            pzs_attach_contact(&g->solver, &g->contact, &bad[i], &g->body, g->contact_work, bytes),
             PZS_E_ARGUMENT);
     }
     assert_int_equal(
-        pzs_attach_contact(&g->path, &g->contact, &g->face, &g->body, g->contact_work, bytes - 1),
+        pzs_attach_contact(&g->solver, &g->contact, &g->face, &g->body, g->contact_work, bytes - 1),
         PZS_E_WORKSPACE);
-    assert_int_equal(g->path.info.where, bytes);
+    assert_int_equal(g->solver.info.where, bytes);
     assert_int_equal(
-        pzs_attach_contact(&g->path, &g->contact, &g->face, &g->body, g->contact_work, bytes),
+        pzs_attach_contact(&g->solver, &g->contact, &g->face, &g->body, g->contact_work, bytes),
         PZS_E_ARGUMENT);
     rig_close(g);
 }
 
 static pzs_status attach_face(rig *g)
 {
-    return pzs_attach_contact(&g->path, &g->contact, &g->face, &g->body, g->contact_work,
+    return pzs_attach_contact(&g->solver, &g->contact, &g->face, &g->body, g->contact_work,
                               PZS_CONTACT_BYTES(g->nodes));
 }
 
@@ -490,7 +491,7 @@ static void every_bit_of_contact_tables_counts(void **state)
     pzs_contact_face *face = &g->face;
     const size_t nodes = (size_t)g->nodes;
     attach_contact(g, &ground, still);
-    g->path.state.option = NULL;
+    g->solver.state.option = NULL;
     assert_bits_count(g, &face->format, 3 * sizeof face->format, attach_face);
     assert_bits_count(g, &face->face, sizeof face->face, attach_face);
     assert_bits_count(g, &face->input, sizeof face->input, attach_face);
@@ -498,7 +499,7 @@ static void every_bit_of_contact_tables_counts(void **state)
     assert_bits_count(g, g->place, nodes * sizeof *g->place, attach_face);
     assert_bits_count(g, g->triad, nodes * sizeof *g->triad, attach_face);
     assert_bits_count(g, g->area, nodes * sizeof *g->area, attach_face);
-    assert_null(g->path.state.option);
+    assert_null(g->solver.state.option);
     assert_int_equal(attach_face(g), PZS_OK);
     rig_close(g);
 }
@@ -539,9 +540,9 @@ static void loose_shell_without_hold_is_told(void **state)
         attach_contact(g, &away, still);
         assert_int_equal(g->contact.state.is_loose, 1);
         assert_int_equal(settle(g, load[i], 0), PZS_E_CONTACT);
-        assert_true(g->path.info.load_factor == 0);
+        assert_true(g->solver.info.load_factor == 0);
         for (int d = 0; d < g->dof; d++)
-            assert_true(g->path.info.displacement[d] == 0);
+            assert_true(g->solver.info.displacement[d] == 0);
         rig_close(g);
     }
 }
@@ -560,24 +561,24 @@ static int plate_support(int i, int j, int k)
 static rig *plate_open(void)
 {
     rig *g = rig_open(PLATE, PLATE, 0, 0.1, 0.1, 0.02, 0, plate_support, 4);
-    g->path.settings.solve_limit = 150;
+    g->solver.settings.solve_limit = 150;
     return g;
 }
 
 /* Place of node n on a face, now, less the motion of the body. */
 static void find_place(const rig *g, int n, int side, double x[3])
 {
-    const double z = side ? g->h / 2 : -g->h / 2;
+    const double z = side ? g->thickness / 2 : -g->thickness / 2;
     for (int i = 0; i < 3; i++) {
-        x[i] = g->x[n][i] + z * g->e[n][2][i] -
-               (double)g->path.info.input_value[1] * (double)g->face.motion[i];
+        x[i] = g->position[n][i] + z * g->frame[n][2][i] -
+               (double)g->solver.info.input_value[1] * (double)g->face.motion[i];
         for (int k = 0; k < 3; k++)
             for (int part = 0; part < 2; part++) {
                 const uint16_t dof = g->node_dof[n][3 * part + k];
-                x[i] +=
-                    dof == PZS_CONSTRAINED
-                        ? 0
-                        : (part ? z : 1) * (double)g->path.info.displacement[dof] * g->e[n][k][i];
+                x[i] += dof == PZS_CONSTRAINED
+                            ? 0
+                            : (part ? z : 1) * (double)g->solver.info.displacement[dof] *
+                                  g->frame[n][k][i];
             }
     }
 }
@@ -615,7 +616,7 @@ static void assert_not_passed(const rig *g, pzs_status status, double sag)
     const double least = least_gap(g, &above);
     assert_int_equal(above, 0);
     assert_true(least >= -sag - (double)g->face.size * fmax(1e-7, 256 * EPS));
-    assert_true(!PZS_IS_ERROR(status) == (g->path.info.load_factor == 1));
+    assert_true(!PZS_IS_ERROR(status) == (g->solver.info.load_factor == 1));
     if (!PZS_IS_ERROR(status))
         assert_true(g->contact.info.nodes > 0 && g->contact.info.force[2] < 0);
 }
@@ -648,7 +649,7 @@ static void no_body_jumps_through_a_plate(void **state)
         attach_contact(g, &body, down);
         const pzs_status status = settle(g, 0, move);
         assert_not_passed(g, status, radius / 5);
-        assert_true(g->path.info.load_factor > 0);
+        assert_true(g->solver.info.load_factor > 0);
         assert_true(PZS_IS_ERROR(status) || move < 300); /* no plate follows that far */
         rig_close(g);
     }
@@ -665,7 +666,7 @@ static void small_ball_between_nodes_is_refused(void **state)
     rig *g = plate_open();
     attach_contact(g, &ball, down);
     assert_int_equal(settle(g, 0, 0.035), PZS_E_PENETRATION);
-    assert_int_equal(g->path.info.where, 3 * PLATE + 5);
+    assert_int_equal(g->solver.info.where, 3 * PLATE + 5);
     assert_int_equal(g->contact.info.element, 3 * PLATE + 5);
     assert_int_equal(g->contact.info.penetration, PZS_PENETRATION_BETWEEN_NODES);
     assert_int_equal(g->contact.info.node, PZS_CONSTRAINED);
@@ -674,11 +675,11 @@ static void small_ball_between_nodes_is_refused(void **state)
     assert_true(fabs((double)g->contact.info.spot[0] - 0.36) < 0.01 &&
                 fabs((double)g->contact.info.spot[1] - 0.55) < 0.01 &&
                 fabs((double)g->contact.info.spot[2] - 0.01) < 1e-5);
-    assert_true(fabs((double)g->path.info.load_factor * 0.035 - 0.03) < 0.035 / 32); /* it touches
+    assert_true(fabs((double)g->solver.info.load_factor * 0.035 - 0.03) < 0.035 / 32); /* it touches
                                                                                         after 0.03
                                                                                       */
     for (int d = 0; d < g->dof; d++)
-        assert_true(g->path.info.displacement[d] == 0);
+        assert_true(g->solver.info.displacement[d] == 0);
     rig_close(g);
 }
 
@@ -698,12 +699,12 @@ static void body_on_the_wrong_side_is_refused(void **state)
         const pzs_status status = settle(g, 0, trial < 3 ? 1 : 0);
         if (trial < 6 || r > 0.02) {
             assert_int_equal(status, PZS_E_PENETRATION);
-            assert_true(g->path.info.where >= 0 && g->contact.info.penetration);
+            assert_true(g->solver.info.where >= 0 && g->contact.info.penetration);
         }
         if (trial < 3) {
             int above;
             assert_int_equal(g->contact.info.side, 0);
-            assert_true(g->path.info.load_factor > 0 &&
+            assert_true(g->solver.info.load_factor > 0 &&
                         least_gap(g, &above) > -(r > 0.15 ? 0.02 / (4 * r) : 1e-3 * r));
         }
         rig_close(g);
@@ -769,7 +770,7 @@ static void no_shell_jumps_through_a_body(void **state)
         rig *g = rig_open(12, 1, 0, 0.1, 0.3, 0.05, 0, strip_support, 6);
         rig *alone = rig_open(12, 1, 0, 0.1, 0.3, 0.05, 0, strip_support, 6);
         assert_false(PZS_IS_ERROR(settle(alone, load, 0)));
-        assert_true(alone->path.info.displacement[alone->output_dof[0]] >
+        assert_true(alone->solver.info.displacement[alone->output_dof[0]] >
                     (pzs_real)0.25); /* it would move well past the bar */
         attach_contact(g, &bar, still);
         const pzs_status status = settle(g, load, 0);
@@ -793,8 +794,8 @@ static void body_that_never_touches_is_let_go(void **state)
         attach_contact(g, &ball, to[k]);
         assert_int_equal(settle(g, 1e-6, 1), PZS_OK);
         assert_int_equal(g->contact.info.nodes, 0);
-        assert_true(g->path.info.load_factor == 1 && g->contact.info.force[2] == 0);
-        assert_true(g->path.info.shortened_steps == 0 && g->path.info.load_steps == 1);
+        assert_true(g->solver.info.load_factor == 1 && g->contact.info.force[2] == 0);
+        assert_true(g->solver.info.shortened_steps == 0 && g->solver.info.load_steps == 1);
         rig_close(g);
     }
 }
@@ -809,13 +810,13 @@ static void body_that_moves_far_gets_load_steps(void **state)
     for (int trial = 0; trial < 2; trial++) {
         rig *g = plate_open();
         attach_contact(g, &ball, down);
-        g->path.settings.solve_limit = trial ? 3 : 400;
+        g->solver.settings.solve_limit = trial ? 3 : 400;
         const pzs_status status = settle(g, 0, 9.95);
         assert_int_equal(status, trial ? PZS_E_SOLVES : PZS_OK);
-        assert_true(g->path.info.linear_solves <= g->path.settings.solve_limit);
+        assert_true(g->solver.info.linear_solves <= g->solver.settings.solve_limit);
         if (!trial) {
-            assert_true(g->path.info.shortened_steps >= 1 && g->path.info.load_steps > 1 &&
-                        g->path.info.load_steps < 10);
+            assert_true(g->solver.info.shortened_steps >= 1 && g->solver.info.load_steps > 1 &&
+                        g->solver.info.load_steps < 10);
             assert_complementary(g);
             assert_not_passed(g, status, 0.01);
         }
@@ -835,7 +836,7 @@ static void body_out_of_range_is_refused(void **state)
             double motion[3] = {0, 0, 0};
             *(i < 3 ? &body.point[i] : i < 6 ? &body.axis[i - 3] : &body.radius) = bad[k];
             assert_int_equal(try_contact(g, &body, still), PZS_E_NONFINITE);
-            assert_int_equal(g->path.info.where, i);
+            assert_int_equal(g->solver.info.where, i);
             motion[i % 3] = (double)bad[k];
             assert_int_equal(try_contact(g, &ground, motion), PZS_E_ARGUMENT);
         }
@@ -847,10 +848,10 @@ static void body_out_of_range_is_refused(void **state)
         for (int i = 0; i < 3; i++)
             assert_int_equal(try_contact(g, &body[i], still), PZS_E_ARGUMENT);
     }
-    assert_null(g->path.state.option);
+    assert_null(g->solver.state.option);
     attach_contact(g, &ground, down);
     assert_int_equal(settle(g, 0, (double)NAN), PZS_E_NONFINITE);
-    assert_int_equal(g->path.info.where, 1);
+    assert_int_equal(g->solver.info.where, 1);
     rig_close(g);
 }
 
@@ -874,7 +875,7 @@ static void gap_that_is_no_number_is_refused(void **state)
 
 static pzs_status attach_body(rig *g)
 {
-    return pzs_attach_contact(&g->path, &g->contact, &g->face, &g->body, g->contact_work,
+    return pzs_attach_contact(&g->solver, &g->contact, &g->face, &g->body, g->contact_work,
                               PZS_CONTACT_BYTES(g->nodes));
 }
 
@@ -883,7 +884,7 @@ static void every_bit_of_a_body_counts(void **state)
     (void)state;
     rig *g = ring_open(ring_support);
     attach_contact(g, &ground, still);
-    g->path.state.option = NULL;
+    g->solver.state.option = NULL;
     assert_bits_count(g, g->body.point,
                       sizeof g->body.point + sizeof g->body.axis + sizeof g->body.radius,
                       attach_body);

@@ -19,12 +19,12 @@
 /* What counts of the lean x of each chord: (1 - x cot x)/x. */
 static void count_lean(rig *g)
 {
-    const double z = g->follower.normal_face ? g->h / 2 : -g->h / 2;
+    const double z = g->follower.normal_face ? g->thickness / 2 : -g->thickness / 2;
     for (int r = 0; r < 4; r++)
         for (int a = 0; a < 2; a++) {
             double chord[3];
             for (int i = 0; i < 3; i++)
-                chord[i] = (double)g->kind.g_mean[r][a][i] + z * (double)g->kind.g_diff[r][a][i];
+                chord[i] = (double)g->type.g_mean[r][a][i] + z * (double)g->type.g_diff[r][a][i];
             const double flat = hypot(chord[0], chord[1]), x = atan2(chord[2], flat);
             g->lean[0][r][a] = (pzs_real)(fabs(x) > 1e-6 ? flat * (1 / x - 1 / tan(x)) : 0);
         }
@@ -34,7 +34,7 @@ static void count_lean(rig *g)
 static void follower_force(rig *g, pzs_real *force)
 {
     memset(force, 0, (size_t)g->dof * sizeof *force);
-    g->follower_load.option.call->add_unit_force(&g->follower_load.option, &g->path, 1, force);
+    g->follower_load.option.call->add_unit_force(&g->follower_load.option, &g->solver, 1, force);
 }
 
 /* Largest difference of the added matrix from minus the symmetric part of dF/dU, over the largest
@@ -46,24 +46,24 @@ static double tangent_error(rig *g, double step)
              *f = calloc(2 * (size_t)n, sizeof *f);
     double worst = 0, largest = 0;
     for (int j = 0; j < n; j++) {
-        const pzs_real at = g->path.info.displacement[j];
+        const pzs_real at = g->solver.info.displacement[j];
         volatile pzs_real ahead = at + (pzs_real)step, behind = at - (pzs_real)step;
-        g->path.state.displacement[j] = ahead;
+        g->solver.state.displacement[j] = ahead;
         follower_force(g, f);
-        g->path.state.displacement[j] = behind;
+        g->solver.state.displacement[j] = behind;
         follower_force(g, f + n);
-        g->path.state.displacement[j] = at;
+        g->solver.state.displacement[j] = at;
         for (int i = 0; i < n; i++)
             derivative[i * n + j] = (f[i] - f[n + i]) / (ahead - behind);
     }
-    g->path.state.input_value[1] = 1;
+    g->solver.state.input_value[1] = 1;
     pzs_linalg_clear(&g->model.state.stiffness);
     memset(f, 0, (size_t)n * sizeof *f);
-    g->follower_load.option.call->add_forces(&g->follower_load.option, &g->path, f);
+    g->follower_load.option.call->add_forces(&g->follower_load.option, &g->solver, f);
     follower_force(g, f + n);
     assert_memory_equal(f, f + n, (size_t)n * sizeof *f);
     for (int i = 0; i < n; i++)
-        for (int j = g->first[i]; j <= i; j++) {
+        for (int j = g->first_column[i]; j <= i; j++) {
             const double wanted = -(double)(derivative[i * n + j] + derivative[j * n + i]) / 2;
             worst = fmax(worst, fabs((double)*pzs_linalg_entry(&g->model.state.stiffness,
                                                                (uint32_t)i, (uint32_t)j) -
@@ -101,17 +101,17 @@ static void derivative_along(rig *g, const pzs_real *x, pzs_real *y)
 {
     memset(y, 0, (size_t)g->dof * sizeof *y);
     pzs_linalg_clear(&g->model.state.stiffness);
-    g->path.state.input_value[1] = 1;
-    g->follower_load.option.call->add_forces(&g->follower_load.option, &g->path, y);
+    g->solver.state.input_value[1] = 1;
+    g->follower_load.option.call->add_forces(&g->follower_load.option, &g->solver, y);
     memset(y, 0, (size_t)g->dof * sizeof *y);
     for (int i = 0; i < g->dof; i++)
-        for (int j = g->first[i]; j <= i; j++) {
+        for (int j = g->first_column[i]; j <= i; j++) {
             const pzs_real k =
                 *pzs_linalg_entry(&g->model.state.stiffness, (uint32_t)i, (uint32_t)j);
             y[i] -= k * x[j];
             y[j] -= j < i ? k * x[i] : 0;
         }
-    g->follower_load.option.call->add_skew(&g->follower_load.option, &g->path, x, 1, y);
+    g->follower_load.option.call->add_skew(&g->follower_load.option, &g->solver, x, 1, y);
 }
 
 static void skew_part_completes_the_derivative(void **state)
@@ -129,13 +129,13 @@ static void skew_part_completes_the_derivative(void **state)
             set_random(g, 0.2);
             for (size_t i = 0; i < n; i++) {
                 x[i] = (pzs_real)uniform();
-                middle[i] = g->path.info.displacement[i];
+                middle[i] = g->solver.info.displacement[i];
             }
             derivative_along(g, x, y);
             const double step = kind % 2 ? 0.2 : 0.3 * cbrt(EPS), rounding = 200 * EPS / step;
             for (int side = 0; side < 2; side++) {
                 for (size_t i = 0; i < n; i++)
-                    g->path.state.displacement[i] =
+                    g->solver.state.displacement[i] =
                         middle[i] + (pzs_real)(side ? step : -step) * x[i];
                 follower_force(g, f + (size_t)side * n);
             }
@@ -146,7 +146,7 @@ static void skew_part_completes_the_derivative(void **state)
             assert_true(worst < (kind % 2 ? rounding : rounding + 100 * step * step) * largest);
             /* A skew matrix takes no work out of any motion. */
             memset(y, 0, n * sizeof *y);
-            g->follower_load.option.call->add_skew(&g->follower_load.option, &g->path, x, 1, y);
+            g->follower_load.option.call->add_skew(&g->follower_load.option, &g->solver, x, 1, y);
             for (size_t i = 0; i < n; i++)
                 along += (double)x[i] * (double)y[i];
             assert_true(fabs(along) < 100 * EPS * largest);
@@ -165,10 +165,11 @@ static void rotate(rig *g, const double q[3], double angle, double turn[3][3])
             turn[i][j] = c * (i == j) + s * cross[i][j] + (1 - c) * q[i] * q[j];
     for (int n = 0; n < g->nodes; n++)
         for (int k = 0; k < 6; k++) {
-            const double *v = k < 3 ? g->x[n] : g->e[n][2];
+            const double *v = k < 3 ? g->position[n] : g->frame[n][2];
             const double moved[3] = {dot(turn[0], v) - v[0], dot(turn[1], v) - v[1],
                                      dot(turn[2], v) - v[2]};
-            g->path.state.displacement[g->node_dof[n][k]] = (pzs_real)dot(g->e[n][k % 3], moved);
+            g->solver.state.displacement[g->node_dof[n][k]] =
+                (pzs_real)dot(g->frame[n][k % 3], moved);
         }
 }
 
@@ -178,7 +179,7 @@ static void force_at(const rig *g, const pzs_real *force, int n, int from, doubl
     for (int i = 0; i < 3; i++) {
         global[i] = 0;
         for (int k = 0; k < 3; k++)
-            global[i] += g->e[n][k][i] * (double)force[g->node_dof[n][from + k]];
+            global[i] += g->frame[n][k][i] * (double)force[g->node_dof[n][from + k]];
     }
 }
 
@@ -223,8 +224,8 @@ static void pressure_on_a_flat_patch_is_its_area(void **state)
     for (int stretched = 0; stretched < 2; stretched++) {
         double sum[3] = {0, 0, 0};
         for (int n = 0; n < g->nodes && stretched; n++) {
-            g->path.state.displacement[g->node_dof[n][0]] = (pzs_real)(0.3 * g->x[n][0]);
-            g->path.state.displacement[g->node_dof[n][1]] = (pzs_real)(0.2 * g->x[n][1]);
+            g->solver.state.displacement[g->node_dof[n][0]] = (pzs_real)(0.3 * g->position[n][0]);
+            g->solver.state.displacement[g->node_dof[n][1]] = (pzs_real)(0.2 * g->position[n][1]);
         }
         follower_force(g, f);
         for (int n = 0; n < g->nodes; n++)
@@ -281,14 +282,15 @@ static void pressure_on_an_arc_is_that_on_its_chord(void **state)
             count_lean(g);
             follower_force(g, f);
             for (int i = 0; i < g->nodes; i++) {
-                const double arm[2] = {g->x[i][0] - g->x[0][0], g->x[i][2] - g->x[0][2]};
+                const double arm[2] = {g->position[i][0] - g->position[0][0],
+                                       g->position[i][2] - g->position[0][2]};
                 double force[3], couple[3];
                 force_at(g, f, i, 0, force);
                 force_at(g, f, i, 3, couple);
                 got[0] += force[0] / width;
                 got[1] -= force[2] / width;
                 got[2] += (arm[0] * force[2] - arm[1] * force[0]) / width;
-                got[2] += (g->e[i][2][0] * couple[2] - g->e[i][2][2] * couple[0]) / width;
+                got[2] += (g->frame[i][2][0] * couple[2] - g->frame[i][2][2] * couple[0]) / width;
             }
             for (int i = 0; i < 3; i++)
                 assert_true(fabs(fabs(got[i]) - fabs(exact[i])) < 100 * EPS);
@@ -313,7 +315,7 @@ static void closed_ring_adds_up(int leaning)
         for (int k = 0; k < 6; k++) {
             const double push = k % 3 == 1 ? 0 : 0.3 * uniform();
             for (int j = 0; j < 2; j++)
-                g->path.state.displacement[g->node_dof[node_at(g, i, j)][k]] = (pzs_real)push;
+                g->solver.state.displacement[g->node_dof[node_at(g, i, j)][k]] = (pzs_real)push;
         }
     follower_force(g, f);
     double sum[3] = {0, 0, 0}, size = 0;
@@ -349,14 +351,15 @@ static void follower_tables_out_of_range_are_refused(void **state)
     bad[3].pressure = NULL;
     for (int i = 0; i < 4; i++) {
         bad[i].crc = i < 3 ? pzs_follower_crc(&bad[i], &g->structure) : 0;
-        assert_int_equal(pzs_attach_follower(&g->path, &g->follower_load, &bad[i]), PZS_E_ARGUMENT);
+        assert_int_equal(pzs_attach_follower(&g->solver, &g->follower_load, &bad[i]),
+                         PZS_E_ARGUMENT);
     }
     rig_close(g);
 }
 
 static pzs_status attach_load(rig *g)
 {
-    return pzs_attach_follower(&g->path, &g->follower_load, &g->follower);
+    return pzs_attach_follower(&g->solver, &g->follower_load, &g->follower);
 }
 
 static void every_bit_of_follower_tables_counts(void **state)
@@ -374,14 +377,14 @@ static void every_bit_of_follower_tables_counts(void **state)
     assert_bits_count(g, g->corner_area, sizeof g->corner_area, attach_load);
     assert_bits_count(g, g->lean, sizeof g->lean, attach_load);
     assert_bits_count(g, g->pressure, (size_t)g->nodes * sizeof *g->pressure, attach_load);
-    assert_null(g->path.state.option);
+    assert_null(g->solver.state.option);
     assert_int_equal(attach_load(g), PZS_OK);
     rig_close(g);
 }
 
 static pzs_status open_path(rig *g)
 {
-    return pzs_solver_init(&g->path, &g->model, &g->tables, g->path_work,
+    return pzs_solver_init(&g->solver, &g->model, &g->tables, g->solver_work,
                            PZS_SOLVER_BYTES(g->dof, g->elements, 2));
 }
 
@@ -409,13 +412,13 @@ static void options_are_attached_once(void **state)
     rig *g = rig_open(2, 1, 0, 0.5, 0.7, 0.1, 0, nothing, 0);
     pzs_follower_load other;
     attach_follower(g, 0, 0, 0);
-    assert_int_equal(pzs_attach_follower(&g->path, &other, &g->follower), PZS_OK);
-    assert_int_equal(pzs_attach_follower(&g->path, &g->follower_load, &g->follower),
+    assert_int_equal(pzs_attach_follower(&g->solver, &other, &g->follower), PZS_OK);
+    assert_int_equal(pzs_attach_follower(&g->solver, &g->follower_load, &g->follower),
                      PZS_E_ARGUMENT);
-    assert_int_equal(pzs_attach_follower(&g->path, &other, &g->follower), PZS_E_ARGUMENT);
-    g->path.settings.solve_limit = 3;
-    pzs_equilibrium(&g->path, amount);
-    assert_true(g->path.info.linear_solves <= 3);
+    assert_int_equal(pzs_attach_follower(&g->solver, &other, &g->follower), PZS_E_ARGUMENT);
+    g->solver.settings.solve_limit = 3;
+    pzs_equilibrium(&g->solver, amount);
+    assert_true(g->solver.info.linear_solves <= 3);
     rig_close(g);
 }
 
@@ -429,8 +432,8 @@ static void choices_out_of_range_are_refused(void **state)
     pzs_solver never = {0};
     rig *g = rig_open(2, 1, 0, 0.5, 0.7, 0.1, 0, nothing, 2);
     for (int i = 0; i < 5; i++) {
-        g->path.settings.tolerance = bad[i];
-        assert_int_equal(pzs_equilibrium(&g->path, amount), PZS_E_ARGUMENT);
+        g->solver.settings.tolerance = bad[i];
+        assert_int_equal(pzs_equilibrium(&g->solver, amount), PZS_E_ARGUMENT);
     }
     pzs_solver_reset(&never);
     assert_int_equal(pzs_equilibrium(&never, amount), PZS_E_STAGE);
@@ -483,7 +486,7 @@ static rig *pressed_arc_open(uint32_t *start, uint16_t *dof, pzs_real *value)
     rig *g = rig_open(12, 1, 1, 2.0 / 12, 0.3, 0.1, 0, clamped, 12);
     attach_follower(g, 0, 1, 0);
     count_lean(g);
-    assert_int_equal(pzs_equilibrium(&g->path, amount), PZS_OK);
+    assert_int_equal(pzs_equilibrium(&g->solver, amount), PZS_OK);
     for (int i = 0; i < g->dof; i++) {
         start[i] = (uint32_t)i;
         dof[i] = (uint16_t)i;
@@ -504,19 +507,19 @@ static void influence_solves_the_unsymmetric_system(void **state)
     static pzs_real value[7 * MOST_NODES], influence[2 * 7 * MOST_NODES], x[7 * MOST_NODES],
         y[7 * MOST_NODES];
     rig *g = pressed_arc_open(start, dof, value);
-    assert_int_equal(pzs_influence_at(&g->path, influence), PZS_OK);
+    assert_int_equal(pzs_influence_at(&g->solver, influence), PZS_OK);
     for (uint32_t j = 0; j < 2; j++) {
         double worst = 0, largest = 0, skew = 0;
         memset(y, 0, sizeof y);
         for (int i = 0; i < g->dof; i++)
             x[i] = influence[2 * i + (int)j];
-        g->follower_load.option.call->add_skew(&g->follower_load.option, &g->path, x, 1, y);
+        g->follower_load.option.call->add_skew(&g->follower_load.option, &g->solver, x, 1, y);
         pzs_model_backsolve(&g->model, y, y);
         for (int i = 0; i < g->dof; i++)
             skew = fmax(skew, fabs((double)y[i]));
         memset(y, 0, sizeof y);
-        pzs_nonlinear_unit_force(&g->path, j, y);
-        g->follower_load.option.call->add_skew(&g->follower_load.option, &g->path, x, 1, y);
+        pzs_nonlinear_unit_force(&g->solver, j, y);
+        g->follower_load.option.call->add_skew(&g->follower_load.option, &g->solver, x, 1, y);
         pzs_model_backsolve(&g->model, y, y);
         for (int i = 0; i < g->dof; i++) {
             worst = fmax(worst, fabs((double)(y[i] - x[i])));
@@ -554,10 +557,10 @@ static void skew_part_that_is_none_is_told(void **state)
                                                        equilibrium within reach */
     pzs_real influence[2];
     rig *g = rig_open(12, 1, 1, 2.0 / 12, 0.3, 0.1, 0, clamped, 12);
-    pzs_nonlinear_attach(&g->path, &option, &calls);
-    assert_int_equal(pzs_equilibrium(&g->path, amount), PZS_OK);
-    assert_int_equal(pzs_influence_at(&g->path, influence), PZS_E_RESIDUAL);
-    assert_int_equal(g->path.info.where, 0);
+    pzs_nonlinear_attach(&g->solver, &option, &calls);
+    assert_int_equal(pzs_equilibrium(&g->solver, amount), PZS_OK);
+    assert_int_equal(pzs_influence_at(&g->solver, influence), PZS_E_RESIDUAL);
+    assert_int_equal(g->solver.info.where, 0);
     rig_close(g);
 }
 
