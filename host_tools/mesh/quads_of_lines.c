@@ -21,8 +21,8 @@ static int allocate(const line_mesh *lines, quad_mesh *quads)
 }
 
 /*
- * Return the number of the region of a mesh in which exactly these plies are present; a new region
- * is added if there is none.
+ * Return the number of the region of a mesh whose present plies are given by the bits of
+ * `present_plies`; a new region is added if there is none.
  */
 static uint32_t region_of(quad_mesh *quads, uint32_t present_plies)
 {

@@ -33,9 +33,8 @@ typedef struct collection {
     quad_origin *origin;
     const quad_raw *raw;
     const quad_file *file;
-    numbered *node; /* [raw nodes] numbers and indices of the nodes in the file, ascending by number
-                     */
-    uint32_t *node_of, *element_of; /* [raw nodes] and [raw cells] index of each in the mesh, or
+    numbered *node; /* numbers and indices of all nodes of the file, ascending by number */
+    uint32_t *node_of, *element_of; /* index in the mesh of each node and each cell of the file, or
                                        `unused` */
 } collection;
 

@@ -77,8 +77,8 @@ static bool both_fill(const electrode_pair *pair, int element, clip_room *room)
 }
 
 /*
- * Return whether the two electrodes of a pair cover more than a whole element together, or a square
- * of an element both.
+ * Return whether two electrodes overlap in some element: together they cover more than the element,
+ * or both cover the same square of its grid.
  */
 static bool do_share_elements(const electrode_pair *pair, clip_room *room)
 {

@@ -288,7 +288,8 @@ static int check_where(const scene *scene, scene_where *where, char *error)
 }
 
 /*
- * Check the places of both ends of springs or stack actuators. Returns 0, or -1 with error filled.
+ * Check that both ends of springs or stack actuators lie at places that the mesh has. Returns 0, or
+ * -1 with error filled.
  */
 static int check_spring(const scene *scene, scene_spring *spring, char *error)
 {

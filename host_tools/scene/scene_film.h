@@ -13,7 +13,7 @@ typedef struct scene_film {
     double voltage;      /* voltage at which strains and force are given (V) */
     double strain[2];    /* free strains along and across the fibres (1) */
     double thickness;    /* thickness of the film (m) */
-    double force, width; /* blocking force (N) of a film of this width (m); 0: not given */
+    double force, width; /* blocking force (N) of a film of the given width (m); 0: not given */
 } scene_film;
 
 field_read read_film;

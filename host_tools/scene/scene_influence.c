@@ -17,7 +17,7 @@ enum { MOST_OUTPUTS = 60000, MOST_ACTUATORS = 4096, AXES = SCENE_AXES };
 /* The section `influence` as it is written in the scene, and the table of numbers from its file. */
 typedef struct influence_text {
     int file, coordinates, actuators, outputs, ignore,
-        mask; /* YAML nodes of the keys of the section; 0 for a key that is absent */
+        mask; /* YAML nodes of the keys of the section `influence`; 0 for a key that is absent */
     int rows_are_actuators;
     double scale;
     number_table table;

@@ -321,7 +321,7 @@ static int read_direction(reader *reader, int node, void *to, const void *rule)
     return read_place_function(reader, node, &text->load->value, NULL);
 }
 
-/* Read the axis of a moment; a point load with this key is a moment. */
+/* Read the axis of a moment; a point load with the key `about` is a moment instead of a force. */
 static int read_about(reader *reader, int node, void *to, const void *rule)
 {
     load_text *text = to;

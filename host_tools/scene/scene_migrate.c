@@ -76,7 +76,7 @@ static void write_edited(const migration *migration, char *to, size_t *bytes)
     size_t at = 0, length = 0;
     for (int i = 0; i < migration->count; i++) {
         const edit *const edit = &migration->edits[i];
-        if (edit->from < at) /* an alias of the YAML file has led to the same edit before */
+        if (edit->from < at) /* another alias of the same YAML node has led to this edit before */
             continue;
         memcpy(to + length, migration->text + at, edit->from - at);
         length += edit->from - at;

@@ -28,7 +28,10 @@ static const choice strain_kinematics[] = {{"local", 0}, {"cartesian", 1}, {NULL
 static const choice shears[] = {{"uniform", 0}, {"equilibrium", 1}, {NULL, 0}};
 static const choice areas[] = {{"centre", 0}, {"exact", 1}, {NULL, 0}};
 
-/* The preset is the first row of the table, so that the other keys modify the preset. */
+/*
+ * The key `preset` is the first row of the table and is read first, because the other keys modify
+ * the preset.
+ */
 static const field element_fields[] = {
     {"preset", read_preset, .form = &preset_form,
      .help = "Formulation that the other keys modify; default improved."},

@@ -136,9 +136,9 @@ extern const choice place_axes[], place_faces[];
 extern const int place_components[];
 
 /*
- * DIRECTIONS are six rows of a table of keys, one for each displacement component; one function
- * reads all six, and its rule is the component. PLACE(offset) are the rows of the keys that
- * describe a set of nodes, read into the scene_where at an offset (bytes) in a structure.
+ * Rows for tables of keys. DIRECTIONS: the six displacement components u1, u2, u3, x, y and z, each
+ * read by the function `read` with the component as its rule. PLACE: the keys that describe a set
+ * of nodes, read into the scene_where at an offset (bytes) in the structure that is filled.
  */
 #define DIRECTION(key, read, i, of, form, help)                                                    \
     {                                                                                              \

@@ -53,8 +53,8 @@ static uint32_t layers_in(const scene *scene, size_t element)
 }
 
 /*
- * Return the number of the region of a mesh in which these layers are present; a new region is
- * added if there is none.
+ * Return the number of the region of a mesh whose layers are given by the bits of `layers`; a new
+ * region is added if there is none.
  */
 static uint32_t region_of(quad_mesh *mesh, uint32_t layers, const double direction[3])
 {

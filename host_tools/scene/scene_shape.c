@@ -301,8 +301,8 @@ static int check_ends(reader *reader, int node, int direction, double from, doub
 }
 
 /*
- * Find the ends of a mesh direction; an end that the scene does not give is that of the surface
- * itself, if the surface has a range of its own.
+ * Find the ends of a mesh direction. An end that the scene does not give is the end of the
+ * surface's own range, if the surface has one.
  */
 static int find_ends(reader *reader, int node, int direction, line_text *text)
 {

@@ -372,8 +372,8 @@ static int read_each(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Step limits below this one (V) are typing errors; they would vanish in rounding when they are
- * added to a voltage.
+ * Smallest step limit (V) that is accepted. A smaller one is a typing error; it would vanish in
+ * rounding when it is added to a voltage.
  */
 static const double smallest_step_limit = 1e-60;
 

@@ -20,8 +20,8 @@ enum { ALONG_1 = 1 | 8, ALONG_2 = 2 | 16, ALONG_3 = 4 | 32 | 64, ALL = 127 };
 static const double nearly = 0.01;
 
 /*
- * A node between two edges of a set is a corner if the cosine of the angle between the edges'
- * normals is below this value.
+ * Largest cosine of the angle between the normals of two edges of a set at which their common node
+ * counts as a corner.
  */
 static const double corner = 0.85;
 
