@@ -333,12 +333,12 @@ typedef struct pzs_reading_delay {
 pzs_status pzs_reading_delay_seal(pzs_reading_delay *tables);
 
 /*
- * Correction of late readings as a block of PZS_PHASE_READINGS, the first block of a list: adds to
- * each reading the change that the model predicts from the voltages given since the reading was
- * taken. A reading that is missing or stuck is passed on as NaN. A list with a vibration block
- * needs no correction, because that block takes the delay into account. Tables: pzs_reading_delay.
- * Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other sizes), PZS_E_FORMAT,
- * PZS_E_CRC, PZS_E_NONFINITE.
+ * Correction of late readings as a block of PZS_PHASE_READINGS, the first block of a list but for
+ * an effect block: adds to each reading the change that the model predicts from the voltages given
+ * since the reading was taken. A reading that is missing or stuck is passed on as NaN. A list with
+ * a vibration block needs no correction, because that block takes the delay into account. Tables:
+ * pzs_reading_delay. Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other sizes),
+ * PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE.
  */
 extern const pzs_block_type pzs_reading_delay_block;
 #define PZS_READING_DELAY_BLOCK_BYTES(inputs, sensors, delay)                                      \
@@ -747,18 +747,21 @@ extern const pzs_block_type pzs_feed_forward_block;
 typedef struct pzs_hysteresis {
     uint32_t format, scene; /* format and scene of the problem */
     uint32_t crc;           /* checksum of everything below; see pzs_hysteresis_seal */
-    uint16_t inputs, plays, creeps;
-    const pzs_real *middle;     /* [inputs] middle of the voltage range (V) */
-    const pzs_real *half_range; /* [inputs] half of the voltage range (V) */
-    const pzs_real *offset;     /* [inputs] effect at the middle of the range, where the plays and
-                                   the creep are 0 (V) */
-    const pzs_real *slope;      /* [inputs][4] slopes of m, from the lowest quarter to the highest,
-                                   at least PZS_LEAST_SLOPE (1) */
-    const pzs_real *slack;      /* [inputs][plays] rising slacks of the plays, above 0 (V) */
-    const pzs_real *above;      /* [inputs][plays] weight of each play above 0, not negative (1) */
-    const pzs_real *below;      /* [inputs][plays] weight of each play below 0, not negative (1) */
-    const pzs_real *creep;      /* [inputs][creeps] final effect of each creep per volt, not
-                                   negative (1) */
+    uint16_t inputs;
+    uint16_t sets; /* number of sets of numbers: 1 for electrodes that are alike, or one for each
+                      input */
+    uint16_t plays, creeps;
+    const pzs_real *middle;     /* [sets] middle of the voltage range (V) */
+    const pzs_real *half_range; /* [sets] half of the voltage range (V) */
+    const pzs_real *offset;     /* [sets] effect at the middle of the range, where the plays and the
+                                   creep are 0 (V) */
+    const pzs_real *slope;      /* [sets][4] slopes of m, from the lowest quarter to the highest, at
+                                   least PZS_LEAST_SLOPE (1) */
+    const pzs_real *slack;      /* [sets][plays] rising slacks of the plays, above 0 (V) */
+    const pzs_real *above;      /* [sets][plays] weight of each play above 0, not negative (1) */
+    const pzs_real *below;      /* [sets][plays] weight of each play below 0, not negative (1) */
+    const pzs_real *creep;      /* [sets][creeps] final effect of each creep per volt, not negative
+                                   (1) */
     const pzs_real *creep_rate; /* [creeps] part of the way that each creep goes in a tick, 0 to 1
                                  */
 } pzs_hysteresis;
@@ -787,9 +790,9 @@ typedef struct pzs_compensator {
  * effects are held: the voltages then follow the creep.
  *
  * The influence matrix is that of effects. The memory of an electrode cannot be measured; a wrong
- * one is forgotten with the next large swing. A tick that is not run counts as none.
- * Put a governor before the effect block. Object of the effect block: pzs_compensator. Its init
- * returns ARGUMENT (also tables of other counts), FORMAT, CRC, STAGE (no inverse block in the
+ * one is forgotten with the next large swing.
+ * The effect block is the first one of a list. Object of the effect block: pzs_compensator. Its
+ * init returns ARGUMENT (also tables of other counts), FORMAT, CRC, STAGE (no inverse block in the
  * list), LIMITS (input `where` has an infinite voltage limit, or values that the comments of
  * pzs_hysteresis exclude).
  */
@@ -797,7 +800,7 @@ extern const pzs_block_type pzs_effect_block, pzs_inverse_block;
 #define PZS_EFFECT_BLOCK_BYTES(inputs, plays, creeps)                                              \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_compensator)) +                                             \
                 (3u + (size_t)(plays) + (size_t)(creeps)) * (size_t)(inputs) * sizeof(pzs_real))
-#define PZS_INVERSE_BLOCK_BYTES 0u
+#define PZS_INVERSE_BLOCK_BYTES(inputs) (0u * (size_t)(inputs) * sizeof(pzs_real))
 
 /* ---- amplifiers with converter steps and a dead band (lib/control/amplifier.c) */
 

@@ -657,6 +657,26 @@ typedef struct scene_safety {
                 */
 } scene_safety;
 
+enum { SCENE_PLAYS = 32, SCENE_CREEPS = 8 };
+
+/* A short list of numbers. */
+typedef struct scene_short_list {
+    int count;
+    double value[SCENE_PLAYS];
+} scene_short_list;
+
+/* Hysteresis and creep of the ceramic, which the control loop compensates (pzs_hysteresis). */
+typedef struct scene_hysteresis {
+    int given;
+    double range[2];        /* lowest and highest voltage of the identified range (V) */
+    scene_short_list slope; /* [4] slopes of the line without memory, from the lowest quarter */
+    scene_short_list slack; /* [plays] rising slacks of the plays (V) */
+    scene_short_list above; /* [plays] weights of the plays above the middle of the range */
+    scene_short_list below; /* [plays] weights of the plays below the middle of the range */
+    scene_short_list creep_time; /* [creeps] time constants of the creep (s) */
+    scene_short_list creep;      /* [creeps] final creep over the voltage */
+} scene_hysteresis;
+
 typedef struct scene {
     char *path; /* path of the scene file */
     char **set; /* [sets] changes of the form key=value that are applied to the scene file */
@@ -697,6 +717,7 @@ typedef struct scene {
     scene_dynamics dynamics;
     scene_control control;
     scene_safety safety;
+    scene_hysteresis hysteresis;
     scene_influence influence;
     int amplifiers; /* number of amplifiers of all actuators together, numbered in the order of the
                        actuators */

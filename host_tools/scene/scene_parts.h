@@ -107,6 +107,9 @@ field_read read_dynamics, read_control;
 /* Reader of the section for the supervisor of the control loop (scene_safety.c). */
 field_read read_safety;
 
+/* Reader of the section for hysteresis and creep of the ceramic (scene_hysteresis.c). */
+field_read read_hysteresis_section;
+
 /*
  * Readers of the simulated wiring faults of amplifiers (scene_imperfections.c); the argument `to`
  * is the scene_simulate.
@@ -171,9 +174,9 @@ extern const int place_components[];
 /* Forms of the values of the sections of a scene. */
 extern const form element_form, surface_form, mesh_form, materials_form, layers_form,
     reference_form, patches_form, actuators_form, sensors_form, control_form, safety_form,
-    limits_form, supports_form, springs_form, loads_form, contact_form, outputs_form, target_form,
-    compare_form, estimate_form, dynamics_form, simulate_form, equilibrium_form, influence_form,
-    measured_target_form;
+    hysteresis_form, limits_form, supports_form, springs_form, loads_form, contact_form,
+    outputs_form, target_form, compare_form, estimate_form, dynamics_form, simulate_form,
+    equilibrium_form, influence_form, measured_target_form;
 
 /* Element formulation of a scene that does not choose one. */
 extern const scene_element element_improved;

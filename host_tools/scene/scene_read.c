@@ -92,6 +92,15 @@ static const range relative = {0, 1, 1,
          OF_NOTHING,                                                                               \
          &safety_form,                                                                             \
          "Supervisor of the control loop: it parks the output when control is lost."},             \
+        {"hysteresis",                                                                             \
+         read_hysteresis_section,                                                                  \
+         0,                                                                                        \
+         NULL,                                                                                     \
+         0,                                                                                        \
+         OF_NOTHING,                                                                               \
+         &hysteresis_form,                                                                         \
+         "Hysteresis and creep of the ceramic, which the control loop compensates; pzs calibrate " \
+         "--hysteresis prints this section."},                                                     \
     {                                                                                              \
         "limits", read_limits, 0, NULL, 0, OF_NOTHING, &limits_form, "Limits of the amplifiers."   \
     }

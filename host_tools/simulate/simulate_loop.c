@@ -356,7 +356,7 @@ static const pzs_block_type board_block = {"board", PZS_PHASE_STEP, law_bytes, l
 /*
  * Copy the block list of the scene. For clipped least squares, which has no vibration model, or for
  * a board, replace the library's step block (the block that computes the voltages) and omit all
- * blocks behind it. Returns the number of blocks.
+ * blocks behind it, and the compensation of hysteresis. Returns the number of blocks.
  */
 static size_t list_blocks(loop *loop)
 {
@@ -367,8 +367,9 @@ static size_t list_blocks(loop *loop)
     memcpy(loop->block, all->block, sizeof loop->block);
     if (loop->law == LAW_CONTROLLER && !is_board)
         return (size_t)all->count;
-    while (loop->block[count].type->phase != PZS_PHASE_STEP)
-        count++;
+    for (int k = 0; all->block[k].type->phase != PZS_PHASE_STEP; k++)
+        if (all->block[k].type != &pzs_effect_block)
+            loop->block[count++] = all->block[k];
     loop->tables = (law_tables){*loop->simulation->problem, loop};
     loop->block[count] = is_board ? (pzs_block){&board_block, &loop->tables}
                                   : (pzs_block){&law_clipped_block, &loop->compared};

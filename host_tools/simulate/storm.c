@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/control/control.h"
+#include "../../lib/control/hysteresis.h"
 #include "../../lib/core/product.h"
 #include "random.h"
 #include "../model/mass.h"
@@ -166,9 +167,14 @@ typedef struct storm {
     double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
                        the simulation (V) */
     double *voltage; /* [amplifiers] voltages in the present tick (V) */
-    double *before;  /* [amplifiers] voltages before the last control tick (V) */
-    double *thrown;  /* [targets] target in the present tick */
-    double *goal;    /* [targets] last target of the simulation: the target of the scene */
+    double *acting;  /* [amplifiers] voltages that act on the ceramic (V) */
+    double *stroke; /* [2][amplifiers] voltages that act at the lower and at the upper limits (V) */
+    double *play;   /* [amplifiers][plays] positions of the plays of the ceramic (V) */
+    double *creep;  /* [amplifiers][creeps] creep of the ceramic (V) */
+    const pzs_hysteresis *hysteresis; /* tables of the compensation, or NULL: the loop has none */
+    double *before;                   /* [amplifiers] voltages before the last control tick (V) */
+    double *thrown;                   /* [targets] target in the present tick */
+    double *goal; /* [targets] last target of the simulation: the target of the scene */
     double *best; /* [targets] best shape for the last target that the limits allow on the simulated
                      structure */
     double *shape;   /* [targets] shape of the structure in the present tick */
@@ -183,12 +189,17 @@ static bool take_run_memory(storm *storm)
                  k = storm->rig->sensors;
     const size_t kept = (size_t)storm->kept;
     double *at = storm->memory =
-        calloc(5 * amplifiers + 5 * targets + k + kept * k + 1, sizeof *storm->memory);
+        calloc((8 + PZS_PLAY_LIMIT + PZS_CREEP_LIMIT) * amplifiers + 5 * targets + k + kept * k + 1,
+               sizeof *storm->memory);
     if (!at || !inertia_open(&storm->inertia, &storm->rig->modal))
         return false;
     storm->limits = at, at += 3 * amplifiers;
     storm->voltage = at, at += amplifiers;
     storm->before = at, at += amplifiers;
+    storm->acting = at, at += amplifiers;
+    storm->stroke = at, at += 2 * amplifiers;
+    storm->play = at, at += PZS_PLAY_LIMIT * amplifiers;
+    storm->creep = at, at += PZS_CREEP_LIMIT * amplifiers;
     storm->thrown = at, at += targets;
     storm->goal = at, at += targets;
     storm->best = at, at += targets;
@@ -234,27 +245,91 @@ static void set_limits(storm *storm)
     storm->problem.crc = pzs_problem_crc(&storm->problem);
 }
 
+/* ---- ceramic ---------------------------------------------------------- */
+
+/* What electrode k of a ceramic that is as the tables of the compensation say remembers. */
+static hysteresis_memory memory_of(const storm *storm, size_t k)
+{
+    const hysteresis_memory memory = {storm->play + k * PZS_PLAY_LIMIT,
+                                      storm->creep + k * PZS_CREEP_LIMIT};
+    return memory;
+}
+
+/* Find the tables of the compensation, and the stroke of the electrodes from rest at 0 V. */
+static void start_ceramic(storm *storm)
+{
+    const size_t amplifiers = storm->rig->amplifiers;
+    const storm_ceramic *ceramic = storm->plant->ceramic;
+    const double *lower = storm->rig->analysis->design.problem.lower,
+                 *upper = storm->rig->analysis->design.problem.upper;
+    for (int k = 0; k < storm->blocks; k++)
+        if (storm->block[k].type == &pzs_effect_block)
+            storm->hysteresis = storm->block[k].tables;
+    for (size_t k = 0; k < amplifiers; k++) {
+        double *stroke = storm->stroke + k;
+        stroke[0] = ceramic ? ceramic->lowest[k] : lower[k];
+        stroke[amplifiers] = ceramic ? ceramic->highest[k] : upper[k];
+        if (ceramic || !storm->hysteresis)
+            continue;
+        const hysteresis_memory memory = memory_of(storm, k);
+        pzs_hysteresis_rest(storm->hysteresis, (uint32_t)k, memory, 0);
+        stroke[0] = pzs_hysteresis_effect(storm->hysteresis, (uint32_t)k, memory, lower[k]);
+        stroke[amplifiers] =
+            pzs_hysteresis_effect(storm->hysteresis, (uint32_t)k, memory, upper[k]);
+    }
+}
+
+/* Let the ceramic stand under the present voltages for one interval. */
+static void act(storm *storm)
+{
+    const storm_ceramic *ceramic = storm->plant->ceramic;
+    memcpy(storm->acting, storm->voltage, storm->rig->amplifiers * sizeof *storm->acting);
+    if (ceramic) {
+        ceramic->act(ceramic->state, storm->voltage, storm->acting);
+        return;
+    }
+    for (size_t k = 0; k < storm->rig->amplifiers && storm->hysteresis; k++) {
+        const hysteresis_memory memory = memory_of(storm, k);
+        storm->acting[k] =
+            pzs_hysteresis_effect(storm->hysteresis, (uint32_t)k, memory, storm->voltage[k]);
+        pzs_hysteresis_remember(storm->hysteresis, (uint32_t)k, memory, storm->voltage[k], 1);
+    }
+}
+
+/* ---- the loop of a run ------------------------------------------------ */
+
 /*
- * Replace the tables of the step block, the block that computes the voltages, by tables with the
- * limits of the simulation. A control law for comparison keeps its memory beside its problem, so
- * its problem is replaced in place. A simulation without limits omits the blocks behind the step
- * block, because converter steps and held electrodes would hide the growth of vibrations.
+ * Append a block of the rig to the blocks of the run. The step block gets tables with the limits of
+ * the run. A control law for comparison keeps its memory beside its problem, so its problem is
+ * replaced in place.
+ */
+static void append_block(storm *storm, const pzs_block *given)
+{
+    pzs_block *block = &storm->block[storm->blocks++];
+    *block = *given;
+    if (block->type->phase != PZS_PHASE_STEP)
+        return;
+    storm->problem = *(const pzs_problem *)block->tables;
+    set_limits(storm);
+    if (block->type == &pzs_step_block)
+        block->tables = &storm->problem;
+    else
+        *(pzs_problem *)(uintptr_t)block->tables = storm->problem;
+}
+
+/*
+ * Copy the blocks of the rig. A run without limits omits the blocks behind the step block, because
+ * converter steps and held electrodes would hide the growth of vibrations, and the compensation of
+ * hysteresis, which has no inverse without limits.
  */
 static void set_tables(storm *storm)
 {
+    const bool is_free = !isfinite(storm->plant->step_limit);
     for (int k = 0; k < storm->rig->blocks; k++) {
-        storm->block[k] = storm->rig->block[k];
-        if (storm->block[k].type->phase > PZS_PHASE_STEP && !isfinite(storm->plant->step_limit))
-            return;
-        storm->blocks = k + 1;
-        if (storm->block[k].type->phase != PZS_PHASE_STEP)
-            continue;
-        storm->problem = *(const pzs_problem *)storm->block[k].tables;
-        set_limits(storm);
-        if (storm->block[k].type == &pzs_step_block)
-            storm->block[k].tables = &storm->problem;
-        else
-            *(pzs_problem *)(uintptr_t)storm->block[k].tables = storm->problem;
+        const pzs_block *given = &storm->rig->block[k];
+        const bool is_behind = given->type->phase > PZS_PHASE_STEP;
+        if (!is_free || !(is_behind || given->type == &pzs_effect_block))
+            append_block(storm, given);
     }
 }
 
@@ -272,7 +347,8 @@ static pzs_status open_loop(storm *storm)
 }
 
 /*
- * Compute the best shape for the last target within the voltage limits, on the simulated structure.
+ * Compute the best shape for the last target within the stroke of the electrodes, on the simulated
+ * structure.
  */
 static pzs_status find_best(storm *storm)
 {
@@ -290,6 +366,8 @@ static pzs_status find_best(storm *storm)
         for (size_t k = 0; k < amplifiers; k++)
             wide[k] = HUGE_VAL;
         problem.step_limit = wide;
+        problem.lower = storm->stroke;
+        problem.upper = storm->stroke + amplifiers;
         problem.hessian = NULL;
         problem.crc = pzs_problem_crc(&problem);
         status = pzs_control_init(&control, &problem, influence, work,
@@ -339,6 +417,7 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
     storm->inertia.gain = plant->gain;
     storm->inertia.stretch = plant->frequency;
     set_tables(storm);
+    start_ceramic(storm);
     memcpy(storm->goal, rig->analysis->design.target, rig->targets * sizeof *storm->goal);
     pzs_status status = open_loop(storm);
     if (!PZS_IS_ERROR(status))
@@ -346,7 +425,8 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
     if (PZS_IS_ERROR(status))
         return explain(storm, status, error);
     memcpy(storm->voltage, storm->loop.info.voltage, rig->amplifiers * sizeof *storm->voltage);
-    inertia_rest(&storm->inertia, storm->voltage);
+    act(storm);
+    inertia_rest(&storm->inertia, storm->acting);
     return 0;
 }
 
@@ -366,7 +446,7 @@ static double *late(const storm *storm, double *ring, int tick, size_t length)
 static void observe_shape(storm *storm)
 {
     const storm_rig *rig = storm->rig;
-    multiply(storm->shape, rig->influence, storm->voltage, rig->targets, rig->amplifiers,
+    multiply(storm->shape, rig->influence, storm->acting, rig->targets, rig->amplifiers,
              storm->plant->gain);
     inertia_observe(&storm->inertia, 0, rig->targets, storm->part);
     for (size_t i = 0; i < rig->targets; i++)
@@ -384,7 +464,7 @@ static void observe(storm *storm)
         memcpy(reading, storm->shape, rig->sensors * sizeof *reading);
         return;
     }
-    multiply(reading, rig->direct, storm->voltage, rig->sensors, amplifiers, storm->plant->gain);
+    multiply(reading, rig->direct, storm->acting, rig->sensors, amplifiers, storm->plant->gain);
     for (size_t i = 0; i < rig->sensors; i++) {
         inertia_observe(&storm->inertia, rig->row[i], 1, storm->part);
         reading[i] += storm->part[0];
@@ -433,7 +513,8 @@ static pzs_status run_tick(storm *storm)
     const pzs_status status = is_missed ? PZS_OK : choose_voltages(storm);
     storm->missed += is_missed;
     memcpy(storm->voltage, storm->loop.info.voltage, amplifiers * sizeof *storm->voltage);
-    inertia_jump(&storm->inertia, storm->voltage);
+    act(storm);
+    inertia_jump(&storm->inertia, storm->acting);
     inertia_advance(&storm->inertia, storm->rig->interval);
     storm->tick++;
     return status;

@@ -17,6 +17,18 @@
 #include "inertia.h"
 #include "laws.h"
 
+/* Ceramic of the electrodes of a structure, which need not be as the controller believes. */
+typedef struct storm_ceramic {
+    /*
+     * Voltages that act on the ceramic in the coming interval.
+     *   voltage [amplifiers] in   voltages of the amplifiers (V)
+     *   acting  [amplifiers] out  (V)
+     */
+    void (*act)(void *state, const double *voltage, double *acting);
+    void *state;
+    const double *lowest, *highest; /* [amplifiers] stroke: voltages that act at the limits (V) */
+} storm_ceramic;
+
 /*
  * Structure in a storm (a simulation with fast target jumps), relative to the controller's model,
  * and step limits of the voltages.
@@ -31,6 +43,9 @@ typedef struct storm_plant {
                        newer */
     uint64_t seed;  /* seed of the random sequence of target jumps */
     double missed;  /* share of the ticks that the controller misses, from 0 to 1 */
+    const storm_ceramic *ceramic; /* ceramic of the electrodes; NULL: as the tables of
+                                     pzs_effect_block say, or without hysteresis where the loop has
+                                     none */
     bool is_untold; /* true: the loop is not informed of missed ticks by pzs_loop_skip */
 } storm_plant;
 

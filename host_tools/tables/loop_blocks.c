@@ -66,6 +66,11 @@ static bool has_governor(const loop_blocks *blocks)
     return blocks->damper->is_used && blocks->design->scene->control.moving_target;
 }
 
+static bool has_compensation(const loop_blocks *blocks)
+{
+    return blocks->compensation.is_used;
+}
+
 static bool has_amplifier(const loop_blocks *blocks)
 {
     return loop_quantises(blocks->design->scene);
@@ -125,6 +130,11 @@ static const void *governor_tables(loop_blocks *blocks)
 static const void *problem_tables(loop_blocks *blocks)
 {
     return &blocks->design->problem;
+}
+
+static const void *compensation_tables(loop_blocks *blocks)
+{
+    return &blocks->compensation.tables;
 }
 
 static const void *amplifier_tables(loop_blocks *blocks)
@@ -247,6 +257,35 @@ static void write_detection(emitter *emitter, const loop_blocks *blocks)
             emitter->prefix, blocks->detection.delay, blocks->detection.amplitude);
 }
 
+static void write_compensation(emitter *emitter, const loop_blocks *blocks)
+{
+    const pzs_hysteresis *tables = &blocks->compensation.tables;
+    const size_t plays = tables->plays, creeps = tables->creeps;
+    const uint16_t counts[4] = {tables->inputs, tables->sets, tables->plays, tables->creeps};
+    fprintf(emitter->file, "#define %s_PLAYS %u\n#define %s_CREEPS %u\n", emitter->upper,
+            tables->plays, emitter->upper, tables->creeps);
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    emit_reals(emitter, "middle", tables->middle, 1, "middle of the voltage range (V)");
+    emit_reals(emitter, "half_range", tables->half_range, 1, "half of the voltage range (V)");
+    emit_reals(emitter, "effect_offset", tables->offset, 1, "effect at the middle (V)");
+    emit_reals(emitter, "effect_slope", tables->slope, PZS_HYSTERESIS_SEGMENTS,
+               "slopes of the part without memory, from the lowest quarter of the range");
+    emit_reals(emitter, "slack", tables->slack, plays, "slacks of the plays (V)");
+    emit_reals(emitter, "above", tables->above, plays, "weights of the plays above the middle");
+    emit_reals(emitter, "below", tables->below, plays, "weights of the plays below the middle");
+    emit_reals(emitter, "creep", tables->creep, creeps, "final creep over the voltage");
+    emit_reals(emitter, "creep_rate", tables->creep_rate, creeps,
+               "part of the way that each creep goes in a tick");
+    emit_begin(emitter, "hysteresis", "hysteresis", tables->scene, tables->crc);
+    fprintf(emitter->file, " %u, %u, %u, %u,\n   ", counts[0], counts[1], counts[2], counts[3]);
+    static const char *const arrays[] = {"middle",       "half_range", "effect_offset",
+                                         "effect_slope", "slack",      "above",
+                                         "below",        "creep",      "creep_rate"};
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++)
+        fprintf(emitter->file, " %s_%s,", emitter->prefix, arrays[i]);
+    fputs("\n};\n", emitter->file);
+}
+
 static void write_supervision(emitter *emitter, const loop_blocks *blocks)
 {
     const pzs_supervision *tables = &blocks->supervision;
@@ -336,7 +375,7 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
 
 /* Numbers on which the memory of the blocks depends. */
 typedef struct block_counts {
-    size_t inputs, outputs, readings, modes;
+    size_t inputs, outputs, readings, modes, plays, creeps;
     size_t delay, damper_delay; /* age of the readings in the scene, and for the damper (ticks) */
 } block_counts;
 
@@ -363,6 +402,8 @@ BLOCK_BYTES(governor, PZS_GOVERNOR_BLOCK_BYTES(of->inputs, of->outputs))
 BLOCK_BYTES(estimator, PZS_ESTIMATOR_BLOCK_BYTES(of->readings, of->outputs))
 BLOCK_BYTES(vibration, PZS_VIBRATION_BLOCK_BYTES(of->modes, of->inputs, of->outputs, of->readings,
                                                  of->damper_delay))
+BLOCK_BYTES(effect, PZS_EFFECT_BLOCK_BYTES(of->inputs, of->plays, of->creeps))
+BLOCK_BYTES(inverse, PZS_INVERSE_BLOCK_BYTES(of->inputs))
 BLOCK_BYTES(step, PZS_STEP_BLOCK_BYTES(of->inputs, of->outputs))
 BLOCK_BYTES(amplifier, PZS_AMPLIFIER_BLOCK_BYTES(of->inputs))
 BLOCK_BYTES(fault_detector, PZS_FAULT_DETECTOR_BLOCK_BYTES(of->inputs, of->outputs, of->delay))
@@ -385,6 +426,8 @@ static const struct {
     size_t (*bytes)(const block_counts *of, bool is_single);
     const char *bytes_macro;
 } block_types[] = {
+    {&pzs_effect_block, has_compensation, compensation_tables, write_compensation, "effect",
+     "hysteresis", effect_bytes, effect_macro},
     {&pzs_reading_delay_block, has_delay, delay_tables, write_delay, "reading_delay",
      "reading_delay", reading_delay_bytes, reading_delay_macro},
     {&pzs_feed_forward_block, has_feed_forward, known_tables, write_known, "feed_forward",
@@ -396,6 +439,8 @@ static const struct {
     {&pzs_vibration_block, has_damper, damper_tables, write_damper, "vibration", "vibration",
      vibration_bytes, vibration_macro},
     {&pzs_step_block, is_always, problem_tables, NULL, "step", "problem", step_bytes, step_macro},
+    {&pzs_inverse_block, has_compensation, compensation_tables, NULL, "inverse", "hysteresis",
+     inverse_bytes, inverse_macro},
     {&pzs_amplifier_block, has_amplifier, amplifier_tables, write_amplifier, "amplifier",
      "amplifier", amplifier_bytes, amplifier_macro},
     {&pzs_fault_detector_block, has_detector, detection_tables, write_detection, "fault_detector",
@@ -412,6 +457,8 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
     blocks->design = design;
     blocks->estimator = estimator;
     blocks->damper = damper;
+    compensation_fill(&blocks->compensation, &design->scene->hysteresis, &design->problem,
+                      design->scene->control.rate);
     for (int k = 0; k < BLOCK_TYPES; k++)
         if (block_types[k].is_present(blocks))
             blocks->block[blocks->count++] =
@@ -430,6 +477,8 @@ size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single)
                              .outputs = blocks->design->problem.outputs,
                              .readings = (size_t)count_readings(blocks),
                              .modes = blocks->damper->tables.modes,
+                             .plays = blocks->compensation.tables.plays,
+                             .creeps = blocks->compensation.tables.creeps,
                              .delay = (size_t)blocks->design->scene->simulate.delay,
                              .damper_delay = blocks->damper->tables.delay};
     size_t bytes = loop_bytes(&of, is_single);

@@ -6,6 +6,7 @@
 #ifndef LOOP_BLOCKS_H
 #define LOOP_BLOCKS_H
 
+#include "../model/compensation.h"
 #include "../model/damper.h"
 #include "emit.h"
 
@@ -23,6 +24,7 @@ typedef struct loop_blocks {
     pzs_amplifier amplifier;
     pzs_fault_detection detection;
     pzs_supervision supervision;
+    compensation compensation;
     pzs_block block[PZS_BLOCK_LIMIT];
     int count;
 } loop_blocks;

@@ -82,28 +82,29 @@ static bool are_equal(const pzs_real *left, const pzs_real *right, uint32_t coun
     return i == count;
 }
 
-/* Whether target and voltage limits are those for which the last optimum was computed. */
+/* Whether target and held inputs are those for which the last optimum was computed. */
 static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 {
     const pzs_problem *problem = state->control->state.problem;
-    const pzs_control_state *own = &state->optimum.state, *loop = &state->control->state;
+    const pzs_real *own = state->optimum.state.held[0], *loop = state->control->state.held[0];
     return state->has_target && are_equal(state->target, wanted, problem->outputs) &&
-           are_equal(own->lower, loop->lower, problem->inputs) &&
-           are_equal(own->upper, loop->upper, problem->inputs);
+           memcmp(own, loop, problem->inputs * sizeof *own) == 0;
 }
 
 /*
- * Compute the optimal voltages for the target, within the voltage limits in force and without step
- * limits.
+ * Compute the optimal voltages for the target, within the voltage limits, with the inputs held that
+ * the loop holds, and without step limits. The limits are not taken from the controller of the
+ * loop, whose limits may be effects.
  */
 static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
 {
     const pzs_problem *problem = state->control->state.problem;
-    const size_t limits = problem->inputs * sizeof(pzs_real);
+    const size_t bytes = problem->inputs * sizeof(pzs_real);
     pzs_control *optimum = &state->optimum;
     pzs_control_restore(optimum, problem, influence_of(state->control), work_of(state));
-    memcpy(optimum->state.lower, state->control->state.lower, limits);
-    memcpy(optimum->state.upper, state->control->state.upper, limits);
+    for (int copy = 0; copy < 3; copy++)
+        memcpy(optimum->state.held[copy], state->control->state.held[copy], bytes);
+    pzs_control_restore_limits(optimum);
     optimum->state.has_step_limits = false;
     pzs_control_share_bounds(&optimum->state.optimiser, optimum);
     memcpy(state->target, wanted, problem->outputs * sizeof *wanted);

@@ -15,9 +15,8 @@
  * unique.
  *
  * Seen from the present voltage u is a line of straight pieces. In either direction the plays begin
- * to move one after the other, in the order of their slack, and
- * cross the middle in that order, too. The inverse walks along these pieces; it ends in one
- * division and has no iteration.
+ * to move one after the other, in the order of their slack, and cross the middle in that order,
+ * too. The inverse walks along these pieces; it ends in one division and has no iteration.
  *
  * Work of a tick, an input: 4 plays + 30 multiply-adds and comparisons for the limits and the
  * memory, at most 2 plays + 4 pieces of the inverse.
@@ -35,8 +34,8 @@
 
 uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables)
 {
-    const uint16_t counts[3] = {tables->inputs, tables->plays, tables->creeps};
-    const size_t n = tables->inputs, size = sizeof(pzs_real);
+    const uint16_t counts[4] = {tables->inputs, tables->sets, tables->plays, tables->creeps};
+    const size_t n = tables->sets, size = sizeof(pzs_real);
     uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     crc = pzs_guard_array_crc(crc, tables->middle, n, size);
     crc = pzs_guard_array_crc(crc, tables->half_range, n, size);
@@ -51,7 +50,8 @@ uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables)
 
 static bool are_complete(const pzs_hysteresis *tables)
 {
-    return tables->inputs > 0 && tables->plays <= PZS_PLAY_LIMIT &&
+    const bool has_sets = tables->sets == 1 || tables->sets == tables->inputs;
+    return tables->inputs > 0 && has_sets && tables->plays <= PZS_PLAY_LIMIT &&
            tables->creeps <= PZS_CREEP_LIMIT && tables->middle != NULL &&
            tables->half_range != NULL && tables->offset != NULL && tables->slope != NULL &&
            tables->slack != NULL && tables->above != NULL && tables->below != NULL &&
@@ -85,13 +85,12 @@ static bool are_rising(const pzs_real *slack, uint32_t plays)
     return i == plays;
 }
 
-/* Whether an electrode has finite voltage limits and values that make its effect rise with v. */
-static bool is_valid_input(const pzs_hysteresis *tables, const pzs_problem *problem, uint32_t k)
+/* Whether the effect of set k rises with the voltage, and its numbers are finite. */
+static bool is_valid_set(const pzs_hysteresis *tables, uint32_t k)
 {
     const size_t plays = tables->plays, creeps = tables->creeps;
     const pzs_real most = PZS_BY_BITS(1e30f, 1e30);
-    return number_is_finite(problem->lower[k]) && number_is_finite(problem->upper[k]) &&
-           are_between(tables->middle + k, 1, -most, most) && tables->half_range[k] > 0 &&
+    return are_between(tables->middle + k, 1, -most, most) && tables->half_range[k] > 0 &&
            tables->half_range[k] <= most && are_between(tables->offset + k, 1, -most, most) &&
            are_between(tables->slope + k * SEGMENTS, SEGMENTS, PZS_LEAST_SLOPE, most) &&
            are_rising(tables->slack + k * plays, tables->plays) &&
@@ -99,6 +98,12 @@ static bool is_valid_input(const pzs_hysteresis *tables, const pzs_problem *prob
            are_between(tables->above + k * plays, plays, 0, most) &&
            are_between(tables->below + k * plays, plays, 0, most) &&
            are_between(tables->creep + k * creeps, creeps, 0, most);
+}
+
+/* Index of the set of numbers of an input. */
+static size_t set_of(const pzs_hysteresis *tables, uint32_t input)
+{
+    return tables->sets > 1 ? input : 0;
 }
 
 static pzs_status check(const pzs_hysteresis *tables, const pzs_problem *problem, int32_t *where)
@@ -111,7 +116,9 @@ static pzs_status check(const pzs_hysteresis *tables, const pzs_problem *problem
         return PZS_E_CRC;
     for (uint32_t k = 0; k < tables->inputs; k++) {
         *where = (int32_t)k;
-        if (!is_valid_input(tables, problem, k))
+        const bool has_limits =
+            number_is_finite(problem->lower[k]) && number_is_finite(problem->upper[k]);
+        if (!has_limits || !is_valid_set(tables, (uint32_t)set_of(tables, k)))
             return PZS_E_LIMITS;
     }
     *where = -1;
@@ -147,19 +154,33 @@ static pzs_real line_at(const pzs_real *slope, pzs_real half_range, pzs_real s)
 void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresis_memory memory,
                          pzs_real voltage)
 {
-    const pzs_real *slack = tables->slack + (size_t)input * tables->plays;
-    const pzs_real *creep = tables->creep + (size_t)input * tables->creeps;
-    pzs_real place = voltage - tables->middle[input];
+    const size_t set = set_of(tables, input);
+    const pzs_real *slack = tables->slack + set * tables->plays;
+    const pzs_real *creep = tables->creep + set * tables->creeps;
+    pzs_real place = voltage - tables->middle[set];
     for (uint32_t i = 0; i < tables->plays; i++) {
-        place = follow(-tables->middle[input], place, slack_behind(slack, i));
+        place = follow(-tables->middle[set], place, slack_behind(slack, i));
         memory.play[i] = place;
     }
     for (uint32_t j = 0; j < tables->creeps; j++)
         memory.creep[j] = creep[j] * voltage;
 }
 
+/* Part of the way that a creep goes in some ticks, from the part of one tick. */
+static pzs_real rate_of(pzs_real rate, uint32_t ticks)
+{
+    pzs_real left = 1, square = 1 - rate;
+    if (ticks == 1)
+        return rate;
+    for (uint32_t bits = ticks; bits > 0; bits /= 2u) {
+        left *= bits % 2u ? square : 1;
+        square *= square;
+    }
+    return 1 - left;
+}
+
 /*
- * Creep after one tick at a voltage, towards gain * voltage. A creep above gain * most, which no
+ * Creep after some ticks at a voltage, towards gain * voltage. A creep above gain * most, which no
  * voltages leave, is taken to be at its end.
  */
 static pzs_real creep_after(pzs_real creep, pzs_real gain, pzs_real rate, pzs_real voltage,
@@ -171,29 +192,30 @@ static pzs_real creep_after(pzs_real creep, pzs_real gain, pzs_real rate, pzs_re
 }
 
 void pzs_hysteresis_remember(const pzs_hysteresis *tables, uint32_t input, hysteresis_memory memory,
-                             pzs_real voltage)
+                             pzs_real voltage, uint32_t ticks)
 {
-    const pzs_real *slack = tables->slack + (size_t)input * tables->plays;
-    const pzs_real *creep = tables->creep + (size_t)input * tables->creeps;
-    const pzs_real most = number_absolute(tables->middle[input]) + tables->half_range[input];
-    pzs_real place = voltage - tables->middle[input];
+    const size_t set = set_of(tables, input);
+    const pzs_real *slack = tables->slack + set * tables->plays;
+    const pzs_real *creep = tables->creep + set * tables->creeps;
+    const pzs_real most = number_absolute(tables->middle[set]) + tables->half_range[set];
+    pzs_real place = voltage - tables->middle[set];
     for (uint32_t i = 0; i < tables->plays; i++) {
         place = follow(memory.play[i], place, slack_behind(slack, i));
         memory.play[i] = place;
     }
     for (uint32_t j = 0; j < tables->creeps; j++)
-        memory.creep[j] =
-            creep_after(memory.creep[j], creep[j], tables->creep_rate[j], voltage, 2 * most);
+        memory.creep[j] = creep_after(memory.creep[j], creep[j],
+                                      rate_of(tables->creep_rate[j], ticks), voltage, 2 * most);
 }
 
 pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
                                hysteresis_memory memory, pzs_real voltage)
 {
-    const size_t first = (size_t)input * tables->plays;
+    const size_t set = set_of(tables, input), first = set * tables->plays;
     const pzs_real *slack = tables->slack + first;
-    pzs_real place = voltage - tables->middle[input];
-    pzs_real sum = tables->offset[input] + line_at(tables->slope + (size_t)input * SEGMENTS,
-                                                   tables->half_range[input], place);
+    pzs_real place = voltage - tables->middle[set];
+    pzs_real sum = tables->offset[set] +
+                   line_at(tables->slope + set * SEGMENTS, tables->half_range[set], place);
     for (uint32_t i = 0; i < tables->plays; i++) {
         place = follow(memory.play[i], place, slack_behind(slack, i));
         sum += (place > 0 ? tables->above : tables->below)[first + i] * place;
@@ -236,16 +258,16 @@ static pzs_real slope_of(const effect_walk *walk, uint32_t k)
 static effect_walk start_walk(const pzs_hysteresis *tables, uint32_t input,
                               hysteresis_memory memory, pzs_real sign, pzs_real from)
 {
-    const size_t first = (size_t)input * tables->plays;
+    const size_t set = set_of(tables, input), first = set * tables->plays;
     const bool is_up = sign > 0;
-    effect_walk walk = {.slope = tables->slope + (size_t)input * SEGMENTS,
+    effect_walk walk = {.slope = tables->slope + set * SEGMENTS,
                         .slack = tables->slack + first,
                         .play = memory.play,
                         .ahead = (is_up ? tables->above : tables->below) + first,
                         .behind = (is_up ? tables->below : tables->above) + first,
                         .sign = sign,
-                        .knot = tables->half_range[input] / 2,
-                        .place = sign * (from - tables->middle[input]),
+                        .knot = tables->half_range[set] / 2,
+                        .place = sign * (from - tables->middle[set]),
                         .plays = tables->plays};
     walk.gain = slope_of(&walk, 0);
     return walk;
@@ -318,7 +340,7 @@ pzs_real pzs_hysteresis_voltage(const pzs_hysteresis *tables, uint32_t input,
         }
         pass_break(&walk, nearest);
     }
-    return tables->middle[input] + sign * (walk.place + rest / walk.gain);
+    return tables->middle[set_of(tables, input)] + sign * (walk.place + rest / walk.gain);
 }
 
 /* ---- blocks ----------------------------------------------------------- */
@@ -422,7 +444,8 @@ static void take_effects(const pzs_compensator *compensator, pzs_control *contro
     const pzs_real *effect = compensator->state.effect, *base = control->state.optimiser.base;
     bool is_known = control->state.behind == PZS_BEHIND_NOTHING;
     for (uint32_t k = 0; k < tables->inputs && is_known; k++) {
-        const pzs_real size = number_absolute(tables->middle[k]) + tables->half_range[k];
+        const size_t set = set_of(tables, k);
+        const pzs_real size = number_absolute(tables->middle[set]) + tables->half_range[set];
         is_known = number_absolute(effect[k] - base[k]) <= ROUNDING * PZS_EPSILON * size;
     }
     for (uint32_t k = 0; k < tables->inputs; k++)
@@ -444,7 +467,7 @@ static pzs_status effect_tick(void *self, pzs_loop_signals *signals)
         const pzs_real given = signals->given[k];
         const hysteresis_memory memory = memory_of(compensator, k);
         compensator->state.effect[k] = pzs_hysteresis_effect(tables, k, memory, given);
-        pzs_hysteresis_remember(tables, k, memory, given);
+        pzs_hysteresis_remember(tables, k, memory, given, 1u + signals->missed);
         if (!set_range(compensator, control, k, given) && clash < 0)
             clash = (int32_t)k;
         set_effect_limits(compensator, control, k);

@@ -22,11 +22,12 @@ void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresi
                          pzs_real voltage);
 
 /*
- * Let electrode `input` stand at a voltage for one tick. A memory that no voltages can have left,
- * as after damage, becomes the nearest one that they can; a number that is NaN does so too.
+ * Let electrode `input` stand at a voltage for some ticks, at least one. A memory that no voltages
+ * can have left, as after damage, becomes the nearest one that they can; a number that is NaN does
+ * so too.
  */
 void pzs_hysteresis_remember(const pzs_hysteresis *tables, uint32_t input, hysteresis_memory memory,
-                             pzs_real voltage);
+                             pzs_real voltage, uint32_t ticks);
 
 /* Effect (V) that electrode `input` has when it moves to a voltage. It does not fall as the voltage
  * rises. */

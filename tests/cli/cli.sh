@@ -466,6 +466,17 @@ run 0 tables plate-closed-loop --quasi-static --set 'safety={park: 400, arm: com
         'return pzs_loop_tick(&loop, wanted, NULL) != PZS_W_PARKED;' >"$dir/safe.c" &&
     (for bits in 32 64; do gcc -std=c99 -DPZS_REAL_BITS=$bits -Iinclude -I"$dir" "$dir/safe.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/safe" && "$dir/safe" || exit 1; done)
 check 'safety: its tables run in float and double' $?
+ceramic='hysteresis={range: [-300, 300], slopes: [0.68, 0.68, 0.68, 0.68], slack: [37.5, 75, 112.5, 150], above: [0.08, 0.08, 0.08, 0.08], creep_time: [0.1, 1], creep: [0.01, 0.01]}'
+# shellcheck disable=SC2086
+run 0 simulate plate-closed-loop $quick --set "$ceramic" --set simulate.plant.hysteresis=0.1 --json && json "j['phases'][0]['controller']['steady'] < 1.02 * j['phases'][0]['optimum']"
+check 'hysteresis: a compensated loop ends at the optimum within the stroke' $?
+run 0 tables plate-closed-loop --quasi-static --set "$ceramic" --prefix bent -o "$dir/bent.h" &&
+    printf '#include "pzs.h"\n#include "bent.h"\nstatic double work[BENT_LOOP_BYTES / 8 + 2];\nstatic pzs_loop loop;\nint main(void) {\n%s\n%s\n%s\n}\n' \
+        'const pzs_status s = pzs_loop_init(&loop, bent_blocks, BENT_BLOCKS, NULL, work, sizeof work);' \
+        'static const pzs_real wanted[BENT_OUTPUTS]; if (s != PZS_OK) return 1;' \
+        'return pzs_loop_tick(&loop, wanted, NULL) != PZS_OK;' >"$dir/bent.c" &&
+    (for bits in 32 64; do gcc -std=c99 -DPZS_REAL_BITS=$bits -Iinclude -I"$dir" "$dir/bent.c" "$B/$bits/libpiezoshape.a" -lm -o "$dir/bent" && "$dir/bent" || exit 1; done)
+check 'hysteresis: its tables run in float and double' $?
 run 2 simulate plate-50-patches && says 'add `simulate: {ticks: 400}`'; check 'simulate without its section: exit 2' $?
 run 2 simulate plate-closed-loop --device toaster && says "not 'toaster'"; check 'an unknown board: exit 2' $?
 run 0 tables plate-closed-loop --quasi-static -o "$dir/target.h" && run 0 tables plate-closed-loop --quasi-static --set simulate.influence=undeformed -o "$dir/rest.h" &&

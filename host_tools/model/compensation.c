@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Tables of the compensation of hysteresis and creep (compensation.h). */
+#include "compensation.h"
+#include <math.h>
+#include <string.h>
+#include "../../lib/control/hysteresis.h"
+
+/* Ticks a second where the scene gives no rate, as in simulations. */
+static const double usual_rate = 1000;
+
+static void copy(double *to, const scene_short_list *from)
+{
+    memcpy(to, from->value, (size_t)from->count * sizeof *to);
+}
+
+/* Let the tables point to the arrays. */
+static void point(compensation *compensation)
+{
+    pzs_hysteresis *tables = &compensation->tables;
+    tables->middle = &compensation->middle;
+    tables->half_range = &compensation->half_range;
+    tables->offset = &compensation->offset;
+    tables->slope = compensation->slope;
+    tables->slack = compensation->slack;
+    tables->above = compensation->above;
+    tables->below = compensation->below;
+    tables->creep = compensation->creep;
+    tables->creep_rate = compensation->creep_rate;
+}
+
+/* The offset with which an electrode that has always been at 0 V has no effect (V). */
+static double offset_of(const pzs_hysteresis *tables)
+{
+    double play[SCENE_PLAYS] = {0}, creep[SCENE_CREEPS] = {0};
+    const hysteresis_memory memory = {play, creep};
+    pzs_hysteresis_rest(tables, 0, memory, 0);
+    return -pzs_hysteresis_effect(tables, 0, memory, 0);
+}
+
+void compensation_fill(compensation *compensation, const scene_hysteresis *hysteresis,
+                       const pzs_problem *problem, double rate)
+{
+    memset(compensation, 0, sizeof *compensation);
+    compensation->is_used = hysteresis->given;
+    if (!hysteresis->given)
+        return;
+    point(compensation);
+    compensation->middle = (hysteresis->range[0] + hysteresis->range[1]) / 2;
+    compensation->half_range = (hysteresis->range[1] - hysteresis->range[0]) / 2;
+    copy(compensation->slope, &hysteresis->slope);
+    copy(compensation->slack, &hysteresis->slack);
+    copy(compensation->above, &hysteresis->above);
+    copy(compensation->below, &hysteresis->below);
+    copy(compensation->creep, &hysteresis->creep);
+    for (int j = 0; j < hysteresis->creep.count; j++) {
+        const double ticks = (rate > 0 ? rate : usual_rate) * hysteresis->creep_time.value[j];
+        compensation->creep_rate[j] = -expm1(-1 / ticks);
+    }
+    pzs_hysteresis *tables = &compensation->tables;
+    tables->scene = problem->scene;
+    tables->inputs = problem->inputs;
+    tables->sets = 1;
+    tables->plays = (uint16_t)hysteresis->slack.count;
+    tables->creeps = (uint16_t)hysteresis->creep.count;
+    compensation->offset = offset_of(tables);
+    (void)pzs_hysteresis_seal(tables);
+}
