@@ -230,7 +230,7 @@ static void draw_electrode(electrode *electrode, const shell_voltage_set *set, i
     begin_amplifier(file, electrode->map->mesh->scene, set, amplifier);
     draw_area(electrode, draw_colour(set->scale, voltage));
     const text_room room = room_of(electrode);
-    draw_border(electrode, "patch");
+    draw_border(electrode, electrode->patches->outlines ? "frame" : "patch");
     if (is_marked) {
         put(file, "<g class=\"%s %s\" transform=\"translate(%f %f) scale(.86)\">",
             mark_style[set->mark[amplifier]], draw_tone(set->scale, voltage),

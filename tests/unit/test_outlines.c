@@ -392,8 +392,8 @@ static void test_partition(void **state)
 {
     (void)state;
     static const char *const plate[] = {
-        "{polygon: [[0, 0], [0.4, 0], [0.4, 0.1], [0, 0.23]]}, {polygon: [[0, 0.23], [0.4, 0.1], "
-        "[0.4, 0.3], [0, 0.3]]}",
+        ("{polygon: [[0, 0], [0.4, 0], [0.4, 0.1], [0, 0.23]]}, {polygon: [[0, 0.23], [0.4, 0.1], "
+         "[0.4, 0.3], [0, 0.3]]}"),
         "{inside: sin(20*x) - 7*y + 1}, {inside: 7*y - 1 - sin(20*x)}",
         "{grid: {from: [0, 0], to: [0.4, 0.3], count: [3, 7]}}",
         "{hexagons: {pitch: 0.3, rings: 1, centre: [0.2, 0.15]}}",
