@@ -250,6 +250,93 @@ static void integrate_stiffness(const laminate *laminate, const scene_element *e
     }
 }
 
+/* ---- thickness strain ------------------------------------------------- */
+
+static int inverse_of(double matrix[N][N], double inverse[N][N])
+{
+    memcpy(inverse, matrix, N * N * sizeof(double));
+    return invert(&inverse[0][0], N, N);
+}
+
+/*
+ * Uncouple the difference of the thickness strain e33 between the faces, the part that is linear in
+ * the height (element option lin33), from all other strains: its resultant is 0. The compliance of
+ * this strain itself is kept. Returns 0, or -1 if the stiffness is singular.
+ */
+static int relax_e33(double stiffness[N][N])
+{
+    double inverse[N][N];
+    if (inverse_of(stiffness, inverse) < 0)
+        return -1;
+    for (int i = 0; i < N; i++)
+        stiffness[i][D33] = stiffness[D33][i] = 0;
+    stiffness[D33][D33] = 1 / inverse[D33][D33];
+    return 0;
+}
+
+/*
+ * Sums over the thickness for plies whose normal stress 33 is the same at every height, while each
+ * ply thickens as its own stiffness and in-plane strains demand.
+ */
+typedef struct free_plies {
+    double compliance;   /* integral of 1/(normal stiffness) */
+    double length;       /* integral of 1 */
+    double narrowing[N]; /* integral of (coupling of a strain with 33)/(normal stiffness) */
+} free_plies;
+
+/* Add a point of a ply to the sums, and its stiffness with the normal stress 33 at 0 to `out`. */
+static void add_free_point(free_plies *sums, double natural[6][6], const double share[6],
+                           double weight, double height, double out[N][N])
+{
+    double function[N];
+    for (int i = 0; i < N; i++)
+        function[i] = (is_difference[i] ? height : 1) / share[voigt[i]];
+    sums->compliance += weight / natural[2][2];
+    sums->length += weight;
+    for (int i = 0; i < N; i++)
+        sums->narrowing[i] += weight * function[i] * natural[voigt[i]][2] / natural[2][2];
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++)
+            out[i][j] += weight * function[i] * function[j] *
+                         (natural[voigt[i]][voigt[j]] -
+                          natural[voigt[i]][2] * natural[2][voigt[j]] / natural[2][2]);
+}
+
+/*
+ * Replace the stiffness of all strains but the difference of e33 by that of plies which thicken
+ * freely under one normal stress s. The mean thickness strain e is that of the package:
+ *   s = (e length + narrowing . strains)/compliance.
+ * A thickness strain that is linear through the package cannot follow plies of different Poisson's
+ * ratios; a bimetal of two such plies would bend too little or too much, by some per cent.
+ */
+static void free_thickness(const laminate *laminate, const scene_element *element,
+                           const laminate_place *place, double stiffness[N][N])
+{
+    const double middle = (laminate->z[0] + laminate->z[1]) / 2;
+    double plane[N][N];
+    free_plies sums;
+    memset(&sums, 0, sizeof sums);
+    memset(plane, 0, sizeof plane);
+    for (int layer = 0; layer < laminate->plies; layer++) {
+        const laminate_ply *ply = &laminate->ply[layer];
+        const double half = (ply->z[1] - ply->z[0]) / 2;
+        for (int point = 0; point < POINTS && place->present_plies >> layer & 1u; point++) {
+            const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[point];
+            double share[6], natural[6][6];
+            const double weight = half * gauss_w[point] * metric_at(element, place, z, share);
+            natural_stiffness(element, place, ply, z, natural);
+            add_free_point(&sums, natural, share, weight, (z - middle) / laminate->thickness,
+                           plane);
+        }
+    }
+    sums.narrowing[M33] = sums.length;
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++)
+            if (i != D33 && j != D33)
+                stiffness[i][j] = (i == M33 || j == M33 ? 0 : plane[i][j]) +
+                                  sums.narrowing[i] * sums.narrowing[j] / sums.compliance;
+}
+
 /*
  * Compute the transverse shear stiffness of the plies that are present from equilibrium, in
  * material axes (N/m). Returns 0, or -1 if the plies have no shear stiffness.
@@ -294,12 +381,17 @@ static int set_shear(const laminate *laminate, const laminate_place *place, doub
 
 /*
  * Compute the stiffness of the package of plies for the ten strains of an element, before options
- * that treat the strain modes differently. Returns 0, or -1 if no ply is present.
+ * that treat the strain modes differently. With the element option lin33 every ply thickens freely.
+ * Returns 0, or -1 if no ply is present.
  */
 static int package_stiffness(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, double stiffness[N][N])
 {
     integrate_stiffness(laminate, element, place, stiffness);
+    if (element->lin33 && relax_e33(stiffness) < 0)
+        return -1;
+    if (element->lin33)
+        free_thickness(laminate, element, place, stiffness);
     return element->equilibrium_shear ? set_shear(laminate, place, stiffness) : 0;
 }
 
@@ -358,37 +450,6 @@ static void integrate_stress(const laminate *laminate, const scene_element *elem
 }
 
 /* ---- formulation ------------------------------------------------------ */
-
-static int inverse_of(double matrix[N][N], double inverse[N][N])
-{
-    memcpy(inverse, matrix, N * N * sizeof(double));
-    return invert(&inverse[0][0], N, N);
-}
-
-/*
- * Relax the difference of the thickness strain e33 between the faces, the part that is linear in
- * the height (element option lin33): its resultant becomes 0 through condensation. The compliance
- * of this strain itself is kept.
- *   stiffness  [10][10] in/out  stiffness of the package
- *   h0         [10] in/out      prescribed resultants, condensed in the same way, or NULL
- * Returns 0, or -1 if the stiffness is singular.
- */
-static int relax_e33(double stiffness[N][N], double *h0)
-{
-    double inverse[N][N], row[N];
-    if (inverse_of(stiffness, inverse) < 0)
-        return -1;
-    memcpy(row, stiffness[D33], sizeof row);
-    const double prescribed = h0 ? h0[D33] / row[D33] : 0;
-    for (int i = 0; i < N && h0; i++)
-        h0[i] -= row[i] * prescribed;
-    for (int i = 0; i < N; i++)
-        for (int j = 0; j < N; j++)
-            stiffness[i][j] =
-                i == D33 || j == D33 ? 0 : stiffness[i][j] - row[i] * row[j] / row[D33];
-    stiffness[D33][D33] = 1 / inverse[D33][D33];
-    return 0;
-}
 
 /*
  * Return the bending flexibility 12/(E h^3) that is added to the transverse shear flexibility on
@@ -539,8 +600,6 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
     double stiffness[N][N], inverse[N][N], plane[N][N], modal[N][N], flexibility[2];
     if (package_stiffness(laminate, element, place, stiffness) < 0)
         return -1;
-    if (element->lin33 && relax_e33(stiffness, NULL) < 0)
-        return -1;
     if (inverse_of(stiffness, inverse) < 0 || plane_compliance(stiffness, plane) < 0)
         return -1;
     for (int mode = 0; mode < 4; mode++) {
@@ -593,18 +652,6 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 }
 
 /*
- * Compute the stiffness of the package with the linear part of the thickness strain relaxed, and
- * relax prescribed resultants h0 [10] in the same way (h0 may be NULL). Returns 0, or -1 if the
- * stiffness is singular.
- */
-static int relaxed_stiffness(const laminate *laminate, const scene_element *element,
-                             const laminate_place *place, double stiffness[N][N], double *h0)
-{
-    return package_stiffness(laminate, element, place, stiffness) < 0 ? -1
-                                                                      : relax_e33(stiffness, h0);
-}
-
-/*
  * With the element option lin33 every ply thickens freely, and the mean thickness strain contains
  * this thickening. The resultants of this strain are added to those of the plies' stresses.
  */
@@ -622,7 +669,9 @@ void laminate_resultants(const laminate *laminate, const scene_element *element,
         integrate_stress(laminate, element, place, &laminate->ply[layer], field, stress, h0);
     }
     const int thickens =
-        element->lin33 && relaxed_stiffness(laminate, element, place, stiffness, h0) == 0;
+        element->lin33 && package_stiffness(laminate, element, place, stiffness) == 0;
+    if (element->lin33)
+        h0[D33] = 0;
     for (int i = 0; i < N; i++)
         h0[i] = (h0[i] + (thickens ? stiffness[i][M33] * thickening : 0)) * place->area;
 }
@@ -661,7 +710,7 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
                   field_at(laminate, element, place, field, z);
     }
     if (element->lin33 && place->present_plies >> ply & 1u &&
-        relaxed_stiffness(laminate, element, place, stiffness, NULL) == 0)
+        package_stiffness(laminate, element, place, stiffness) == 0)
         charge -= free_thickening(laminate, place, &voltage) *
                   free_thickening(laminate, place, field) * stiffness[M33][M33];
     return charge * place->area;

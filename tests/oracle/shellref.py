@@ -23,10 +23,11 @@ import numpy as np
 # torsion: twist of the antisymmetric bubble of modes 01 and 10 (the constant c of its law).
 # hr: modes 01, 10, 11 by stresses.   lin33: linear part of e33 eliminated.
 # metric: lengths and areas at depth z.   free33: given stresses condensed on s33 = 0 in a ply.
+# plies: each ply thickens freely under one normal stress (with lin33).
 PUBLISHED = dict(kinematics="local", tau=0.0, rho=0.0, torsion=0.0, hr=False, lin33=False,
-                 metric=False, area="centre", free33=False)
+                 metric=False, area="centre", free33=False, plies=False)
 IMPROVED = dict(kinematics="cartesian", tau=1.0, rho=0.09, torsion=0.6, hr=True, lin33=True,
-                metric=True, area="exact", free33=True)
+                metric=True, area="exact", free33=True, plies=True)
 
 XI = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
 NEIGHBOUR = np.array([[1, 0, 3, 2], [3, 2, 1, 0]])      # [direction][corner]
@@ -226,6 +227,7 @@ class Section:
 
         With M(z) = T(J(z))^-1 N(z) the Cartesian strains at depth z and w = det J(z)/det J(0):
         D = integral M^T C M w dz,  H0 = integral M^T s0 w dz.
+        With the option plies D is that of free_plies.
         Given stress (total stress = C E + s0): volt e^T/h_n from E3 = -V/h_n, with the metric
         times field_share; kelvin -C alpha; with free33 condensed on s33 = 0 in each ply, whose
         mean free strain along the normal, -s0_33/C_33, the mean of e33 then holds, as a strain
@@ -238,6 +240,7 @@ class Section:
         start, slope_of_base = self.base(k, options)
         gauss, weights = np.polynomial.legendre.leggauss(10)
         low = self.zlow
+        plane, normal, compliance = np.zeros((10, 10)), np.zeros(10), 0.0
         for n, (thick, angle, material) in enumerate(self.layers):
             if material is not None:
                 turn = ply_turn(angle)
@@ -257,10 +260,18 @@ class Section:
                     shape = np.linalg.inv(covariant_map(base)) @ self.shape(z)
                     dz = w * thick / 2 * np.linalg.det(base) / np.linalg.det(start)
                     dmat += shape.T @ stiff @ shape * dz
+                    to_plain = np.linalg.inv(covariant_map(base))
+                    own, strains = to_plain.T @ stiff @ to_plain, self.shape(z)  # along the base vectors
+                    pull = own[:, 2] / own[2, 2]
+                    plane += strains.T @ (own - np.outer(pull, own[2])) @ strains * dz
+                    normal += strains.T @ pull * dz
+                    compliance += dz / own[2, 2]
                     volt[n] += shape.T @ given_volt * dz * (
                         self.field(k, low, thick, z) if options["metric"] else 1)
                     kelvin += shape.T @ given_kelvin * dz
             low += thick
+        if options["plies"]:
+            dmat = free_plies(dmat, plane, normal, compliance)
         along = dmat[:, 4] * start[2, 2]**2
         return dmat, volt + np.outer(thick_volt, along), kelvin + thick_kelvin * along
 
@@ -304,6 +315,20 @@ class GivenSection:
 
 
 # ---------------------------------------------------------------- options of the improved element
+
+def free_plies(dmat, plane, normal, compliance):
+    """D of plies that thicken freely under one normal stress s, of any e33 but in the mean.
+
+    Mixed form: s (integral e33 dz) + the rest in plane stress, s = normal . E/compliance, with
+    normal = integral (C_3./C_33) M dz, compliance = integral dz/C_33, and no linear part of e33;
+    that part keeps the compliance which D gives it, uncoupled.
+    """
+    line = 5
+    new = plane + np.outer(normal, normal) / compliance
+    new[line] = new[:, line] = 0
+    new[line, line] = 1 / np.linalg.inv(dmat)[line, line]
+    return new
+
 
 def uncouple33(dmat, givens):
     """lin33: statically eliminate the linear part l of e33 from the other nine.

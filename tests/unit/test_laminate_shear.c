@@ -10,6 +10,8 @@
 #include <stdio.h>
 #include <string.h>
 #include <cmocka.h>
+#include "../../host_tools/mesh/invert.h"
+#include "../../host_tools/mesh/laminate.h"
 #include "../../host_tools/mesh/laminate_shear.h"
 #include "../rigs/scene_run.h"
 #include "../rigs/testdata.h"
@@ -128,12 +130,73 @@ static void test_sandwich(void **state)
     assert_int_equal(row, 8);
 }
 
+/* Order of classical lamination, 11 22 12 of forces before moments, in the strains of an element.
+ */
+static const int classical[6] = {0, 2, 6, 1, 3, 7};
+
+/* Compliance of a flat element of area 1 without normal force: strains per resultants. */
+static void plate_compliance(const scene_run *run, double compliance[6][6])
+{
+    const laminate *laminate = &run->analysis.design.mesh.laminate;
+    const laminate_place place = {
+        .present_plies = 7, .chord = {1, 1}, .area = 1, .bubble_share = 1};
+    double packed[4][LAMINATE_PACKED], stiffness[LAMINATE_STRAINS][LAMINATE_STRAINS];
+    assert_int_equal(laminate_modes(laminate, &run->scene.element, &place, packed), 0);
+    for (int i = 0; i < LAMINATE_STRAINS; i++)
+        for (int j = 0; j <= i; j++)
+            stiffness[i][j] = stiffness[j][i] = packed[0][i * (i + 1) / 2 + j];
+    for (int i = 0; i < 6; i++)
+        for (int j = 0; j < 6; j++)
+            compliance[i][j] =
+                stiffness[classical[i]][classical[j]] -
+                stiffness[classical[i]][4] * stiffness[4][classical[j]] / stiffness[4][4];
+    assert_int_equal(invert(&compliance[0][0], 6, 6), 0);
+}
+
+/*
+ * Law: without a normal force a flat package is that of classical lamination, whatever Poisson's
+ * ratios its plies have; a bimetal bends as Timoshenko's. With a thickness strain linear through
+ * the package, as in the published element, it does not.
+ */
+static void test_plies_thicken_freely(void **state)
+{
+    (void)state;
+    for (int is_published = 0; is_published < 2; is_published++) {
+        double flex[6][6], own[6][6], off = 0, largest = 0;
+        char changes[600];
+        scene_run run;
+        snprintf(changes, sizeof changes,
+                 "element=%s;materials={a: {E: 63, nu: 0.31}, b: {E: 64, nu: 0.1}, c: {E1: 130, "
+                 "E2: 9, E3: 11, G12: 4.8, G13: 4.4, G23: 3.2, nu12: 0.31, nu13: 0.02, nu23: "
+                 "0.45}};layers=[{material: a, thickness: 0.02}, {material: c, thickness: 0.05, "
+                 "angle: 30}, {material: b, thickness: 0.03}]",
+                 is_published ? "published" : "improved");
+        if (scene_run_open(&run, "vlasov-plate", changes) < 0)
+            fail_msg("%s", run.error);
+        const laminate *laminate = &run.analysis.design.mesh.laminate;
+        shear_ply ply[3];
+        for (int i = 0; i < 3; i++) {
+            memcpy(ply[i].z, laminate->ply[i].z, sizeof ply[i].z);
+            ply[i].c = laminate->ply[i].c;
+        }
+        assert_int_equal(laminate_flexure(ply, 3, flex), 0);
+        plate_compliance(&run, own);
+        for (int i = 0; i < 6; i++)
+            for (int j = 0; j < 6; j++) {
+                const double unit = pow(laminate->thickness, -(i / 3) - j / 3);
+                off = fmax(off, fabs(own[i][j] * unit - flex[i][j]));
+                largest = fmax(largest, fabs(flex[i][j]));
+            }
+        assert_true(is_published ? off > 1e-3 * largest : off <= 1e-12 * largest);
+        scene_run_close(&run);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_isotropic),
-        cmocka_unit_test(test_thin_faces),
-        cmocka_unit_test(test_void),
+        cmocka_unit_test(test_isotropic), cmocka_unit_test(test_thin_faces),
+        cmocka_unit_test(test_void),      cmocka_unit_test(test_plies_thicken_freely),
         cmocka_unit_test(test_sandwich),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

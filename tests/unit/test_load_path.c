@@ -31,7 +31,10 @@ static double output_at(const scene_run *run, const load_path *path, int point)
     return analysis_output(&run->analysis, 0, 0, path->value + (size_t)point * (size_t)path->rows);
 }
 
-/* Solve for a part of the load, in small load steps. Returns the first output. */
+/*
+ * Solve for a part of the load, in small load steps. Returns the first output, or NAN where no
+ * equilibrium is found, as above a limit load.
+ */
 static double by_load_steps(const char *scene, const char *changes, double load_factor)
 {
     scene_run run;
@@ -44,9 +47,11 @@ static double by_load_steps(const char *scene, const char *changes, double load_
         value[j] = load_factor * run.analysis.equilibrium.full_input[j];
     solver->settings.load_steps = 8;
     solver->settings.tolerance = 1e-8;
-    assert_int_equal(pzs_equilibrium(solver, value), PZS_OK);
+    solver->settings.solve_limit = 10000;
+    const pzs_status status = pzs_equilibrium(solver, value);
+    assert_true(status == PZS_OK || status == PZS_E_DIVERGED || status == PZS_E_LIMIT);
     scene_run_observe(&run, solver->info.displacement);
-    const double result = scene_run_value(&run, 0);
+    const double result = status == PZS_OK ? scene_run_value(&run, 0) : (double)NAN;
     free(value);
     scene_run_close(&run);
     return result;
@@ -92,7 +97,8 @@ static void test_snap_through(void **state)
 
 /*
  * The limit point is located to 1e-4 of the load: a load below it by that much still has an
- * equilibrium on the path, no point of the path lies above, and one lies within 1 %.
+ * equilibrium on the path, no point of the path lies above, and one lies within 1 %; a load above
+ * it has none there: load steps end behind the snap-through, or nowhere.
  */
 static void test_limit_is_located(void **state)
 {
@@ -108,7 +114,7 @@ static void test_limit_is_located(void **state)
     const double below = by_load_steps("hinged-roof", ROOF_8, limit * (1 - 1e-4));
     assert_true(fabs(below) < fabs(output_at(&run, &path, path.event[0].point + 1)));
     const double above = by_load_steps("hinged-roof", ROOF_8, limit * (1 + 1e-4));
-    assert_true(fabs(above) > fabs(output_at(&run, &path, path.event[1].point)));
+    assert_true(isnan(above) || fabs(above) > fabs(output_at(&run, &path, path.event[1].point)));
     load_path_free(&path);
     scene_run_close(&run);
 }
