@@ -4,7 +4,7 @@
 
 FAST := -std=c99 -O3 -march=native -ffp-contract=fast $(INCLUDE)
 
-BENCHES := bench-linalg bench-step bench-growth bench-accuracy bench-path bench-count bench-device
+BENCHES := bench-linalg bench-step bench-growth bench-accuracy bench-path bench-count bench-device bench-mesh
 .PHONY: bench bench-peers $(BENCHES)
 bench: setup-bench
 	@$(MAKE) --no-print-directory -s -k $(BENCHES) bench-peers PEERS=--quick
@@ -66,6 +66,11 @@ bench-peers: $(foreach v,native default,$(B)/bench/$(v)/run_path $(B)/bench/$(v)
 	@echo 'Time to reach an error, against the peers'
 	@$(PYTHON) -B tests/bench/peers/run.py --build $(B) $(PEERS) >$(B)/bench/peers.json; failed=$$?; \
 	    $(PYTHON) -B tests/bench/peers/compare.py $(B)/bench/peers.json && exit $$failed
+
+# Structures on a mesh of a file against CalculiX: half a minute.
+bench-mesh: $(B)/pzs
+	@echo 'Meshes from files, against CalculiX S8R on the mesh of half the element length'
+	@$(PYTHON) -B tests/bench/peers/mesh_file.py --build $(B)
 
 STEP_SOURCES := $(wildcard lib/core/*.c lib/control/*.c)
 $(B)/daqp/libdaqp.a:
