@@ -152,8 +152,8 @@ typedef struct pzs_control_state {
                            and shown shape; second row: the measurements to expect (m) */
     uint8_t *repeats;   /* [outputs] number of ticks in which a measurement stayed constant although
                            its output should have moved */
-    uint8_t *faulty;    /* [inputs] 1: the fault detector has found the input to be faulty and holds
-                           it;    before it was held, its effect did not follow its voltage */
+    uint8_t *faulty;    /* [inputs] 1: the fault detector holds the input because its effect did not
+                           follow its voltage; else 0 */
     const pzs_real *damping; /* [inputs] damping gradient of a damped tick, subtracted from the
                                 gradient of the objective (m2/V); NULL: no damping */
     pzs_real *carry; /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
@@ -267,25 +267,29 @@ typedef struct pzs_damper_state {
 
 typedef struct pzs_compensator_state {
     const struct pzs_hysteresis *tables;
-    pzs_real *effect; /* [inputs] effects of the voltages of the last tick (V) */
-    pzs_real *lower;  /* [inputs] lowest voltage of the present tick (V) */
-    pzs_real *upper;  /* [inputs] highest voltage of the present tick (V) */
-    pzs_real *play;   /* [inputs][plays] positions of the plays, relative to the middle of the range
-                         (V) */
+    pzs_real *effect; /* [inputs] effects of the voltages of the last tick: the voltages that
+                         electrodes without hysteresis would need (V) */
+    pzs_real *lower;  /* [inputs] lowest voltage that the limits allow in this tick (V) */
+    pzs_real *upper;  /* [inputs] highest voltage that the limits allow in this tick (V) */
+    pzs_real *play;   /* [inputs][plays] positions of the plays of the hysteresis model, relative to
+                         the middle of the voltage range (V) */
     pzs_real *creep;  /* [inputs][creeps] effects of the creep (V) */
 } pzs_compensator_state;
 
 typedef struct pzs_reading_delay_state {
     const struct pzs_reading_delay *tables;
     struct pzs_control *control;
-    pzs_real *voltage;    /* [delay + 1][inputs] voltages of the last ticks (V) */
-    pzs_real *expected;   /* [delay + 1][sensors] readings that these voltages make */
-    pzs_real *sensed;     /* [sensors] last readings */
-    pzs_real *difference; /* [sensors] reading - expected reading of the time of the reading */
-    pzs_real *corrected;  /* [sensors] readings with the change that the model predicts */
+    pzs_real *voltage;  /* [delay + 1][inputs] voltages of the last ticks (V) */
+    pzs_real *expected; /* [delay + 1][sensors] readings that the voltages of the last ticks should
+                           produce (unit of each sensor) */
+    pzs_real *sensed;   /* [sensors] last readings */
+    pzs_real *difference; /* [sensors] reading minus the reading expected at the time of the reading
+                             (unit of each sensor) */
+    pzs_real *corrected;  /* [sensors] readings plus the change that the model predicts since they
+                             were taken (unit of each sensor) */
     uint8_t *repeats; /* [sensors] ticks in which a reading repeated although it should have moved
                        */
-    uint16_t newest;  /* row of `voltage` and `expected` that belongs to the present tick */
+    uint16_t newest;  /* row of `voltage` and of `expected` that belongs to the present tick */
 } pzs_reading_delay_state;
 
 typedef struct pzs_feed_forward_state {
@@ -373,7 +377,7 @@ typedef struct pzs_loop_state {
     pzs_loop_core core[3]; /* three copies of the pointers and sizes, so that two outvote a damaged
                               third */
     pzs_scrub problem_scrub, influence_scrub;
-    uint32_t missed; /* ticks missed since the last tick, by pzs_loop_skip */
+    uint32_t missed; /* number of ticks missed since the last tick, as announced by pzs_loop_skip */
 } pzs_loop_state;
 
 #endif

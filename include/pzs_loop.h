@@ -72,9 +72,10 @@ typedef struct pzs_loop_signals {
                                    NULL: the list has no fault detector */
     const void *tables;         /* tables of the block that is running, from the list of blocks */
     const pzs_real *given;      /* [inputs] voltages applied since the last tick (V) */
-    struct pzs_compensator *compensator; /* compensation of hysteresis, set by pzs_effect_block for
-                                            pzs_inverse_block; NULL: the list has none */
-    bool has_inverse;   /* during the initialisation: the list has a pzs_inverse_block */
+    struct pzs_compensator *compensator; /* compensation of hysteresis, which pzs_effect_block sets
+                                            for pzs_inverse_block; NULL: the list has no such blocks
+                                          */
+    bool has_inverse;   /* during the initialisation: true if the list has a pzs_inverse_block */
     uint32_t missed;    /* number of ticks missed before this one, at most PZS_MISSED_LIMIT */
     pzs_real deviation; /* RMS amplitude by which the measured motion deviates from the prediction
                            of the model (m); negative: no block has computed it */
@@ -319,17 +320,22 @@ extern const pzs_block_type pzs_estimator_block;
 
 /* ---- late readings of a loop without a damper (lib/control/delay.c) ------ */
 
-/* Tables of the correction of late readings. All arrays are const, in flash. */
+/* Tables of the correction of late readings. All arrays are const and may stay in flash. */
 typedef struct pzs_reading_delay {
     uint32_t format, scene; /* format and scene of the problem */
-    uint32_t crc;           /* checksum of everything below; see pzs_reading_delay_seal */
+    uint32_t crc;           /* checksum of the following members and their arrays, computed by
+                               pzs_reading_delay_seal */
     uint16_t inputs, sensors;
     uint16_t delay;         /* age of the readings (ticks), at most PZS_DELAY_LIMIT */
-    const pzs_real *direct; /* S [sensors][inputs] reading per volt (V/V, C/V, m/V); NULL: the
-                               sensors are the outputs, and S is the influence matrix */
+    const pzs_real *direct; /* [sensors][inputs] reading of each sensor per volt on each input (V/V,
+                               C/V or m/V); NULL: the sensors are the outputs, and the influence
+                               matrix is used */
 } pzs_reading_delay;
 
-/* Set format and checksum of tables that a firmware has built itself. Errors: PZS_E_ARGUMENT. */
+/*
+ * Write the format number and the checksum into tables of late readings that a firmware has built
+ * itself. Errors: PZS_E_ARGUMENT.
+ */
 pzs_status pzs_reading_delay_seal(pzs_reading_delay *tables);
 
 /*

@@ -69,8 +69,8 @@ void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *contr
 void pzs_control_set_constants(pzs_control *control);
 
 /*
- * Set limits in force and step limits to those of the tables, narrowed to the voltage where an
- * input is held.
+ * Set voltage limits in force and step limits to those of the tables; both voltage limits of an
+ * input that is held become the held voltage.
  */
 void pzs_control_restore_limits(pzs_control *control);
 

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Late readings for a loop without a damper: to readings that are `delay` ticks old, the block adds
- * the change that the model predicts from the voltages given since then, s + S (v_now - v_then).
- * Without it the control step would compensate the same deviation in several ticks, and the loop
- * would swing without end.
+ * Correction of late readings, for a loop without vibration damper. To readings that are `delay`
+ * ticks old, the block adds the change that the model predicts from the voltage changes since then.
+ * Without the correction the control step would compensate the same deviation in several ticks, and
+ * the loop would oscillate.
  *
- * An electrode that the fault detector has found to be faulty counts as having stood still.
+ * An electrode that the fault detector has found faulty counts as if its voltage had not changed.
  *
- * Work of a tick: sensors * inputs multiply-adds, and `delay` times as many after missed ticks.
+ * The work of a tick is sensors * inputs multiply-adds, and `delay` times as many after missed
+ * ticks.
  */
 #include <string.h>
 #include "control.h"
@@ -68,13 +69,16 @@ static void place(pzs_reading_delay_state *state, const pzs_reading_delay *table
     state->newest = (uint16_t)(state->newest % rows);
 }
 
-/* [sensors][inputs] reading per volt. */
+/* Return the reading of each sensor per volt on each input, [sensors][inputs]. */
 static const pzs_real *direct_of(const pzs_reading_delay_state *state)
 {
     return state->tables->direct != NULL ? state->tables->direct : state->control->state.influence;
 }
 
-/* The present voltages, and the readings that they make, become the newest of the ring. */
+/*
+ * Store the present voltages, and the readings that they should produce, in the newest row of the
+ * ring buffer.
+ */
 static void push_voltages(pzs_reading_delay_state *state)
 {
     const size_t inputs = state->tables->inputs, sensors = state->tables->sensors;
@@ -85,7 +89,7 @@ static void push_voltages(pzs_reading_delay_state *state)
                        state->control->state.voltage, sensors, inputs);
 }
 
-/* Row of the ring that belongs to the time of the readings. */
+/* Return the row of the ring buffer that belongs to the time of the readings. */
 static size_t oldest_row(const pzs_reading_delay_state *state)
 {
     return (state->newest + 1u) % (state->tables->delay + 1u);
@@ -93,13 +97,13 @@ static size_t oldest_row(const pzs_reading_delay_state *state)
 
 /* ---- correction ---------------------------------------------------------- */
 
-/* Whether the fault detector holds an input because it has found the input to be faulty. */
+/* Whether the fault detector has found an input faulty and holds it. */
 static bool is_faulty(const pzs_control *control, size_t input)
 {
     return control->state.faulty[input] != 0 && number_is_finite(control->state.held[0][input]);
 }
 
-/* Take the voltage changes of faulty electrodes out of the corrected readings. */
+/* Subtract the voltage changes of faulty electrodes from the corrected readings. */
 static void undo_faulty(pzs_reading_delay_state *state)
 {
     const size_t inputs = state->tables->inputs;
@@ -113,7 +117,7 @@ static void undo_faulty(pzs_reading_delay_state *state)
 
 /*
  * Correct all readings. They are checked against the readings expected at their own time; a missing
- * or stuck one becomes NaN.
+ * or stuck reading becomes NaN.
  */
 static void correct(pzs_reading_delay_state *state, const pzs_real *readings)
 {

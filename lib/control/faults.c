@@ -300,7 +300,10 @@ static pzs_real *oldest_voltages(const pzs_fault_detector *detector)
            (size_t)detector->state.oldest * detector->state.control->state.problem->inputs;
 }
 
-/* Store the voltages of one tick in place of the oldest ones. voltage [inputs] in (V) */
+/*
+ * Store the voltages of one tick in place of the oldest ones.
+ *   voltage [inputs] in  voltages of the tick (V)
+ */
 static void store_voltages(pzs_fault_detector *detector, const pzs_real *voltage)
 {
     memcpy(oldest_voltages(detector), voltage,

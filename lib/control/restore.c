@@ -146,8 +146,8 @@ static uint32_t count_active(pzs_optimiser *optimiser)
 }
 
 /*
- * Set the entries behind the inputs to zero, in all rows of `width` entries at the start of the
- * workspace: Hessian, tableau and vectors. Sums and largest entries are taken over whole rows.
+ * Set the entries beyond the inputs to zero in all rows of `width` entries at the start of the
+ * workspace: Hessian, tableau and vectors. Sums and maxima are taken over whole rows.
  */
 static void clear_padding(pzs_control *control)
 {

@@ -212,7 +212,7 @@ static void repeat_voltages(pzs_damper *damper)
 
 /*
  * Advance by one tick: the present voltages take the newest row of the ring buffer.
- *   is_same  in  true: the voltages are those of the previous tick
+ *   is_same in  true: the voltages are those of the previous tick
  */
 static void advance(pzs_damper *damper, bool is_same)
 {
