@@ -170,8 +170,7 @@ static double metric_at(const scene_element *element, const laminate_place *plac
     const double all[6] = {c1 * c1, c2 * c2, 1, c2, c1, c1 * c2};
     for (int i = 0; i < 6; i++)
         share[i] = place->is_general ? 1 : all[i];
-    return place->is_general ? natural_area_ratio(&place->natural, element->metric ? z : 0)
-                             : c1 * c2;
+    return place->is_general ? natural_area_ratio(&place->natural, height) : c1 * c2;
 }
 
 double laminate_area_ratio(const scene_element *element, const laminate_place *place, double z)

@@ -298,28 +298,30 @@ static int take_film(reader *reader, int node, material_text *text)
 static int check_material(reader *reader, int node, material_text *text)
 {
     static const char *const stiffness_key[] = {"stiffness", NULL};
-    const char *e = first_given(reader, node, isotropic_keys),
-               *e1 = first_given(reader, node, orthotropic_keys);
-    const char *c = first_given(reader, node, stiffness_key);
-    const char *d = first_given(reader, node, d_keys), *piezo_e = first_given(reader, node, e_keys);
-    if (e && e1)
+    const char *isotropic = first_given(reader, node, isotropic_keys),
+               *orthotropic = first_given(reader, node, orthotropic_keys);
+    const char *stiffness = first_given(reader, node, stiffness_key);
+    const char *strain_constant = first_given(reader, node, d_keys),
+               *stress_constant = first_given(reader, node, e_keys);
+    if (isotropic && orthotropic)
         return tree_fault(reader->t, node,
                           "%.60s has '%s' and '%s'; give E, nu or E1, E2, G12, nu12 ...",
-                          tree_name(reader->t, node), e, e1);
-    if (c && (e || e1))
+                          tree_name(reader->t, node), isotropic, orthotropic);
+    if (stiffness && (isotropic || orthotropic))
         return tree_fault(reader->t, node, "%.60s has 'stiffness' and '%s'; give one or the other",
-                          tree_name(reader->t, node), e ? e : e1);
-    if (d && piezo_e)
+                          tree_name(reader->t, node), isotropic ? isotropic : orthotropic);
+    if (strain_constant && stress_constant)
         return tree_fault(reader->t, node,
                           "%.60s has '%s' and '%s'; give strain constants d or stress constants e",
-                          tree_name(reader->t, node), d, piezo_e);
+                          tree_name(reader->t, node), strain_constant, stress_constant);
     if (take_film(reader, node, text) != 0)
         return -1;
-    text->m.has_d = d != NULL || text->film.thickness > 0;
-    text->m.has_e = piezo_e != NULL;
-    return c    ? elastic_stiffness(reader, node, text)
-           : e1 ? elastic_orthotropic(reader, node, text)
-                : elastic_isotropic(reader, node, text);
+    text->m.has_d = strain_constant != NULL || text->film.thickness > 0;
+    text->m.has_e = stress_constant != NULL;
+    if (stiffness)
+        return elastic_stiffness(reader, node, text);
+    return orthotropic ? elastic_orthotropic(reader, node, text)
+                       : elastic_isotropic(reader, node, text);
 }
 
 static const range poisson = {-1, 0.5, 1, NULL};
