@@ -24,8 +24,10 @@ static const double negligible = 1e-12;
  */
 typedef struct spectrum {
     size_t pokes, actuators, outputs;
-    double *vector;   /* [pokes][pokes] eigenvectors of V V' as columns, with the voltages V */
-    double *value;    /* [pokes] eigenvalues of V V', with the voltages V */
+    double *vector; /* [pokes][pokes] eigenvectors of V V' as columns, where V [pokes][actuators]
+                       holds the voltages of all pokes */
+    double *value;  /* [pokes] eigenvalues of V V', where V [pokes][actuators] holds the voltages of
+                       all pokes */
     double *residual; /* [pokes][outputs] measured shapes minus those that the model predicts */
     double *rotated;  /* [pokes][outputs] residuals of the shapes multiplied by the transposed
                          eigenvector matrix */

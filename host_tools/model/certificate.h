@@ -38,21 +38,21 @@ typedef struct certificate_loop {
                        storm (simulation with fast jumps of the target) settles */
     int modes;      /* number of modes of the structure in these simulations */
     int observed;   /* number of modes that the observer of the control tick estimates */
-    double observed_from, observed_to; /* lowest and highest natural frequency of these modes (Hz)
-                                        */
+    double observed_from, observed_to; /* lowest and highest natural frequency of the modes that the
+                                          control tick observes (Hz) */
     double radius; /* largest growth factor of small vibrations per tick, without limits */
-    double at_gain, at_frequency; /* gain and natural frequencies of the structure with the largest
-                                     growth, relative to the model */
+    double at_gain, at_frequency; /* static response to voltages and natural frequencies, relative
+                                     to the model, of the structure with the largest growth */
     int storms, failed; /* number of storms (simulations with fast jumps of the target); number of
                            those that did not settle */
     double worst; /* largest distance from the best shape at the end of a storm (a simulation with
                      fast jumps of the target), relative to the norm of the target */
-    double worst_gain, worst_frequency, worst_step; /* gain and natural frequencies, relative to the
-                                                       model, of the structure in the worst storm
-                                                       (simulation with fast target jumps), and its
-                                                       step limit relative to the scene's */
-    double ticks; /* mean number of ticks until a storm (a simulation with fast jumps of the target)
-                     has settled */
+    double worst_gain, worst_frequency,
+        worst_step; /* static response to voltages and natural frequencies, relative to the model,
+                       of the structure in the worst storm (simulation with fast target jumps), and
+                       its step limit relative to the scene's */
+    double ticks; /* mean number of ticks until the shape has settled after fast jumps of the target
+                   */
     int delay;    /* age of the readings that the scene states (ticks) */
     int older;    /* number of ticks by which every reading may be older than the scene states: with
                      each number up to this one, vibrations decay and the shape settles after fast
@@ -87,8 +87,9 @@ typedef struct certificate {
     double rate;           /* tick rate of the scene (1/s); 0 where the scene gives none */
     double radius; /* spectral radius of the loop at the scene's tick rate, the growth factor of
                       vibrations per tick; NAN without a rate */
-    double gain;   /* approximately the largest stable gain of the control step: 2 x damping ratio x
-                      angular frequency of the first mode x tick interval; NAN without a rate */
+    double gain;   /* approximately the largest part of the way to the optimum that a stable control
+                      step can go: 2 x damping ratio x angular frequency of the first mode x tick
+                      interval; NAN without a rate */
     bool has_settings; /* true where `settings` were chosen by simulations with fast jumps of the
                           target */
     damper_settings settings; /* settings of the control tick that damps vibration */

@@ -94,8 +94,8 @@ typedef struct gains {
     double *factor;   /* [moving][moving] Cholesky factor of the regularised Hessian of the voltage
                          problem */
     double *shape;    /* [targets] shape of one mode as the controller measures or estimates it */
-    double *gradient; /* [moving] right-hand side of the voltage problem for one mode, then the
-                         voltages */
+    double *gradient; /* [moving] right-hand side of the normal equations of the voltage problem for
+                         one mode, then the voltages that solve them */
     double *modal_response; /* [modes][moving] static modal coordinate per volt of each amplifier */
     double *loop; /* [modes][modes] loop matrix: static modal coordinates caused by the controller's
                      voltages per unit of each mode */

@@ -31,8 +31,8 @@ enum {
 static const double two_pi = 6.283185307179586;
 
 /*
- * Gains and frequencies, relative to the model, of the structures in simulations with fast jumps of
- * the target.
+ * Static responses to voltages (gains) and frequencies, relative to the model, of the structures in
+ * simulations with fast jumps of the target.
  */
 static const double storm_gain[PLANTS] = {1, 0.8, 0.8, 1.33, 1.33},
                     storm_frequency[PLANTS] = {1, 0.9, 1.1, 0.9, 1.1};
@@ -44,14 +44,14 @@ static const double storm_gain[PLANTS] = {1, 0.8, 0.8, 1.33, 1.33},
 static const double missed_share = 0.05;
 
 /*
- * Gains and frequencies, relative to the model, of the structures for which growth is measured;
- * every pair is used.
+ * Static responses to voltages (gains) and frequencies, relative to the model, of the structures
+ * for which the growth of vibrations is measured; every pair is used.
  */
 static const double gains[3] = {0.8, 1, 1.33}, frequencies[3] = {0.9, 1, 1.1};
 
 /*
- * Largest gain, lowest frequency and highest frequency, relative to the model, that are tried for
- * the margins.
+ * Largest static response to voltages, lowest frequency and highest frequency of the structure,
+ * relative to the model, with which the loop is tried to find its margins.
  */
 static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
 
@@ -68,8 +68,8 @@ static const struct {
 enum { CHOICES = sizeof choices / sizeof *choices };
 
 /*
- * Limit for preferring settings that tolerate a larger error of the readings' age: largest ratio of
- * their settling time after fast target jumps to that of the fastest settings that pass.
+ * Largest acceptable ratio of settling times after fast target jumps: settings that tolerate a
+ * larger error of the readings' age are preferred to the fastest settings up to this ratio.
  */
 static const double slowest = 1.25;
 
@@ -386,8 +386,8 @@ int certify_loop(analysis *analysis, char *error)
 /* ---- margins ---------------------------------------------------------- */
 
 /*
- * Find the last stable factor between 1 and `end` of the structure's gain or frequencies, by
- * bisection.
+ * Find the last stable factor between 1 and `end` of the structure's static response to voltages
+ * (gain) or of its frequencies, by bisection.
  *   is_gain in   true: vary the gain; false: vary the frequencies
  *   margin  out  last stable factor
  * Returns 0, or -1 with error filled.
@@ -439,8 +439,8 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
     if (retable(trial, &options, error) < 0)
         return -1;
     for (int i = 0; i < PLANTS; i += 1 + (i == 0) * 2) { /* structures 0, 3 and 4: the model, and
-                                                            the largest gain with lower and higher
-                                                            frequencies */
+                                                            those with the largest static response
+                                                            and lower or higher frequencies */
         storm_result result;
         const storm_plant plant = {
             .gain = storm_gain[i], .frequency = storm_frequency[i], .step_limit = 0.25, .seed = 1};

@@ -24,7 +24,7 @@ enum {
 
 static const double settled_part = 0.05;
 
-/* Relative shape error above which the simulation of a law for comparison is stopped. */
+/* Relative shape error above which the simulation of a control law for comparison is stopped. */
 static const double diverged = 4;
 
 static int no_memory(const analysis *nominal, char *error)
@@ -496,8 +496,8 @@ static void count_tick(const loop *loop, simulate_count *count)
 }
 
 /*
- * Whether a law for comparison has diverged, so that its further ticks are not simulated. On a
- * plant with inertia a law without a vibration model may diverge.
+ * Whether a control law for comparison has diverged, so that its further ticks are not simulated.
+ * On a plant with inertia a control law without a vibration model may diverge.
  */
 static bool has_diverged(const loop *loop, simulate_law law)
 {

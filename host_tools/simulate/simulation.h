@@ -53,7 +53,7 @@ typedef void simulate_tick_callback(void *context, const simulate_sample *sample
 /* Results of one control law in one phase of a simulation. */
 typedef struct simulate_course {
     double steady; /* relative shape error, root mean square over the last ticks of the phase;
-                      infinite for a law for comparison that has diverged */
+                      infinite where a control law for comparison has diverged */
     double worst;  /* largest relative shape error in the phase of the simulation */
     double measurement_error; /* relative measurement error, root mean square over the last ticks of
                                  the phase */

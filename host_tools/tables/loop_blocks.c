@@ -373,10 +373,14 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
 
 /* ---- memory ------------------------------------------------------------ */
 
-/* Numbers on which the memory of the blocks depends. */
+/*
+ * Numbers of signals, modes and ticks on which the memory of the blocks of the control tick
+ * depends.
+ */
 typedef struct block_counts {
     size_t inputs, outputs, readings, modes, plays, creeps;
-    size_t delay, damper_delay; /* age of the readings in the scene, and for the damper (ticks) */
+    size_t delay, damper_delay; /* age of the readings that the scene states, and that the block
+                                   that damps vibration assumes (ticks) */
 } block_counts;
 
 /*
@@ -412,8 +416,9 @@ BLOCK_BYTES(supervisor, PZS_SUPERVISOR_BLOCK_BYTES(of->outputs))
 /* ---- the table -------------------------------------------------------- */
 
 /*
- * Types of blocks. In the generated header, the tables of a block are named PREFIX_ followed by
- * `tables_name`. `bytes` and `bytes_macro` are defined by BLOCK_BYTES.
+ * Types of blocks of the control tick. In the generated header, the tables of a block are named
+ * PREFIX_ followed by `tables_name`. The members `bytes` and `bytes_macro` are defined by
+ * BLOCK_BYTES.
  */
 static const struct {
     const pzs_block_type *type;
@@ -489,7 +494,9 @@ size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single)
 
 /* ---- source ----------------------------------------------------------- */
 
-/* Write the text of a macro, with PREFIX_NAME in place of each of->name. */
+/*
+ * Write the text of a macro for the generated header, with PREFIX_NAME in place of each `of->name`.
+ */
 static void write_macro(const emitter *emitter, const char *text)
 {
     bool is_name = false;

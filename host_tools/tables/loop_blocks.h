@@ -55,9 +55,9 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 
 /*
- * Memory of a loop with these blocks in bytes: the value of PREFIX_LOOP_BYTES in the generated
- * header, in single or in double precision. In single precision it is an upper bound, because
- * pointers and the reals in structs count as on this computer.
+ * Memory of a control loop with the blocks of a list (bytes): the value of PREFIX_LOOP_BYTES in the
+ * generated header, in single or in double precision. In single precision the value is an upper
+ * bound, because pointers and the reals in structs count as on this computer.
  */
 size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single);
 

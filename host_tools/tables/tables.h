@@ -25,7 +25,7 @@ int tables_allow_float(const analysis *analysis);
 typedef struct tables_size {
     size_t reals, bytes;
     size_t loop[2]; /* memory of the control loop on the device, in single [0] and in double [1]
-                       precision (bytes); 0 where the image has none */
+                       precision (bytes); 0 where the firmware has no controller */
 } tables_size;
 
 /*
@@ -41,11 +41,12 @@ typedef struct tables_memory {
 tables_memory tables_need(const analysis *analysis, tables_image image, const tables_size *size);
 
 /*
- * Write the tables of an image as a C header. A scene always gives identical bytes, because the
+ * Write the tables of a firmware as a C header. A scene always gives identical bytes, because the
  * header contains no dates and no paths.
  *   analysis in   after analysis_influence; for a nonlinear image after analysis_solve, and after
  *       analysis_influence where the scene has a target (without a target the tables contain no
  *       voltage problem)
+ *   image    in   part of the library that the firmware uses: control, linear or nonlinear
  *   prefix   in   start of every name, a C identifier
  *   size     out  size of the tables
  * Returns 0, or -1 when writing failed.
