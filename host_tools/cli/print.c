@@ -416,9 +416,57 @@ static double rounded_volt(double voltage)
 }
 
 /*
- * Print the voltages of each actuator in the arrangement of its electrode grid: theta1 downwards,
+ * Whether the amplifiers of an actuator are a list in the order of their numbers: stacks, element
+ * sets of a mesh file, or electrodes of any outline that are no grid.
+ */
+static int is_list(const scene *scene, const scene_actuator *actuator)
+{
+    if (actuator->grid[0] == 1 || actuator->grid[1] > 1)
+        return 0;
+    if (actuator->drives == 0)
+        return 1;
+    const scene_patches *patches = &scene->patches[actuator->drive[0].patches];
+    return patches->patch != NULL || patches->outlines != NULL;
+}
+
+/* Print the voltages of a list of amplifiers, several to a line after the number of the first. */
+static void print_list(const scene_actuator *actuator, const double *voltage)
+{
+    enum { ROW = 8 };
+    for (int i = 0; i < actuator->grid[0]; i++) {
+        if (i % ROW == 0)
+            printf("    %-12s %6d ", i == 0 ? actuator->name : "", i + 1);
+        printf(" %9.2f", rounded_volt(voltage[i]));
+        if (i % ROW == ROW - 1 || i + 1 == actuator->grid[0])
+            putchar('\n');
+    }
+}
+
+/*
+ * Print the voltages of an actuator in the arrangement of its electrode grid: theta1 downwards,
  * theta2 to the right.
  */
+static void print_grid(const scene_actuator *actuator, const double *voltage)
+{
+    const int *grid = actuator->grid, is_grid = grid[0] * grid[1] > 1;
+    if (is_grid) {
+        printf("    %-12s theta2 ", actuator->name);
+        for (int j = 0; j < grid[1]; j++)
+            printf(" %9d", j + 1);
+        putchar('\n');
+    }
+    for (int i = 0; i < grid[0]; i++) {
+        if (is_grid)
+            printf("    %12s %-6d ", i == 0 ? "theta1" : "", i + 1);
+        else
+            printf("    %-20s", actuator->name);
+        for (int j = 0; j < grid[1]; j++)
+            printf(" %9.2f", rounded_volt(voltage[i * grid[1] + j]));
+        putchar('\n');
+    }
+}
+
+/* Print the voltages of all actuators. */
 static void print_voltages(const scene *scene, const voltages *result)
 {
     char limits[32] = "";
@@ -427,22 +475,8 @@ static void print_voltages(const scene *scene, const voltages *result)
     printf("\n  %s%s%s, voltages:\n", result->name, *limits ? " " : "", limits);
     for (int k = 0; k < scene->actuators; k++) {
         const scene_actuator *actuator = &scene->actuator[k];
-        const int *grid = actuator->grid, is_grid = grid[0] * grid[1] > 1;
-        if (is_grid) {
-            printf("    %-12s theta2 ", actuator->name);
-            for (int j = 0; j < grid[1]; j++)
-                printf(" %9d", j + 1);
-            putchar('\n');
-        }
-        for (int i = 0; i < grid[0]; i++) {
-            if (is_grid)
-                printf("    %12s %-6d ", i == 0 ? "theta1" : "", i + 1);
-            else
-                printf("    %-20s", actuator->name);
-            for (int j = 0; j < grid[1]; j++)
-                printf(" %9.2f", rounded_volt(result->voltage[actuator->first + i * grid[1] + j]));
-            putchar('\n');
-        }
+        const double *voltage = result->voltage + actuator->first;
+        (is_list(scene, actuator) ? print_list : print_grid)(actuator, voltage);
     }
 }
 
