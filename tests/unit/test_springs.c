@@ -19,13 +19,13 @@
 
 #define FREE_PLATE "tests/rigs/scenes/spring-plate.yaml"
 
-/* Three springs in the plane, which stop the motions that a test does not look at. */
+/* Springs in the plane of a square plate of side 1, which stop its in-plane rigid motions. */
 #define IN_PLANE                                                                                   \
     "{at: {theta1: 0, theta2: 0}, along: [1, 1, 0], stiffness: 1e7}, "                             \
     "{at: {theta1: 1, theta2: 0}, along: [-1, 1, 0], stiffness: 1e7}, "                            \
     "{at: {theta1: 0, theta2: 1}, along: x, stiffness: 1e7}"
 
-/* The same on a plate of the side 1.4. */
+/* Springs in the plane of a square plate of side 1.4, which stop its in-plane rigid motions. */
 #define IN_PLANE_WIDE                                                                              \
     "{at: {theta1: 0, theta2: 0}, along: [1, 1, 0], stiffness: 1e7}, "                             \
     "{at: {theta1: 1.4, theta2: 0}, along: [-1, 1, 0], stiffness: 1e7}, "                          \
@@ -33,14 +33,17 @@
 
 static const double pi = 3.141592653589793;
 
-/* Force of the first spring of an item. */
+/* Force of the first spring of an item on the structure. */
 static double force_of(const scene_run *r, int item)
 {
     const design *design = &r->analysis.design;
     return spring_force(design, design->mesh.springs.first[item], r->u, r->analysis.input_value);
 }
 
-/* Compliance of a scene: its first output under its loads. */
+/*
+ * Displacement of the first output of a scene under its loads; under a unit load the compliance
+ * there.
+ */
 static double first_output(const char *name, const char *changes)
 {
     scene_run r;
@@ -53,9 +56,9 @@ static double first_output(const char *name, const char *changes)
 /* ---- rigid bodies ---------------------------------------------------------- */
 
 /*
- * Law: a plate on three springs carries a load by statics alone, and moves as the plane through the
- * tops of the springs, whose elongations are F/k. The springs stand between nodes. The linear and
- * the nonlinear solution agree, because the motion is tiny.
+ * Law: a plate on three springs carries a load by statics alone, and its surface is the plane
+ * through the tops of the springs, whose elongations are force over stiffness. The springs stand
+ * between nodes. The linear and the nonlinear solution agree, because the motion is tiny.
  */
 static void test_three_springs(void **state)
 {
@@ -78,7 +81,10 @@ static void test_three_springs(void **state)
         assert_near("first spring", force_of(&r, 0), 1e-3 * first, 1e-8);
         assert_near("second spring", force_of(&r, 1), 1e-3 * first, 1e-8);
         assert_near("third spring", force_of(&r, 2), 1e-3 * third, 1e-8);
-        /* The plate bends by about F L^2/(16 D), 1e-3 of what the springs give. */
+        /*
+         * The plate itself bends by about F L^2/(16 D), with F the load, L the side and D the
+         * bending stiffness: 1e-3 of the elongation of the springs.
+         */
         assert_near("corner", scene_run_value(&r, 0), corner, 2e-3);
         assert_near("along x", scene_run_value(&r, 1), corner + by_x, 2e-3);
         assert_near("across", scene_run_value(&r, 2), corner + by_x + by_y, 2e-3);
@@ -87,8 +93,9 @@ static void test_three_springs(void **state)
 }
 
 /*
- * Law: a rigid plate on four equal corner springs heaves with omega^2 = 4 k/m and rolls with
- * omega^2 = 4 k (L/2)^2/(m (L^2 + h^2)/12), as far as the springs are soft against the plate.
+ * Law: a rigid plate of mass m, side L and thickness h on four equal corner springs k heaves with
+ * omega^2 = 4 k/m and rolls with omega^2 = 4 k (L/2)^2/(m (L^2 + h^2)/12), as far as the springs
+ * are soft against the plate.
  */
 static void test_soft_mount(void **state)
 {
@@ -113,14 +120,15 @@ static void test_soft_mount(void **state)
 
 /*
  * Law: a uniform pressure p on a foundation of stiffness k per area lifts a free plate by p/k and
- * does not bend it, at any size of the displacement: the springs keep their direction. The
+ * does not bend it, at any size of the displacement, because the springs keep their direction. The
  * tolerance is epsilon times the stiffness of an element over that of the softest springs.
  */
 static void test_uniform_foundation(void **state)
 {
     (void)state;
     static const char *const kinematics[2] = {"linear", "nonlinear"};
-    static const double stiffness[2] = {1e6, 10}; /* displacements of 1e-5 and 1 plate width */
+    static const double stiffness[2] = {1e6, 10}; /* foundations whose displacements are 1e-5 and 1
+                                                     plate width */
     for (int k = 0; k < 2; k++)
         for (int i = 0; i < 2; i++) {
             char changes[512];
@@ -140,8 +148,8 @@ static void test_uniform_foundation(void **state)
 #define CORNER "outputs=[{name: c, z: mean, at: {theta1: 1, theta2: 1}}];"
 
 /*
- * Law: a spring beside a structure of compliance c under its end gives the compliance 1/(1/c + k);
- * two springs add, and so do their forces.
+ * Law: a spring of stiffness k beside a structure of compliance c gives the compliance 1/(1/c + k);
+ * the stiffnesses of two springs at one node add, and so do their forces.
  */
 static void test_parallel(void **state)
 {
@@ -163,9 +171,10 @@ static void test_parallel(void **state)
 }
 
 /*
- * Law: a spring between two points of a structure of compliance C, with n the difference of the
- * points, changes the displacement u by -C n (n'u)/(1/k + n'C n): the spring and the structure
- * between its ends are in series. The envelope of the factor reaches from one end to the other.
+ * Law: a spring of stiffness k between two points of a structure changes the displacement u by -C n
+ * (n'u)/(1/k + n'C n), where C is the compliance matrix of the structure and n takes the difference
+ * of the two points. The spring and the structure between its ends are in series. The envelope of
+ * the factor reaches from one end to the other.
  */
 static void test_series(void **state)
 {
@@ -189,7 +198,9 @@ static void test_series(void **state)
             assert_near("force", force_of(&r, 0), -1e5 * (moved[1] - moved[0]), 1e-12);
         scene_run_close(&r);
     }
-    const double n[2] = {c[1][0] - c[0][0], c[1][1] - c[0][1]}; /* -C n at both points */
+    const double n[2] = {c[1][0] - c[0][0], c[1][1] - c[0][1]}; /* -C n at both points, with C the
+                                                                   compliance matrix and n the
+                                                                   difference of the points */
     const double through = (c[0][1] - c[0][0]) / (1e-5 + n[0] - n[1]);
     assert_near("near end", moved[1], c[0][1] + n[1] * through, 1e-9);
     assert_near("far end", moved[0], c[0][0] + n[0] * through, 1e-9);
@@ -198,8 +209,9 @@ static void test_series(void **state)
 /* ---- stacks ------------------------------------------------------------------ */
 
 /*
- * Law: a stack of stiffness k_s and free stroke s V against a structure of stiffness 1/c moves it
- * by s V k_s/(k_s + 1/c); one given by its force alone has no stiffness and moves it by c f V.
+ * Law: a stack of stiffness k and free stroke s V against a structure of stiffness 1/c moves the
+ * structure by s V k/(k + 1/c). A stack that is given by its force f per volt alone has no
+ * stiffness and moves the structure by c f V.
  */
 static void test_stack_stroke(void **state)
 {
@@ -224,7 +236,7 @@ static void test_stack_stroke(void **state)
 }
 
 /*
- * Law: with equal forces per volt the influence matrix of stacks at their own points is symmetric
+ * Law: stacks with equal forces per volt have a symmetric influence matrix at their own points
  * (Maxwell and Betti), also at a nonlinear equilibrium.
  */
 static void test_reciprocity(void **state)
@@ -274,10 +286,11 @@ static double kelvin(double x)
 }
 
 /*
- * Law (Hertz): a plate on many soft stacks, of stiffness k_s at the pitch p, is a plate on a
- * foundation of k_s/p^2. One stack raises it by a multiple of kei(r/l), with l = (D p^2/k_s)^(1/4).
- * The influence function of the middle one of 169 stacks has this width, to what a lattice of pitch
- * l/1.5 with two elements a pitch resolves.
+ * Law (Hertz): a plate of bending stiffness D on many soft stacks of stiffness k at the pitch p
+ * behaves as on a foundation of stiffness k/p^2 per area: one stack raises the plate by a multiple
+ * of kei(r/l) at the distance r, with l = (D p^2/k)^(1/4). The influence function of the middle one
+ * of 169 stacks agrees within 2 % of its height, on a lattice of pitch l/1.5 with two elements a
+ * pitch.
  */
 static void test_influence_width(void **state)
 {
@@ -319,7 +332,9 @@ static void test_influence_width(void **state)
     scene_run_close(&r);
 }
 
-/* Law: the forces of springs and stacks balance the loads, and the voltages alone balance. */
+/*
+ * Law: the forces of springs and stacks balance the loads; without loads they balance one another.
+ */
 static void test_balance(void **state)
 {
     (void)state;
@@ -348,8 +363,9 @@ static void test_balance(void **state)
 /* ---- foundations -------------------------------------------------------------- */
 
 /*
- * Deflection under the middle of a beam of length 2, width 0.1, thickness 0.002, E = 2.1e11, on a
- * foundation of 1e5 N/m3, that carries 1 N there; half of it by symmetry, on a number of elements.
+ * Deflection under the middle of a beam of length 2, width 0.1, thickness 0.002 and E = 2.1e11 on a
+ * foundation of 1e5 N/m3, that carries 1 N in the middle. By symmetry one half is modelled, with a
+ * number of elements along it.
  */
 static double beam_on_foundation(int elements, const char *on_edges)
 {
@@ -365,10 +381,11 @@ static double beam_on_foundation(int elements, const char *on_edges)
 }
 
 /*
- * Law (Hetenyi): the deflection under a force P in the middle of a free beam on an elastic
- * foundation is P L/(2 k) (2 + cosh + cos)/(sinh + sin) of lambda l, with L = lambda =
- * (k/(4 E I))^(1/4). Springs at the nodes converge to it with the second order. A foundation per
- * area, and one per length on both edges, are the same.
+ * Law (Hetenyi): a force P in the middle of a free beam of length l and bending stiffness E I, on a
+ * foundation of stiffness k per length, causes the deflection P b/(2 k) (2 + cosh(b l) + cos(b
+ * l))/(sinh(b l) + sin(b l)), with b = (k/(4 E I))^(1/4). Springs at the nodes converge to this
+ * deflection with the second order. Springs per area and springs per length on both edges are
+ * equivalent.
  */
 static void test_winkler_beam(void **state)
 {
@@ -404,8 +421,8 @@ static double sum_of(const scene_run *r, int item)
 #define DISC "tests/rigs/scenes/spring-disc.yaml"
 
 /*
- * Law: on a mesh from a file, a foundation has the stiffness times the area of its elements, and a
- * line of springs that times the length of the rim.
+ * Law: on a mesh from a file, the springs of a foundation per area add up to its stiffness times
+ * the area of the elements, and springs per length of the rim to their stiffness times its length.
  */
 static void test_shares(void **state)
 {
@@ -415,7 +432,9 @@ static void test_shares(void **state)
              "springs=[{at: nodes, along: z, stiffness: 5, per: area}, {set: rim, along: z, "
              "stiffness: 5, per: length}, {at: nodes, along: x, stiffness: 1}, {at: nodes, along: "
              "y, stiffness: 1}, {set: ring2-1, along: z, stiffness: 8, per: area}]");
-    const double chord = 32 * 2 * sin(pi / 32), area = 16 * sin(2 * pi / 32); /* of 32 sides */
+    const double chord = 32 * 2 * sin(pi / 32),
+                 area = 16 * sin(2 * pi / 32); /* length and area of a regular polygon of 32 sides
+                                                  in a circle of radius 1 */
     assert_near("rim", sum_of(&r, 1), 5 * chord, 1e-12);
     assert_near("area", sum_of(&r, 0), 5 * area, 1e-12);
     assert_near("set", sum_of(&r, 4), 8 * area * (1 - 0.25) / 4, 1e-12);
@@ -423,8 +442,8 @@ static void test_shares(void **state)
 }
 
 /*
- * Law: a spring at any point of a mesh from a file has the elongation n . (t + w x X) under a rigid
- * motion of translation t and rotation w, with X the point itself.
+ * Law: a spring in the direction n at any point X of a mesh from a file has the elongation n . (t +
+ * w x X) under a rigid motion of translation t and rotation w.
  */
 static void test_points(void **state)
 {
@@ -449,8 +468,9 @@ static void test_points(void **state)
 }
 
 /*
- * Law: under a rotation w about y the outer face moves by w h/2 along x, so that a spring on that
- * face along x is elongated by it; one on the mean of both faces is not.
+ * Law: under a rotation w about y the outer face of a plate of thickness h moves by w h/2 along x,
+ * which is the elongation of a spring along x on that face; a spring on the mean of both faces is
+ * not elongated.
  */
 static void test_face(void **state)
 {
@@ -495,8 +515,8 @@ static void displacement_of(const scene_run *r, int node, double moved[3])
 }
 
 /*
- * Largest difference of the strain between two corners of an element from the free thermal one,
- * relative to it: over all sides and diagonals, which know every strain of the mean surface.
+ * Largest difference between the strain of a line from corner to corner of an element and the free
+ * thermal strain, relative to the thermal strain, over all sides and diagonals of all elements.
  */
 static double strain_excess(const scene_run *r)
 {
@@ -534,14 +554,19 @@ static void test_kinematic_springs(void **state)
                    "stiffness: 1e8}, {points: [[0.9, 0.1]], along: [0, -1, 1], stiffness: 1e8}, "
                    "{points: [[0.4, 0.8]], along: [0.1, 0, 1], stiffness: 1e8}]");
     for (int k = 0; k < 6; k++)
-        assert_true(fabs(force_of(&r, k)) < 1e-9 * 1e8 * 1.2e-3); /* stiffness times expansion */
+        assert_true(fabs(force_of(&r, k)) < 1e-9 * 1e8 * 1.2e-3); /* stiffness of a spring times the
+                                                                     thermal expansion of the plate
+                                                                   */
     assert_true(strain_excess(&r) < 1e-10);
     scene_run_close(&r);
 }
 
 #define PANEL "surface={type: cylinder, radius: 0.8, axial: theta1};"
 
-/* Strain excess of a mount under heat. */
+/*
+ * Largest relative difference between the strains of a heated structure and its free thermal
+ * strain.
+ */
 static double excess_of(const char *scene, const char *changes)
 {
     scene_run r;
@@ -552,9 +577,10 @@ static double excess_of(const char *scene, const char *changes)
 }
 
 /*
- * Law: a cone, a vee and a flat hold a free structure by six displacements, and let it expand as if
- * it were free: without stress on a plate and on a disc of a general mesh. On a panel of chords of
- * 0.25 rad, whose elements leave 1e-4 of the thermal strain, they leave what soft springs leave.
+ * Law: a cone, a vee and a flat hold a structure by six displacements and let it expand as if it
+ * were free: without stress on a plate and on a disc of a general mesh. On a cylindrical panel,
+ * whose elements of 0.25 rad leave 1e-4 of the thermal strain, cone, vee and flat leave what soft
+ * springs leave.
  */
 static void test_kinematic_supports(void **state)
 {
@@ -577,9 +603,9 @@ static void test_kinematic_supports(void **state)
 }
 
 /*
- * Law: a support with a direction holds the displacement along it and no other: a plate on a cone
- * and flats that is pulled along the groove of its vee turns nowhere else, and springs of nearly
- * infinite stiffness in the place of the supports move by the same.
+ * Law: a support with a direction holds the displacement along this direction and no other. A plate
+ * on a cone, a vee and a flat moves under loads as on springs of nearly infinite stiffness that
+ * hold the same six displacements.
  */
 static void test_direction(void **state)
 {
@@ -640,8 +666,9 @@ static void test_determinate(void **state)
 
 /*
  * Law: a moment M about y at a node does the work M times the rotation. A rigid plate on two rows
- * of corner springs k at the distance 1 turns by M/k, and its edges move by M/(2 k) up and down; a
- * torsional spring c beside them takes its share, M/(k + c).
+ * of springs at the distance 1, of stiffness 1 in all corners, turns by M, and its edges move by
+ * M/2 up and down. With a torsional spring of stiffness c beside the springs the plate turns by
+ * M/(1 + c).
  */
 static void test_moment(void **state)
 {
@@ -689,9 +716,9 @@ static void test_weight(void **state)
 /* ---- films --------------------------------------------------------------------------- */
 
 /*
- * Law: a film has the free strain of its data sheet at the voltage of the data sheet, along and
- * across its fibres; with its ends on springs of stiffness k it pushes with F k/(k + F/(s L)),
- * where F is the blocking force, s the free strain and L the length: F itself between rigid walls.
+ * Law: a film has the free strains of its data sheet at the voltage of the data sheet, along and
+ * across its fibres. With an end on a spring of stiffness k a film of length L pushes with F k/(k +
+ * F/(s L)), where F is the blocking force and s the free strain: with F itself between rigid walls.
  */
 static void test_film(void **state)
 {
