@@ -62,6 +62,6 @@ void compensation_fill(compensation *compensation, const scene_hysteresis *hyste
     tables->sets = 1;
     tables->plays = (uint16_t)hysteresis->slack.count;
     tables->creeps = (uint16_t)hysteresis->creep.count;
-    compensation->offset = offset_of(tables);
+    compensation->offset = offset_of(tables) + hysteresis->offset;
     (void)pzs_hysteresis_seal(tables);
 }

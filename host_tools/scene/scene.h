@@ -675,6 +675,7 @@ typedef struct scene_hysteresis {
     scene_short_list below; /* [plays] weights of the plays below the middle of the range */
     scene_short_list creep_time; /* [creeps] time constants of the creep (s) */
     scene_short_list creep;      /* [creeps] final creep over the voltage */
+    double offset;               /* effect at 0 V before any other voltage (V) */
 } scene_hysteresis;
 
 typedef struct scene {

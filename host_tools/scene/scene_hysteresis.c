@@ -66,6 +66,9 @@ static const field hysteresis_fields[] = {
      &weights_form, "Weight of each play while it is above the middle of the range."},
     {"below", read_numbers, offsetof(scene_hysteresis, below), &weights, 0, OF_NUMBER,
      &weights_form, "Weight of each play while it is below the middle; default as above."},
+    {"offset", read_real, offsetof(scene_hysteresis, offset), NULL, 0, OF_VOLTAGE, NULL,
+     "Effect at 0 V before any other voltage; default 0. It is not 0 where the ceramic does not "
+     "return to its start."},
     {"creep_time", read_numbers, offsetof(scene_hysteresis, creep_time), &times, 0, OF_NUMBER,
      &times_form, "Time constants of the creep (s)."},
     {"creep", read_numbers, offsetof(scene_hysteresis, creep), &gains, 0, OF_NUMBER, &gains_form,
