@@ -187,7 +187,7 @@ static void write_caption(const page *page, const draw_scale *scale, const char 
                           va_list *more)
 {
     fputs("<figcaption>", page->file);
-    put_list(page->file, format, more);
+    put_list(page->file, format, NULL, more);
     if (scale)
         draw_legend(page->file, scale);
     fputs("</figcaption></figure>\n", page->file);
@@ -212,20 +212,21 @@ void page_map(const page *page, const double *value, const draw_scale *scale, co
     va_end(more);
 }
 
-double page_largest(const mesh *mesh, const double *vector)
+void page_displace(page *page, const double *u)
 {
-    double most = 0;
-    for (int n = 0; n < mesh->nodes; n++)
-        most = fmax(most, vector_length(vector + 3 * n));
-    return most;
+    report_displacement(page->mesh, u, page->vector);
+    page->largest = 0;
+    for (int n = 0; n < page->mesh->nodes; n++) {
+        page->value[n] = vector_length(page->vector + 3 * n);
+        page->largest = fmax(page->largest, page->value[n]);
+    }
 }
 
-double page_shape(page *page, const double *u, const double *reached, const double *target,
-                  double *misfit)
+void page_shape(page *page, const double *u, const double *reached, const double *target)
 {
     const design *design = page->design;
-    *misfit = 0;
-    report_displacement(page->mesh, u, page->vector);
+    page_displace(page, u);
+    page->misfit = 0;
     for (int i = 0; i < 3 * page->mesh->nodes; i++)
         page->value[i / 3] = page->wanted[i] = (double)NAN;
     for (int t = 0; t < design->targets; t++) {
@@ -233,11 +234,10 @@ double page_shape(page *page, const double *u, const double *reached, const doub
         double along[3];
         shell_component(&page->mesh->point[node], page->scene->target.what.component, along);
         page->value[node] = reached[t] - target[t];
+        page->misfit = fmax(page->misfit, fabs(page->value[node]));
         for (int i = 0; i < 3; i++)
             page->wanted[3 * node + i] = page->vector[3 * node + i] - page->value[node] * along[i];
-        *misfit = fmax(*misfit, fabs(page->value[node]));
     }
-    return page_largest(page->mesh, page->vector);
 }
 
 void page_draw_shape(const page *page, const draw_scale *scale)

@@ -24,6 +24,8 @@ typedef struct page {
                          value, NAN outside the target */
     double *value;    /* [nodes] values that are shown in colours; of a shape its misfit, reached
                          minus target value of the target's component, NAN outside the target */
+    double largest;   /* largest absolute value of the displacement */
+    double misfit;    /* largest absolute value of the misfit */
 } page;
 
 /* Prepare a page. Returns 0, or -1: out of memory. page_close may be called in both cases. */
@@ -58,16 +60,16 @@ void page_voltages(const page *page, const voltages *result, int results);
 /* Write a section for each pair of voltage limits with the shape error of every mode, if any. */
 void page_modes(const page *page, const modes *modes);
 
+/* Take a displacement vector u [dof] into the page, with its size at the nodes as the values. */
+void page_displace(page *page, const double *u);
+
 /*
  * Take a shape into the page.
  *   u       [dof]      in  displacement vector
  *   reached [targets]  in  reached values of the target's component
  *   target  [targets]  in  target values of the same component
- *   misfit             out largest absolute value of the misfit
- * Returns the largest absolute value of the displacement.
  */
-double page_shape(page *page, const double *u, const double *reached, const double *target,
-                  double *misfit);
+void page_shape(page *page, const double *u, const double *reached, const double *target);
 
 /*
  * Draw the shape of the page in space coloured by its misfit, with mesh lines of the target over
@@ -76,8 +78,5 @@ double page_shape(page *page, const double *u, const double *reached, const doub
  */
 void page_draw_shape(const page *page, const draw_scale *scale);
 void page_keys(const page *page, const char *more);
-
-/* Length of the largest of the vectors [nodes][3] at the nodes. */
-double page_largest(const mesh *mesh, const double *vector);
 
 #endif

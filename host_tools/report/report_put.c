@@ -170,8 +170,7 @@ static const char *open_cell(FILE *file, const char *tag, const char *at)
     return at + (aligned > 0);
 }
 
-/* Write a format of put. cell  in  tag of the cells that '|' separates, or NULL: no table. */
-static void put_format(FILE *file, const char *format, const char *cell, va_list *more)
+void put_list(FILE *file, const char *format, const char *cell, va_list *more)
 {
     while (*format) {
         const char c = *format++;
@@ -187,16 +186,11 @@ static void put_format(FILE *file, const char *format, const char *cell, va_list
     }
 }
 
-void put_list(FILE *file, const char *format, va_list *more)
-{
-    put_format(file, format, NULL, more);
-}
-
 void put(FILE *file, const char *format, ...)
 {
     va_list more;
     va_start(more, format);
-    put_list(file, format, &more);
+    put_list(file, format, NULL, &more);
     va_end(more);
 }
 
@@ -205,7 +199,7 @@ void put_row(FILE *file, const char *format, ...)
     va_list more;
     fputs("<tr><th scope=\"row\">", file);
     va_start(more, format);
-    put_format(file, format, "th", &more);
+    put_list(file, format, "th", &more);
     va_end(more);
     fputs("</td></tr>\n", file);
 }

@@ -25,8 +25,8 @@
  */
 void put(FILE *file, const char *format, ...);
 
-/* Write a format whose values are in a list. */
-void put_list(FILE *file, const char *format, va_list *more);
+/* Write a format with its values. cell  in  tag of the cells that '|' separates, or NULL: none. */
+void put_list(FILE *file, const char *format, const char *cell, va_list *more);
 
 /*
  * Write a row of a table. In the format, '|' separates the cells; a cell that begins with '<' is

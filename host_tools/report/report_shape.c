@@ -59,29 +59,30 @@ static void find_marks(const shape_page *shape, const voltages *result)
     }
 }
 
-/* Take the shape of a result into the page, with its misfit. Returns its largest displacement. */
-static double take_shape(shape_page *shape, const voltages *result, double *misfit)
+/* Take the shape of a result into the page, with its misfit. */
+static void take_shape(shape_page *shape, const voltages *result)
 {
-    return page_shape(&shape->page, result->u, result->shape, result->aligned_target, misfit);
+    page_shape(&shape->page, result->u, result->shape, result->aligned_target);
 }
 
 /* Choose the colour scales, the magnification and the view that all results share. */
 static void fit_page(shape_page *shape)
 {
     page *page = &shape->page;
-    double most = 0, misfit;
+    double most = 0;
     page->scale = (draw_scale){true, 0, page->scene->unit_length};
     shape->voltage = (draw_scale){true, 0, page->scene->unit_voltage};
     for (int t = 0; t < page->design->targets; t++)
         most = fmax(most, fabs(page->design->target[t]));
     for (int k = 0; k < shape->results; k++) {
-        most = fmax(most, take_shape(shape, &shape->result[k], &misfit));
-        draw_extend(&page->scale, misfit);
+        take_shape(shape, &shape->result[k]);
+        most = fmax(most, page->largest);
+        draw_extend(&page->scale, page->misfit);
         draw_extend(&shape->voltage, largest_voltage(&shape->result[k]));
     }
     page->space.factor = page->analysis->nonlinear ? 1 : view_magnification(page->mesh, most, 0.2);
     for (int k = 0; k < shape->results; k++) {
-        (void)take_shape(shape, &shape->result[k], &misfit);
+        take_shape(shape, &shape->result[k]);
         shell_include(&page->space);
         page->space.vector = page->wanted;
         shell_include(&page->space);
@@ -99,20 +100,14 @@ static const voltages *main_result(const shape_page *shape)
     return shape->result;
 }
 
-static void write_name(const shape_page *shape, const voltages *result)
-{
-    put(shape->page.file, is_limited(result) ? "%t, %l" : "%t", result->name, result->limit,
-        shape->voltage.unit);
-}
-
 /* Write the error of the main result. */
 static void write_verdict(const shape_page *shape)
 {
-    FILE *file = shape->page.file;
     const voltages *best = main_result(shape);
-    put(file, "<p class=\"verdict\"><b>Relative RMS error %p</b>: ", best->error);
-    write_name(shape, best);
-    put(file, ", limit active at %d of %d amplifiers.</p>\n", best->active_limits,
+    put(shape->page.file,
+        "<p class=\"verdict\"><b>Relative RMS error %p</b>: %t (%l), limit active at %d of %d "
+        "amplifiers.</p>\n",
+        best->error, best->name, best->limit, shape->voltage.unit, best->active_limits,
         best->amplifiers);
 }
 
@@ -169,17 +164,6 @@ static void write_notes(const shape_page *shape)
             design->scene->target.free[k].name, k + 1 == design->free_functions ? ".</p>\n" : "");
 }
 
-static void draw_reached(const page *page)
-{
-    fputs("<figure>\n", page->file);
-    page_draw_shape(page, &page->scale);
-    page_caption(
-        page, &page->scale,
-        "Reached shape and <b>target</b> as lines, displacement <b>× %n</b>. Misfit on one "
-        "scale for all results:",
-        page->space.factor);
-}
-
 /* Draw target and reached values at the outputs of a measured matrix, on one scale. */
 static void draw_levels(const page *page, const voltages *result)
 {
@@ -220,16 +204,22 @@ static void draw_voltages(const shape_page *shape, const voltages *result)
 static void draw_result(shape_page *shape, const voltages *result)
 {
     page *page = &shape->page;
-    draw_scale own = {true, 0, page->scene->unit_length};
-    take_shape(shape, result, &own.most);
+    take_shape(shape, result);
     find_marks(shape, result);
-    fputs("<article class=\"set\">\n<h3>", page->file);
-    write_name(shape, result);
-    put(page->file, " — relative RMS error %p</h3>\n<div class=\"row\">\n", result->error);
-    if (page->analysis->source->has_structure)
-        draw_reached(page);
-    else
+    const draw_scale own = {true, page->misfit, page->scene->unit_length};
+    put(page->file,
+        "<article class=\"set\">\n<h3>%t (%l) — relative RMS error %p</h3>\n<div class=\"row\">\n",
+        result->name, result->limit, shape->voltage.unit, result->error);
+    if (page->analysis->source->has_structure) {
+        fputs("<figure>\n", page->file);
+        page_draw_shape(page, &page->scale);
+        page_caption(page, &page->scale,
+                     "Reached shape and <b>target</b> as lines, displacement <b>× %n</b>. Misfit "
+                     "on one scale for all results:",
+                     page->space.factor);
+    } else {
         draw_levels(page, result);
+    }
     page_map(page, page->value, &own, "Misfit, reached minus target",
              "Misfit, reached minus target: largest <b>%q</b>%s. Scale of this result:", own.most,
              own.unit,
@@ -267,10 +257,10 @@ static void write_picture(shape_page *shape)
     const page *page = &shape->page;
     const double width = 760, height = fmax(page->space.view.height, 350) + 44;
     const voltages *result = main_result(shape);
-    draw_scale own = {true, 0, page->scene->unit_length};
     char title[160];
-    take_shape(shape, result, &own.most);
+    take_shape(shape, result);
     find_marks(shape, result);
+    const draw_scale own = {true, page->misfit, page->scene->unit_length};
     snprintf(title, sizeof title,
              "%.60s: relative RMS error %.3g %%. Colour: misfit, lines: target", result->name,
              100 * result->error);

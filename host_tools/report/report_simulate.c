@@ -253,30 +253,31 @@ static void write_voltages(const simulate_page *self)
                  "marks active limits.");
 }
 
-/* Take the shape at the end of phase k into the page. Returns its largest displacement. */
-static double take_shape(simulate_page *self, int k, double *misfit)
+/* Take the shape at the end of phase k under the controller into the page, with its misfit. */
+static void take_shape(simulate_page *self, int k)
 {
     const simulate_phase *phase = &self->simulation->phase[k];
     const simulate_course *course = &phase->course[LAW_CONTROLLER];
     (void)design_misfit(self->page.design, course->shape, phase->target, self->aim);
     for (int t = 0; t < self->page.design->targets; t++)
         self->aim[t] = course->shape[t] - self->aim[t];
-    return page_shape(&self->page, course->displacement, course->shape, self->aim, misfit);
+    page_shape(&self->page, course->displacement, course->shape, self->aim);
 }
 
 /* Choose the colour scale, the magnification and the view that all shapes share. */
 static void fit_shapes(simulate_page *self)
 {
     page *page = &self->page;
-    double most = 0, misfit;
+    double most = 0;
     page->scale = (draw_scale){true, 0, page->scene->unit_length};
     for (int k = 0; k < self->simulation->phases; k++) {
-        most = fmax(most, take_shape(self, k, &misfit));
-        draw_extend(&page->scale, misfit);
+        take_shape(self, k);
+        most = fmax(most, page->largest);
+        draw_extend(&page->scale, page->misfit);
     }
     page->space.factor = view_magnification(page->mesh, most, 0.3);
     for (int k = 0; k < self->simulation->phases; k++) {
-        (void)take_shape(self, k, &misfit);
+        take_shape(self, k);
         shell_include(&page->space);
     }
     view_fit(&page->space.view, 420, 320, 180);
@@ -294,7 +295,6 @@ static bool is_worth_seeing(const simulation *simulation, int k)
 static void write_shapes(simulate_page *self)
 {
     const page *page = &self->page;
-    double misfit;
     fit_shapes(self);
     page_keys(page, "");
     fputs("<div class=\"row\">\n", page->file);
@@ -304,7 +304,7 @@ static void write_shapes(simulate_page *self)
         if (!is_worth_seeing(self->simulation, k))
             continue;
         simulate_words_phase(self->simulation, phase, name);
-        (void)take_shape(self, k, &misfit);
+        take_shape(self, k);
         fputs("<figure class=\"set\">\n", page->file);
         page_draw_shape(page, &page->scale);
         page_caption(page, NULL, "Tick %d, end of “%t”: <b>%p</b>", phase->until - 1, name,

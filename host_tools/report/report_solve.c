@@ -137,10 +137,7 @@ static void draw_lines(const solve_page *solve, int along)
 static void fit_deformed(solve_page *solve)
 {
     page *page = &solve->page;
-    page->scale =
-        (draw_scale){false, page_largest(page->mesh, page->vector), page->scene->unit_length};
-    for (int n = 0; n < page->mesh->nodes; n++)
-        page->value[n] = vector_length(page->vector + 3 * n);
+    page->scale = (draw_scale){false, page->largest, page->scene->unit_length};
     page->space.factor = 1;
     if (!page->analysis->nonlinear)
         page->space.factor = view_magnification(page->mesh, page->scale.most, 0.1);
@@ -261,7 +258,7 @@ int report_solve(const report_job *job, const analysis *analysis, const double *
     solve_page solve = {.output = output};
     const int failed = page_open(&solve.page, job, analysis);
     if (!failed) {
-        report_displacement(solve.page.mesh, u, solve.page.vector);
+        page_displace(&solve.page, u);
         fit_deformed(&solve);
         (job->is_svg ? write_picture : write_page)(&solve);
     }
