@@ -154,7 +154,7 @@ void draw_curve(FILE *file, const char *style, const draw_axis *x, const double 
     bool is_drawing = false;
     draw_path(file, style);
     for (int i = 0; i < count; i++) {
-        const double at[2] = {draw_on(x, along[i]), draw_on(y, value[i])};
+        const double at[2] = {draw_on(x, along ? along[i] : i + 0.5), draw_on(y, value[i])};
         draw_step(file, &is_drawing, at);
     }
     draw_path_end(file);

@@ -86,7 +86,7 @@ double draw_on(const draw_axis *axis, double value);
 /* Widen an axis to contain values; a logarithmic axis ignores those that are not positive. */
 void draw_widen(draw_axis *axis, const double *value, int count);
 
-/* Draw a curve in a style through `count` points with values on both axes. */
+/* Draw a curve through `count` points with values on both axes; along NULL: 0.5, 1.5, 2.5 ... */
 void draw_curve(FILE *file, const char *style, const draw_axis *x, const double *along,
                 const draw_axis *y, const double *value, int count);
 

@@ -6,15 +6,13 @@
 #include "../simulate/simulate_words.h"
 #include "report_page.h"
 
-/* The colours of the page are those of the misfit, the same for all shapes. */
 typedef struct simulate_page {
     page page;
     const simulation *simulation;
     const simulate_record *record;
-    double *aim;  /* [targets] target values of the shape that is drawn at present, corrected by
-                     the free functions of the target */
-    double *tick; /* [bins] tick in the middle of each bin of the record */
-    draw_axis time;
+    double *aim;         /* [targets] target values of the last shape, corrected by the free
+                            functions of the target */
+    draw_axis time, bin; /* horizontal axis in ticks, and in bins of the record */
 } simulate_page;
 
 /* Write how far the controller's error ends above its optimum, in the phase where it is farthest.
@@ -169,8 +167,7 @@ static void draw_errors(const simulate_page *self)
     draw_grid(file, &self->time, &axis, false);
     draw_time(self, BOTTOM);
     for (int k = 0; k < 4; k++)
-        draw_curve(file, curve[k].style, &self->time, self->tick, &axis, curve[k].value,
-                   curve[k].bins);
+        draw_curve(file, curve[k].style, &self->bin, NULL, &axis, curve[k].value, curve[k].bins);
     for (int k = 0; k < simulation->phases; k++) {
         const simulate_phase *phase = &simulation->phase[k];
         const double ends[2] = {phase->from, phase->until};
@@ -210,7 +207,6 @@ static void draw_row(const simulate_page *self, int amplifier, const draw_scale 
 {
     const simulate_record *record = self->record;
     const double *voltage = record->voltage + amplifier;
-    const double width = (double)(RIGHT - LEFT) / record->bins;
     for (int i = 0, end; i < record->bins; i = end) {
         const int level = draw_level(scale, voltage[i * record->amplifiers]);
         const bool has_line = is_active(record, amplifier, i);
@@ -218,7 +214,7 @@ static void draw_row(const simulate_page *self, int amplifier, const draw_scale 
             if (draw_level(scale, voltage[end * record->amplifiers]) != level ||
                 is_active(record, amplifier, end) != has_line)
                 break;
-        const double from = LEFT + i * width, to = LEFT + end * width;
+        const double from = draw_on(&self->bin, i), to = draw_on(&self->bin, end);
         put(self->page.file, "<path class=\"%s\" d=\"M%f %fH%fv%fH%fz\"/>",
             draw_class(scale, level), from, y, to, height, from);
         if (has_line)
@@ -253,67 +249,26 @@ static void write_voltages(const simulate_page *self)
                  "marks active limits.");
 }
 
-/* Take the shape at the end of phase k under the controller into the page, with its misfit. */
-static void take_shape(simulate_page *self, int k)
-{
-    const simulate_phase *phase = &self->simulation->phase[k];
-    const simulate_course *course = &phase->course[LAW_CONTROLLER];
-    (void)design_misfit(self->page.design, course->shape, phase->target, self->aim);
-    for (int t = 0; t < self->page.design->targets; t++)
-        self->aim[t] = course->shape[t] - self->aim[t];
-    page_shape(&self->page, course->displacement, course->shape, self->aim);
-}
-
-/* Choose the colour scale, the magnification and the view that all shapes share. */
-static void fit_shapes(simulate_page *self)
+/* Draw the shape at the end of the last phase under the controller, with its misfit. */
+static void write_shape(simulate_page *self, const simulate_phase *last)
 {
     page *page = &self->page;
-    double most = 0;
-    page->scale = (draw_scale){true, 0, page->scene->unit_length};
-    for (int k = 0; k < self->simulation->phases; k++) {
-        take_shape(self, k);
-        most = fmax(most, page->largest);
-        draw_extend(&page->scale, page->misfit);
-    }
-    page->space.factor = view_magnification(page->mesh, most, 0.3);
-    for (int k = 0; k < self->simulation->phases; k++) {
-        take_shape(self, k);
-        shell_include(&page->space);
-    }
-    view_fit(&page->space.view, 420, 320, 180);
-}
-
-/* Whether the shape at the end of phase k is drawn: if the optimum changes thereafter. */
-static bool is_worth_seeing(const simulation *simulation, int k)
-{
-    const double optimum = simulation->phase[k].optimum;
-    return k + 1 == simulation->phases ||
-           fabs(optimum - simulation->phase[k + 1].optimum) > 0.02 * optimum;
-}
-
-/* Draw the shapes at the ends of the phases. */
-static void write_shapes(simulate_page *self)
-{
-    const page *page = &self->page;
-    fit_shapes(self);
+    const simulate_course *course = &last->course[LAW_CONTROLLER];
+    (void)design_misfit(page->design, course->shape, last->target, self->aim);
+    for (int t = 0; t < page->design->targets; t++)
+        self->aim[t] = course->shape[t] - self->aim[t];
+    page_shape(page, course->displacement, course->shape, self->aim);
+    page->scale = (draw_scale){true, page->misfit, page->scene->unit_length};
+    page->space.factor = view_magnification(page->mesh, page->largest, 0.3);
+    shell_include(&page->space);
+    view_fit(&page->space.view, 600, 400, 180);
     page_keys(page, "");
-    fputs("<div class=\"row\">\n", page->file);
-    for (int k = 0; k < self->simulation->phases; k++) {
-        const simulate_phase *phase = &self->simulation->phase[k];
-        char name[SIMULATE_PHASE_TEXT];
-        if (!is_worth_seeing(self->simulation, k))
-            continue;
-        simulate_words_phase(self->simulation, phase, name);
-        take_shape(self, k);
-        fputs("<figure class=\"set\">\n", page->file);
-        page_draw_shape(page, &page->scale);
-        page_caption(page, NULL, "Tick %d, end of “%t”: <b>%p</b>", phase->until - 1, name,
-                     phase->course[LAW_CONTROLLER].steady);
-    }
-    fputs("</div>\n<figure>\n", page->file);
+    fputs("<figure class=\"chart\">\n", page->file);
+    page_draw_shape(page, &page->scale);
     page_caption(page, &page->scale,
-                 "Misfit, reached minus target, on one scale; displacement <b>× %n</b>.",
-                 page->space.factor);
+                 "Reached shape and <b>target</b> at the last tick, displacement <b>× %n</b>, "
+                 "relative RMS error <b>%p</b>. Misfit, reached minus target:",
+                 page->space.factor, course->steady);
 }
 
 static void write_page(simulate_page *self)
@@ -333,8 +288,8 @@ static void write_page(simulate_page *self)
     fputs("</section>\n<section>\n<h2>Phases</h2>\n", page->file);
     write_phases(self);
     write_counts(self);
-    fputs("</section>\n<section>\n<h2>Shapes</h2>\n", page->file);
-    write_shapes(self);
+    fputs("</section>\n<section>\n<h2>Shape</h2>\n", page->file);
+    write_shape(self, last);
     fputs("</section>\n", page->file);
     page_structure(page);
     page_end(page);
@@ -355,17 +310,13 @@ int report_simulate(const report_job *job, const simulation *simulation,
 {
     simulate_page self = {.simulation = simulation,
                           .record = record,
-                          .time = {0, record->ticks, LEFT, RIGHT, false, "%n", {1, ""}}};
+                          .time = {0, record->ticks, LEFT, RIGHT, false, "%n", {1, ""}},
+                          .bin = {0, record->bins, LEFT, RIGHT, false, "%n", {1, ""}}};
     self.aim = calloc((size_t)simulation->nominal->design.targets + 1, sizeof *self.aim);
-    self.tick = calloc((size_t)record->bins + 1, sizeof *self.tick);
-    const int failed =
-        page_open(&self.page, job, simulation->nominal) < 0 || !self.aim || !self.tick;
-    for (int k = 0; k < record->bins && !failed; k++)
-        self.tick[k] = (k + 0.5) * record->ticks / record->bins;
+    const int failed = page_open(&self.page, job, simulation->nominal) < 0 || !self.aim;
     if (!failed)
         (job->is_svg ? write_picture : write_page)(&self);
     page_close(&self.page);
     free(self.aim);
-    free(self.tick);
     return failed || ferror(job->file) ? -1 : 0;
 }
