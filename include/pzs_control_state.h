@@ -243,8 +243,8 @@ typedef struct pzs_damper_state {
                        static modal position under the loads, at the present tick (m) */
     pzs_real *velocity_before; /* [width] modal velocity divided by angular frequency at the last
                                   tick (m) */
-    pzs_real *residual_modes;  /* [width] modal coordinates of the low-passed residual, which are
-                                  subtracted mode by mode (m) */
+    pzs_real *residual_modes;  /* [width] low-passed modal coordinates that fit the innovations (m)
+                                */
     pzs_real *work;            /* [2][width] work array of modal vectors */
     pzs_real *equilibrium;     /* [delay + 1][width] static modal position under the voltages of the
                                   last ticks (m) */

@@ -459,8 +459,8 @@ static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real 
 }
 
 /*
- * Move active input k along its ray, on which the free inputs keep zero gradient, and update the
- * gradients of the active inputs. Returns the bound that stopped the move.
+ * Move active input k while the free inputs follow so that their gradient stays zero, and update
+ * the gradients of the active inputs. Returns the bound that stopped the move.
  */
 static blocking move_along_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_real *row,
                                pzs_real length)

@@ -281,8 +281,8 @@ static inline void assert_bits_count(rig *shell, void *data, size_t bytes, attac
 }
 
 /*
- * Make a follower load of pressure 1 at every node, which input 1 scales, with the shares of the
- * improved element.
+ * Make a follower load of pressure 1 at every node, scaled by input 1. Corners share the pressure
+ * as in the improved element.
  */
 static inline void make_follower(rig *shell, int load_face, int normal_face, int true_area)
 {
