@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Tables of the compensation of hysteresis and creep (compensation.h). */
+/* Tables of the compensation of hysteresis and creep of the ceramic (compensation.h). */
 #include "compensation.h"
 #include <math.h>
 #include <string.h>
 #include "../../lib/control/hysteresis.h"
 
-/* Ticks a second where the scene gives no rate, as in simulations. */
+/* Tick rate that is assumed where the scene gives none, as in simulations (1/s). */
 static const double usual_rate = 1000;
 
 static void copy(double *to, const scene_short_list *from)
@@ -13,7 +13,7 @@ static void copy(double *to, const scene_short_list *from)
     memcpy(to, from->value, (size_t)from->count * sizeof *to);
 }
 
-/* Let the tables point to the arrays. */
+/* Set the pointers of the tables to the arrays of the compensation. */
 static void point(compensation *compensation)
 {
     pzs_hysteresis *tables = &compensation->tables;
@@ -28,7 +28,10 @@ static void point(compensation *compensation)
     tables->creep_rate = compensation->creep_rate;
 }
 
-/* The offset with which an electrode that has always been at 0 V has no effect (V). */
+/*
+ * Offset of the voltages (V) with which an electrode that has always been at 0 V has no effect on
+ * the structure.
+ */
 static double offset_of(const pzs_hysteresis *tables)
 {
     double play[SCENE_PLAYS] = {0}, creep[SCENE_CREEPS] = {0};

@@ -1,14 +1,21 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Tables of the compensation of hysteresis and creep, from the section `hysteresis` of a scene. */
+/*
+ * Tables with which the controller compensates hysteresis and creep of the ceramic, from the
+ * section `hysteresis` of a scene.
+ */
 #ifndef COMPENSATION_H
 #define COMPENSATION_H
 
 #include "../scene/scene.h"
 #include "pzs.h"
 
-/* Tables of pzs_effect_block and pzs_inverse_block with one set of numbers for all amplifiers. */
+/*
+ * Tables of the blocks pzs_effect_block and pzs_inverse_block, with one set of numbers for all
+ * amplifiers.
+ */
 typedef struct compensation {
-    bool is_used; /* the scene has the section; otherwise the rest is zero */
+    bool is_used; /* true where the scene has a section `hysteresis`; otherwise all other members
+                     are zero */
     pzs_hysteresis tables;
     double middle, half_range, offset;
     double slope[PZS_HYSTERESIS_SEGMENTS];
@@ -17,8 +24,9 @@ typedef struct compensation {
 } compensation;
 
 /*
- * Make the tables; *compensation points into itself, so it must not be moved.
- *   rate  in  ticks a second; 0: not known, then 1000
+ * Make the tables of the compensation. The tables contain pointers to other members, so
+ * *compensation must not be moved in memory.
+ *   rate in  tick rate (1/s); 0: not known, and 1000 is used
  */
 void compensation_fill(compensation *compensation, const scene_hysteresis *hysteresis,
                        const pzs_problem *problem, double rate);

@@ -50,8 +50,8 @@ static const double missed_share = 0.05;
 static const double gains[3] = {0.8, 1, 1.33}, frequencies[3] = {0.9, 1, 1.1};
 
 /*
- * Largest static response to voltages, lowest frequency and highest frequency of the structure,
- * relative to the model, with which the loop is tried to find its margins.
+ * Limits of the search for margins: largest static response to voltages, lowest frequency and
+ * highest frequency of the structure, relative to the model.
  */
 static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
 

@@ -355,8 +355,8 @@ static const pzs_block_type board_block = {"board", PZS_PHASE_STEP, law_bytes, l
 
 /*
  * Copy the block list of the scene. For clipped least squares, which has no vibration model, or for
- * a board, replace the library's step block (the block that computes the voltages) and omit all
- * blocks behind it, and the compensation of hysteresis. Returns the number of blocks.
+ * a board, replace the library's step block (the block that computes the voltages), and omit all
+ * blocks behind that block and the compensation of hysteresis. Returns the number of blocks.
  */
 static size_t list_blocks(loop *loop)
 {

@@ -167,11 +167,15 @@ typedef struct storm {
     double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
                        the simulation (V) */
     double *voltage; /* [amplifiers] voltages in the present tick (V) */
-    double *acting;  /* [amplifiers] voltages that act on the ceramic (V) */
-    double *stroke; /* [2][amplifiers] voltages that act at the lower and at the upper limits (V) */
-    double *play;   /* [amplifiers][plays] positions of the plays of the ceramic (V) */
-    double *creep;  /* [amplifiers][creeps] creep of the ceramic (V) */
-    const pzs_hysteresis *hysteresis; /* tables of the compensation, or NULL: the loop has none */
+    double *acting;  /* [amplifiers] voltages that act on the ceramic of the electrodes, after
+                        hysteresis and creep (V) */
+    double *stroke; /* [2][amplifiers] stroke of the electrodes: voltages that act on the ceramic at
+                       the lower and at the upper voltage limits (V) */
+    double *play; /* [amplifiers][plays] positions of the play operators of the hysteresis model (V)
+                   */
+    double *creep; /* [amplifiers][creeps] outputs of the first-order lags of the creep model (V) */
+    const pzs_hysteresis *hysteresis; /* tables with which the controller compensates hysteresis;
+                                         NULL where the loop has no such compensation */
     double *before;                   /* [amplifiers] voltages before the last control tick (V) */
     double *thrown;                   /* [targets] target in the present tick */
     double *goal; /* [targets] last target of the simulation: the target of the scene */
@@ -247,7 +251,10 @@ static void set_limits(storm *storm)
 
 /* ---- ceramic ---------------------------------------------------------- */
 
-/* What electrode k of a ceramic that is as the tables of the compensation say remembers. */
+/*
+ * State of the ceramic of electrode k (play operators and creep), for a ceramic that follows the
+ * tables of the controller's compensation.
+ */
 static hysteresis_memory memory_of(const storm *storm, size_t k)
 {
     const hysteresis_memory memory = {storm->play + k * PZS_PLAY_LIMIT,
@@ -255,7 +262,10 @@ static hysteresis_memory memory_of(const storm *storm, size_t k)
     return memory;
 }
 
-/* Find the tables of the compensation, and the stroke of the electrodes from rest at 0 V. */
+/*
+ * Find the tables of the compensation of hysteresis in the loop, and compute the stroke of the
+ * electrodes from rest at 0 V.
+ */
 static void start_ceramic(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers;
@@ -279,7 +289,7 @@ static void start_ceramic(storm *storm)
     }
 }
 
-/* Let the ceramic stand under the present voltages for one interval. */
+/* Advance the hysteresis and creep of the ceramic by one interval under the present voltages. */
 static void act(storm *storm)
 {
     const storm_ceramic *ceramic = storm->plant->ceramic;
@@ -299,9 +309,9 @@ static void act(storm *storm)
 /* ---- the loop of a run ------------------------------------------------ */
 
 /*
- * Append a block of the rig to the blocks of the run. The step block gets tables with the limits of
- * the run. A control law for comparison keeps its memory beside its problem, so its problem is
- * replaced in place.
+ * Append a block of the control tick to the blocks of the simulation. The step block (the block
+ * that computes the voltages) gets tables with the limits of the simulation. A control law for
+ * comparison keeps its memory beside its problem, so its problem is replaced in place.
  */
 static void append_block(storm *storm, const pzs_block *given)
 {
@@ -318,9 +328,9 @@ static void append_block(storm *storm, const pzs_block *given)
 }
 
 /*
- * Copy the blocks of the rig. A run without limits omits the blocks behind the step block, because
- * converter steps and held electrodes would hide the growth of vibrations, and the compensation of
- * hysteresis, which has no inverse without limits.
+ * Copy the blocks of the control tick. A simulation without limits omits two kinds of blocks: those
+ * behind the step block, because converter steps and held electrodes would hide the growth of
+ * vibrations, and the compensation of hysteresis, which has no inverse without limits.
  */
 static void set_tables(storm *storm)
 {
@@ -347,8 +357,8 @@ static pzs_status open_loop(storm *storm)
 }
 
 /*
- * Compute the best shape for the last target within the stroke of the electrodes, on the simulated
- * structure.
+ * Compute the best shape for the last target that the stroke of the electrodes allows, on the
+ * simulated structure.
  */
 static pzs_status find_best(storm *storm)
 {

@@ -17,16 +17,20 @@
 #include "inertia.h"
 #include "laws.h"
 
-/* Ceramic of the electrodes of a structure, which need not be as the controller believes. */
+/*
+ * Ceramic of the electrodes of a simulated structure, which may differ from the ceramic that the
+ * controller's tables describe.
+ */
 typedef struct storm_ceramic {
     /*
-     * Voltages that act on the ceramic in the coming interval.
+     * Compute the voltages that act on the ceramic in the coming interval.
      *   voltage [amplifiers] in   voltages of the amplifiers (V)
      *   acting  [amplifiers] out  (V)
      */
     void (*act)(void *state, const double *voltage, double *acting);
     void *state;
-    const double *lowest, *highest; /* [amplifiers] stroke: voltages that act at the limits (V) */
+    const double *lowest, *highest; /* [amplifiers] stroke of the electrodes: voltages that act on
+                                       the ceramic at the lower and upper voltage limits (V) */
 } storm_ceramic;
 
 /*
@@ -43,9 +47,9 @@ typedef struct storm_plant {
                        newer */
     uint64_t seed;  /* seed of the random sequence of target jumps */
     double missed;  /* share of the ticks that the controller misses, from 0 to 1 */
-    const storm_ceramic *ceramic; /* ceramic of the electrodes; NULL: as the tables of
-                                     pzs_effect_block say, or without hysteresis where the loop has
-                                     none */
+    const storm_ceramic *ceramic; /* ceramic of the electrodes; NULL: the ceramic that the
+                                     controller's tables describe, without hysteresis where the loop
+                                     has no such tables */
     bool is_untold; /* true: the loop is not informed of missed ticks by pzs_loop_skip */
 } storm_plant;
 
