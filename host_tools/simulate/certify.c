@@ -183,8 +183,8 @@ static storm_plant plant_of(int i, int older)
                          .step_limit = i / PLANTS % 2 ? 0.25 : 1,
                          .more_delay = older,
                          .seed = (uint64_t)(sequence + 1),
-                         .missed = sequence == SEEDS - 1 ? missed_share : 0,
-                         .is_untold = true};
+                         .missed_share = sequence == SEEDS - 1 ? missed_share : 0,
+                         .is_uninformed = true};
 }
 
 /*

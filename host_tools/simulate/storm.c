@@ -160,10 +160,10 @@ typedef struct storm {
     void *work;
     inertia inertia;
     uint64_t random;
-    int tick, kept; /* present tick; number of ticks whose readings are stored */
-    int missed;     /* number of ticks missed since the last tick that ran */
-    double noise;   /* standard deviation of the noise of a reading */
-    double *memory; /* one allocation that holds the arrays from `limits` on */
+    int tick, history_ticks; /* present tick; number of ticks whose readings are stored */
+    int missed_ticks;        /* number of ticks missed since the last tick that ran */
+    double noise;            /* standard deviation of the noise of a reading */
+    double *memory;          /* one allocation that holds the arrays from `limits` on */
     double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
                        the simulation (V) */
     double *voltage; /* [amplifiers] voltages in the present tick (V) */
@@ -176,22 +176,22 @@ typedef struct storm {
     double *creep; /* [amplifiers][creeps] outputs of the first-order lags of the creep model (V) */
     const pzs_hysteresis *hysteresis; /* tables with which the controller compensates hysteresis;
                                          NULL where the loop has no such compensation */
-    double *before;                   /* [amplifiers] voltages before the last control tick (V) */
-    double *thrown;                   /* [targets] target in the present tick */
-    double *goal; /* [targets] last target of the simulation: the target of the scene */
-    double *best; /* [targets] best shape for the last target that the limits allow on the simulated
-                     structure */
-    double *shape;   /* [targets] shape of the structure in the present tick */
-    double *part;    /* [targets] work vector for a part of the shape */
-    double *sensed;  /* [sensors] readings that the control loop receives in the present tick */
-    double *reading; /* [kept][sensors] noise-free readings of the last ticks */
+    double *previous_voltage;         /* [amplifiers] voltages before the last control tick (V) */
+    double *target;                   /* [targets] target in the present tick */
+    double *last_target; /* [targets] last target of the simulation: the target of the scene */
+    double *best_shape;  /* [targets] best shape for the last target that the limits allow on the
+                      simulated  structure */
+    double *shape;       /* [targets] shape of the structure in the present tick */
+    double *part;        /* [targets] work vector for a part of the shape */
+    double *sensed;      /* [sensors] readings that the control loop receives in the present tick */
+    double *reading;     /* [history_ticks][sensors] noise-free readings of the last ticks */
 } storm;
 
 static bool take_run_memory(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets,
                  k = storm->rig->sensors;
-    const size_t kept = (size_t)storm->kept;
+    const size_t kept = (size_t)storm->history_ticks;
     double *at = storm->memory =
         calloc((8 + PZS_PLAY_LIMIT + PZS_CREEP_LIMIT) * amplifiers + 5 * targets + k + kept * k + 1,
                sizeof *storm->memory);
@@ -199,14 +199,14 @@ static bool take_run_memory(storm *storm)
         return false;
     storm->limits = at, at += 3 * amplifiers;
     storm->voltage = at, at += amplifiers;
-    storm->before = at, at += amplifiers;
+    storm->previous_voltage = at, at += amplifiers;
     storm->acting = at, at += amplifiers;
     storm->stroke = at, at += 2 * amplifiers;
     storm->play = at, at += PZS_PLAY_LIMIT * amplifiers;
     storm->creep = at, at += PZS_CREEP_LIMIT * amplifiers;
-    storm->thrown = at, at += targets;
-    storm->goal = at, at += targets;
-    storm->best = at, at += targets;
+    storm->target = at, at += targets;
+    storm->last_target = at, at += targets;
+    storm->best_shape = at, at += targets;
     storm->shape = at, at += targets;
     storm->part = at, at += targets;
     storm->sensed = at, at += k;
@@ -290,7 +290,7 @@ static void start_ceramic(storm *storm)
 }
 
 /* Advance the hysteresis and creep of the ceramic by one interval under the present voltages. */
-static void act(storm *storm)
+static void advance_ceramic(storm *storm)
 {
     const storm_ceramic *ceramic = storm->plant->ceramic;
     memcpy(storm->acting, storm->voltage, storm->rig->amplifiers * sizeof *storm->acting);
@@ -383,10 +383,10 @@ static pzs_status find_best(storm *storm)
         status = pzs_control_init(&control, &problem, influence, work,
                                   PZS_CONTROL_BYTES(amplifiers, targets));
         if (!PZS_IS_ERROR(status))
-            status = pzs_step(&control, storm->goal);
+            status = pzs_step(&control, storm->last_target);
         if (!PZS_IS_ERROR(status))
-            multiply(storm->best, storm->rig->influence, control.info.voltage, targets, amplifiers,
-                     storm->plant->gain);
+            multiply(storm->best_shape, storm->rig->influence, control.info.voltage, targets,
+                     amplifiers, storm->plant->gain);
     }
     free(influence);
     free(work);
@@ -410,7 +410,7 @@ static void close_storm(storm *storm)
  * Weighted norm of the difference of two shapes, or of the first shape where the second is NULL.
  *   first, second [targets] in
  */
-static double apart(const storm *storm, const double *first, const double *second)
+static double weighted_distance(const storm *storm, const double *first, const double *second)
 {
     return sqrt(design_squares(&storm->rig->analysis->design, first, second));
 }
@@ -421,21 +421,22 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
     storm->rig = rig;
     storm->plant = plant;
     storm->random = plant->seed;
-    storm->kept = rig->delay + (plant->more_delay > 0 ? plant->more_delay : 0) + 1;
+    storm->history_ticks = rig->delay + (plant->more_delay > 0 ? plant->more_delay : 0) + 1;
     if (!take_run_memory(storm))
         return no_memory(rig->analysis, error);
     storm->inertia.gain = plant->gain;
     storm->inertia.stretch = plant->frequency;
     set_tables(storm);
     start_ceramic(storm);
-    memcpy(storm->goal, rig->analysis->design.target, rig->targets * sizeof *storm->goal);
+    memcpy(storm->last_target, rig->analysis->design.target,
+           rig->targets * sizeof *storm->last_target);
     pzs_status status = open_loop(storm);
     if (!PZS_IS_ERROR(status))
         status = find_best(storm);
     if (PZS_IS_ERROR(status))
         return explain(storm, status, error);
     memcpy(storm->voltage, storm->loop.info.voltage, rig->amplifiers * sizeof *storm->voltage);
-    act(storm);
+    advance_ceramic(storm);
     inertia_rest(&storm->inertia, storm->acting);
     return 0;
 }
@@ -447,13 +448,13 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
  * ticks; for ticks before the start the vector of the start is returned.
  *   length in  number of entries of a vector
  */
-static double *late(const storm *storm, double *ring, int tick, size_t length)
+static double *ring_entry(const storm *storm, double *ring, int tick, size_t length)
 {
-    return ring + (size_t)((tick > 0 ? tick : 0) % storm->kept) * length;
+    return ring + (size_t)((tick > 0 ? tick : 0) % storm->history_ticks) * length;
 }
 
 /* Compute the present shape of the simulated structure. */
-static void observe_shape(storm *storm)
+static void compute_shape(storm *storm)
 {
     const storm_rig *rig = storm->rig;
     multiply(storm->shape, rig->influence, storm->acting, rig->targets, rig->amplifiers,
@@ -464,13 +465,13 @@ static void observe_shape(storm *storm)
 }
 
 /* Compute the present readings of the sensors and store them until they arrive at the loop. */
-static void observe(storm *storm)
+static void store_readings(storm *storm)
 {
     const storm_rig *rig = storm->rig;
     const size_t amplifiers = rig->amplifiers;
-    double *reading = late(storm, storm->reading, storm->tick, rig->sensors);
+    double *reading = ring_entry(storm, storm->reading, storm->tick, rig->sensors);
     if (!rig->estimator) {
-        observe_shape(storm);
+        compute_shape(storm);
         memcpy(reading, storm->shape, rig->sensors * sizeof *reading);
         return;
     }
@@ -482,11 +483,11 @@ static void observe(storm *storm)
 }
 
 /* Compute the readings that the loop receives: late, and with noise. */
-static void sense(storm *storm)
+static void sense_readings(storm *storm)
 {
     const storm_rig *rig = storm->rig;
-    const double *shown = late(storm, storm->reading,
-                               storm->tick - rig->delay - storm->plant->more_delay, rig->sensors);
+    const double *shown = ring_entry(
+        storm, storm->reading, storm->tick - rig->delay - storm->plant->more_delay, rig->sensors);
     for (size_t i = 0; i < rig->sensors; i++)
         storm->sensed[i] =
             shown[i] + (storm->noise > 0 ? storm->noise * random_noise(&storm->random) : 0);
@@ -495,7 +496,8 @@ static void sense(storm *storm)
 /* Whether the present tick is missed, by a random number. */
 static bool misses(storm *storm)
 {
-    return storm->plant->missed > 0 && random_uniform(&storm->random) < storm->plant->missed;
+    return storm->plant->missed_share > 0 &&
+           random_uniform(&storm->random) < storm->plant->missed_share;
 }
 
 /*
@@ -504,10 +506,10 @@ static bool misses(storm *storm)
  */
 static pzs_status choose_voltages(storm *storm)
 {
-    if (storm->missed > 0 && !storm->plant->is_untold)
-        (void)pzs_loop_skip(&storm->loop, (uint32_t)storm->missed);
-    storm->missed = 0;
-    return pzs_loop_tick(&storm->loop, storm->thrown, storm->sensed);
+    if (storm->missed_ticks > 0 && !storm->plant->is_uninformed)
+        (void)pzs_loop_skip(&storm->loop, (uint32_t)storm->missed_ticks);
+    storm->missed_ticks = 0;
+    return pzs_loop_tick(&storm->loop, storm->target, storm->sensed);
 }
 
 /*
@@ -517,13 +519,13 @@ static pzs_status run_tick(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers;
     const bool is_missed = misses(storm);
-    observe(storm);
-    sense(storm);
-    memcpy(storm->before, storm->voltage, amplifiers * sizeof *storm->voltage);
+    store_readings(storm);
+    sense_readings(storm);
+    memcpy(storm->previous_voltage, storm->voltage, amplifiers * sizeof *storm->voltage);
     const pzs_status status = is_missed ? PZS_OK : choose_voltages(storm);
-    storm->missed += is_missed;
+    storm->missed_ticks += is_missed;
     memcpy(storm->voltage, storm->loop.info.voltage, amplifiers * sizeof *storm->voltage);
-    act(storm);
+    advance_ceramic(storm);
     inertia_jump(&storm->inertia, storm->acting);
     inertia_advance(&storm->inertia, storm->rig->interval);
     storm->tick++;
@@ -540,23 +542,23 @@ static int clamp_ticks(double ticks, int least, int most)
 /*
  * Set the next target: the target of the scene, its negative, or the shape under random voltages.
  */
-static void throw_target(storm *storm)
+static void set_next_target(storm *storm)
 {
     const storm_rig *rig = storm->rig;
     const size_t amplifiers = rig->amplifiers;
     const int kind = random_int(&storm->random, 4);
     if (kind < 2) {
         for (size_t i = 0; i < rig->targets; i++)
-            storm->thrown[i] = kind == 0 ? storm->goal[i] : -storm->goal[i];
+            storm->target[i] = kind == 0 ? storm->last_target[i] : -storm->last_target[i];
         return;
     }
     for (size_t k = 0; k < amplifiers; k++) {
         const double part = 2 * random_uniform(&storm->random) - 1, sign = part < 0 ? -1 : 1;
         const double middle = (rig->lower[k] + rig->upper[k]) / 2,
                      half = (rig->upper[k] - rig->lower[k]) / 2;
-        storm->before[k] = middle + 2 * half * (kind == 2 ? part : sign);
+        storm->previous_voltage[k] = middle + 2 * half * (kind == 2 ? part : sign);
     }
-    multiply(storm->thrown, rig->influence, storm->before, rig->targets, amplifiers, 1);
+    multiply(storm->target, rig->influence, storm->previous_voltage, rig->targets, amplifiers, 1);
 }
 
 /*
@@ -567,7 +569,7 @@ static void set_noise(storm *storm)
 {
     double largest = 0;
     for (size_t i = 0; i < storm->rig->targets; i++)
-        largest = fmax(largest, fabs(storm->best[i]));
+        largest = fmax(largest, fabs(storm->best_shape[i]));
     storm->noise = noise_share * largest;
 }
 
@@ -577,21 +579,21 @@ static pzs_status run_storm(storm *storm, storm_result *result)
     const int every = clamp_ticks(0.6 * period, EVERY_LEAST, EVERY_MOST),
               rest = clamp_ticks(REST_PERIODS * period, REST_LEAST, REST_MOST),
               end = clamp_ticks(period, END_LEAST, END_MOST);
-    const double size = fmax(apart(storm, storm->goal, NULL), 1e-300);
+    const double size = fmax(weighted_distance(storm, storm->last_target, NULL), 1e-300);
     int quiet = 0;
     result->ticks = TARGETS * every + rest;
     for (int k = 0; k < result->ticks; k++) {
         if (k == TARGETS * every)
-            memcpy(storm->thrown, storm->goal, storm->rig->targets * sizeof *storm->thrown);
+            memcpy(storm->target, storm->last_target, storm->rig->targets * sizeof *storm->target);
         else if (k < TARGETS * every && k % every == 0)
-            throw_target(storm);
+            set_next_target(storm);
         const pzs_status status = run_tick(storm);
         if (PZS_IS_ERROR(status))
             return status;
         if (k < TARGETS * every && k % 8 != 0)
             continue;
-        observe_shape(storm);
-        const double distance = apart(storm, storm->shape, storm->best) / size;
+        compute_shape(storm);
+        const double distance = weighted_distance(storm, storm->shape, storm->best_shape) / size;
         result->peak = fmax(result->peak, distance);
         if (k + end >= result->ticks)
             result->end = fmax(result->end, distance);
@@ -633,12 +635,13 @@ int storm_run(const storm_rig *rig, const storm_plant *plant, storm_result *resu
 static double amplitude(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets;
-    double *moved = storm->best, *vibrating = storm->thrown;
+    double *moved = storm->best_shape, *vibrating = storm->target;
     for (size_t k = 0; k < amplifiers; k++)
-        storm->before[k] = storm->voltage[k] - storm->before[k];
-    multiply(moved, storm->rig->influence, storm->before, targets, amplifiers, 1);
+        storm->previous_voltage[k] = storm->voltage[k] - storm->previous_voltage[k];
+    multiply(moved, storm->rig->influence, storm->previous_voltage, targets, amplifiers, 1);
     inertia_observe(&storm->inertia, 0, targets, vibrating);
-    const double size = hypot(apart(storm, moved, NULL), apart(storm, vibrating, NULL));
+    const double size =
+        hypot(weighted_distance(storm, moved, NULL), weighted_distance(storm, vibrating, NULL));
     memset(vibrating, 0, targets * sizeof *vibrating);
     return size;
 }
@@ -661,7 +664,7 @@ static double slope(const double *value, int count)
 static pzs_status run_free(storm *storm, int ticks, double *size, storm_result *result)
 {
     const modal *modal = &storm->rig->modal;
-    const double scale = fmax(apart(storm, storm->goal, NULL), 1e-12);
+    const double scale = fmax(weighted_distance(storm, storm->last_target, NULL), 1e-12);
     for (size_t i = 0; i < modal->modes; i++) {
         storm->inertia.deviation[i] = 2 * random_uniform(&storm->random) - 1;
         storm->inertia.velocity[i] = 2 * random_uniform(&storm->random) - 1;
@@ -671,7 +674,7 @@ static pzs_status run_free(storm *storm, int ticks, double *size, storm_result *
         storm->inertia.deviation[i] *= unit;
         storm->inertia.velocity[i] *= unit;
     }
-    memset(storm->thrown, 0, storm->rig->targets * sizeof *storm->thrown);
+    memset(storm->target, 0, storm->rig->targets * sizeof *storm->target);
     int k = 0;
     for (; k < ticks; k++) {
         const pzs_status status = run_tick(storm);

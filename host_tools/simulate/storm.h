@@ -46,11 +46,11 @@ typedef struct storm_plant {
     int more_delay; /* number of ticks by which readings are older than the scene states; negative:
                        newer */
     uint64_t seed;  /* seed of the random sequence of target jumps */
-    double missed;  /* share of the ticks that the controller misses, from 0 to 1 */
+    double missed_share;          /* share of the ticks that the controller misses, from 0 to 1 */
     const storm_ceramic *ceramic; /* ceramic of the electrodes; NULL: the ceramic that the
                                      controller's tables describe, without hysteresis where the loop
                                      has no such tables */
-    bool is_untold; /* true: the loop is not informed of missed ticks by pzs_loop_skip */
+    bool is_uninformed; /* true: the loop is not informed of missed ticks by pzs_loop_skip */
 } storm_plant;
 
 /* Data that all storms (simulations with fast target jumps) of one control loop share. */

@@ -83,7 +83,7 @@ static void test_older_readings(void **state)
     assert_int_equal(settled, RUNS);
     assert_true(before < RUNS);
     for (int i = 0; i < 2; i++) {
-        const storm_plant missing = {.seed = OTHER_SEED, .missed = 0.05, .is_untold = i};
+        const storm_plant missing = {.seed = OTHER_SEED, .missed_share = 0.05, .is_uninformed = i};
         assert_int_equal(count_settled(&run.analysis, &certificate->settings, &missing), RUNS);
     }
     scene_run_close(&run);
