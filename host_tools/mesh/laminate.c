@@ -258,9 +258,9 @@ static int inverse_of(double matrix[N][N], double inverse[N][N])
 }
 
 /*
- * Uncouple the difference of the thickness strain e33 between the faces, the part that is linear in
- * the height (element option lin33), from all other strains: its resultant is 0. The compliance of
- * this strain itself is kept. Returns 0, or -1 if the stiffness is singular.
+ * Uncouple the difference of the thickness strain 33 between the faces, which is the part linear in
+ * the height, from all other strains (element option lin33): its resultant becomes 0, and its
+ * compliance is kept. Returns 0, or -1 if the stiffness is singular.
  */
 static int relax_e33(double stiffness[N][N])
 {
@@ -274,16 +274,21 @@ static int relax_e33(double stiffness[N][N])
 }
 
 /*
- * Sums over the thickness for plies whose normal stress 33 is the same at every height, while each
- * ply thickens as its own stiffness and in-plane strains demand.
+ * Integrals over the thickness of plies that thicken freely: their normal stress 33 is equal at
+ * every height, and each ply's strain 33 follows from its stiffness and its in-plane strains.
  */
 typedef struct free_plies {
-    double compliance;   /* integral of 1/(normal stiffness) */
-    double length;       /* integral of 1 */
-    double narrowing[N]; /* integral of (coupling of a strain with 33)/(normal stiffness) */
+    double compliance; /* integral of 1 over the thickness of the plies, in the metric of the
+                          element */
+    double length; /* integral of 1 over the thickness of the plies, in the metric of the element */
+    double narrowing[N]; /* [10] integral over the thickness of (stiffness that couples each strain
+                            with the strain 33)/(stiffness of the strain 33) */
 } free_plies;
 
-/* Add a point of a ply to the sums, and its stiffness with the normal stress 33 at 0 to `out`. */
+/*
+ * Add one quadrature point of a ply to the integrals of freely thickening plies, and add its
+ * stiffness with the normal stress 33 relaxed to `out`.
+ */
 static void add_free_point(free_plies *sums, double natural[6][6], const double share[6],
                            double weight, double height, double out[N][N])
 {
@@ -302,11 +307,12 @@ static void add_free_point(free_plies *sums, double natural[6][6], const double 
 }
 
 /*
- * Replace the stiffness of all strains but the difference of e33 by that of plies which thicken
- * freely under one normal stress s. The mean thickness strain e is that of the package:
- *   s = (e length + narrowing . strains)/compliance.
- * A thickness strain that is linear through the package cannot follow plies of different Poisson's
- * ratios; a bimetal of two such plies would bend too little or too much, by some per cent.
+ * Replace the stiffness of all strains but the difference of the thickness strain 33 by that of
+ * plies that thicken freely under one normal stress s:
+ *   s = (e length + narrowing . strains)/compliance,
+ * with e the mean thickness strain of the package and the integrals of free_plies. A thickness
+ * strain that is linear through the package cannot follow plies of different Poisson's ratios; a
+ * bimetal of two such plies would bend too little or too much, by some per cent.
  */
 static void free_thickness(const laminate *laminate, const scene_element *element,
                            const laminate_place *place, double stiffness[N][N])

@@ -31,8 +31,8 @@ typedef struct spring_builder {
     int *node;
     double *weight;
     size_t room_rows, room_entries;
-    double largest[2]; /* largest diagonal entries of the element matrices: of the mean
-                          displacements (N/m), of the differences of the faces (N m) */
+    double largest[2]; /* largest diagonal entries of the element matrices: for mean displacements
+                          (N/m), and for differences of the faces (N m) */
 } spring_builder;
 
 static int fault_of_memory(const spring_builder *builder)
@@ -219,8 +219,8 @@ static int grow(spring_builder *builder)
 }
 
 /*
- * Refuse a spring that is so much stiffer than the elements that the rounding of the stiffness
- * matrix would lose them. Returns 0, or -1 with error filled.
+ * Refuse a spring that is so much stiffer than the elements that their stiffness would be lost in
+ * the rounding errors of the stiffness matrix. Returns 0, or -1 with error filled.
  */
 static int check_stiffness(const spring_builder *builder, double stiffness)
 {
@@ -380,8 +380,7 @@ static int check_envelope(mesh *mesh, char *error)
 
 /*
  * Find the largest diagonal entries of the element matrices.
- *   largest [2]  out  those of the mean displacements (N/m) and of the differences of the faces (N
- * m)
+ *   largest  [2] out  entry for mean displacements (N/m), and for differences of the faces (N m)
  */
 static void find_largest(const mesh *mesh, double largest[2])
 {

@@ -135,8 +135,8 @@ typedef struct scene_material {
     double alpha[3];       /* thermal expansion coefficients in the directions 1, 2 and 3 (1/K) */
     double density;        /* mass per volume; the weight per volume is density times gravity */
     double field_limit;    /* depolarisation field (V/m); 0: no limit */
-    double film_thickness; /* thickness of a film whose constants come from its data sheet; 0: none
-                            */
+    double film_thickness; /* thickness of a film actuator whose constants come from its data sheet
+                              (scene unit of length); 0: no film */
     int poling; /* poling direction of a material relative to e3 of the surface: +3 or -3 */
     scene_at at;
 } scene_material;
@@ -659,13 +659,17 @@ typedef struct scene_safety {
 
 enum { SCENE_PLAYS = 32, SCENE_CREEPS = 8 };
 
-/* A short list of numbers. */
+/* List of at most a few numbers, stored in place. */
 typedef struct scene_short_list {
     int count;
     double value[SCENE_PLAYS];
 } scene_short_list;
 
-/* Hysteresis and creep of the ceramic, which the control loop compensates (pzs_hysteresis). */
+/*
+ * Identified hysteresis and creep of the piezoelectric ceramic, which the control loop compensates.
+ * The model (Prandtl-Ishlinskii) is a piecewise linear line without memory plus play operators,
+ * each with its slack and weight.
+ */
 typedef struct scene_hysteresis {
     int given;
     double range[2];        /* lowest and highest voltage of the identified range (V) */

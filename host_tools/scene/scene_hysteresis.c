@@ -1,14 +1,23 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Section `hysteresis` of a scene: hysteresis and creep of the ceramic, to be compensated. */
+/*
+ * Section `hysteresis` of a scene: hysteresis and creep of the ceramic, which the control loop
+ * compensates.
+ */
 #include "scene_parts.h"
 
-/* What a list of numbers must be. */
+/*
+ * Rule for a list of numbers: permitted range of each number, and smallest and largest number of
+ * items.
+ */
 typedef struct list_rule {
     range range;
-    int least, most; /* number of items */
+    int least, most; /* smallest and largest number of items of the list */
 } list_rule;
 
-/* Read a list of numbers; rule: its list_rule. */
+/*
+ * Read a list of numbers into a scene_short_list; rule: its list_rule. Returns 0, or -1 after
+ * writing the error message of the YAML tree.
+ */
 static int read_numbers(reader *reader, int node, void *to, const void *rule)
 {
     const list_rule *must = rule;
@@ -77,7 +86,10 @@ static const field hysteresis_fields[] = {
 
 const form hysteresis_form = {.type = FORM_MAP, .fields = hysteresis_fields};
 
-/* Check what the numbers of the section must be together. */
+/*
+ * Check the rules between the numbers of the section `hysteresis`: ascending voltages and slacks,
+ * and lists of equal lengths. Returns 0, or -1 after writing the error message of the YAML tree.
+ */
 static int check_hysteresis(reader *reader, int node, const scene_hysteresis *hysteresis)
 {
     const int plays = hysteresis->slack.count;
