@@ -12,6 +12,7 @@
 #include <cmocka.h>
 #include "../../host_tools/mesh/springs.h"
 #include "../../host_tools/model/mass.h"
+#include "../../host_tools/model/plausible.h"
 #include "../../host_tools/model/spring_forces.h"
 #include "../../host_tools/model/vibration.h"
 #include "../../host_tools/quads/vector.h"
@@ -757,6 +758,44 @@ static void test_film(void **state)
 
 /* ---- refusals -------------------------------------------------------------------- */
 
+#define STRIP                                                                                      \
+    "outputs=[];mesh={theta1: {from: 0, to: 1, elements: 50}, theta2: {from: 0, to: 0.1, "         \
+    "elements: 1}};"
+
+/* Whether a rule warns of the mesh of a clamped strip of 50 elements with these springs. */
+static bool is_warned(const char *rule, const char *springs)
+{
+    char changes[512];
+    plausible warnings = {.count = 0};
+    scene_run r;
+    bool found = false;
+    snprintf(changes, sizeof changes, CLAMPED STRIP "springs=[%s]", springs);
+    open_run(&r, FREE_PLATE, changes);
+    plausible_mesh(&warnings, &r.analysis.design.mesh);
+    for (int k = 0; k < warnings.count; k++)
+        found |= strcmp(warnings.warning[k].rule, rule) == 0;
+    scene_run_close(&r);
+    return found;
+}
+
+/*
+ * Law: a warning names springs whose place is held by a support, and springs between so distant
+ * nodes that the stiffness factor has more than twice the numbers.
+ */
+static void test_warnings(void **state)
+{
+    (void)state;
+    const char *const all = "{at: nodes, along: z, stiffness: 1}";
+    const char *const near = "{edge: theta1+, along: z, stiffness: 1}";
+    const char *const far =
+        "{edge: theta2-, to: {theta1: 0.02, theta2: 0.1}, along: [1, 2, 3], stiffness: 1}";
+    assert_true(is_warned("held_spring", all));
+    assert_false(is_warned("held_spring", near));
+    assert_false(is_warned("long_spring", all));
+    assert_false(is_warned("long_spring", near));
+    assert_true(is_warned("long_spring", far));
+}
+
 static void test_refusals(void **state)
 {
     (void)state;
@@ -857,6 +896,7 @@ int main(void)
         cmocka_unit_test(test_moment),
         cmocka_unit_test(test_weight),
         cmocka_unit_test(test_film),
+        cmocka_unit_test(test_warnings),
         cmocka_unit_test(test_refusals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
