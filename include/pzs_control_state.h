@@ -114,6 +114,14 @@ typedef struct pzs_optimiser {
     bool is_optimal;
 } pzs_optimiser;
 
+/* One array of some tables, as a part of their checksum; an absent array has no bytes. */
+typedef struct pzs_table_part {
+    const void *data;
+    size_t bytes;
+} pzs_table_part;
+
+#define PZS_TABLE_PARTS 14u /* largest number of parts of the tables of a block */
+
 /*
  * Progress of a scrub, which checks constant tables slice by slice: each tick reads one slice, and
  * after the last slice the checksum of the whole is compared.
@@ -377,6 +385,9 @@ typedef struct pzs_loop_state {
     pzs_loop_core core[3]; /* three copies of the pointers and sizes, so that two outvote a damaged
                               third */
     pzs_scrub problem_scrub, influence_scrub;
+    pzs_scrub block_scrub; /* scrub of the tables of the other blocks, one table after the other */
+    uint16_t scrubbed_block;  /* index of the block whose tables are read */
+    uint16_t scrubbed_number; /* number of the table of this block that is read */
     uint32_t missed; /* number of ticks missed since the last tick, as announced by pzs_loop_skip */
 } pzs_loop_state;
 

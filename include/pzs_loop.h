@@ -108,6 +108,13 @@ typedef struct pzs_block_type {
     pzs_status (*block_init)(void *self, const void *tables, pzs_loop_signals *signals);
     /* Run a block in one tick. An error ends the tick. */
     pzs_status (*block_tick)(void *self, pzs_loop_signals *signals);
+    /*
+     * List the arrays of one of the tables of a block in the order of their checksum, which is
+     * written to `crc`, so that the loop can read them again while it runs. Returns the number of
+     * parts; 0: the block has no table of this number. NULL: the tables have no checksum.
+     */
+    uint32_t (*block_parts)(const void *tables, uint32_t number,
+                            pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc);
 } pzs_block_type;
 
 /* One entry of the list of blocks of a loop. */
@@ -219,11 +226,12 @@ pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
  *
  * Damaged memory: each tick derives pointers, sizes and limits again from three copies of the list,
  * of which two outvote a damaged third. It compares one row of the Hessian with its source, so that
- * all rows are compared within `inputs` ticks, and adds 64 bytes of the voltage problem to a
- * checksum. PZS_E_CRC reports damaged tables of the problem: at once where limits are damaged,
- * otherwise after at most three complete readings of the tables. Damage of the loop therefore does
- * not reach the amplifiers beyond voltage limits and step limits, except between the end of a tick
- * and the moment at which info.voltage is read.
+ * all rows are compared within `inputs` ticks, and adds 64 bytes of the voltage problem and 64
+ * bytes of the tables of the other blocks to checksums. PZS_E_CRC reports damaged tables, with
+ * info.block unless they are those of the problem: at once where limits are damaged, otherwise
+ * after at most three complete readings of the tables. Damage of the loop therefore does not reach
+ * the amplifiers beyond voltage limits and step limits, except between the end of a tick and the
+ * moment at which info.voltage is read.
  */
 pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real *readings);
 

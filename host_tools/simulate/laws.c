@@ -119,6 +119,7 @@ static pzs_status leaky_tick(void *self, pzs_loop_signals *signals)
     return PZS_OK;
 }
 
-const pzs_block_type law_clipped_block = {"clipped", PZS_PHASE_STEP, law_bytes, law_init,
-                                          clipped_tick};
-const pzs_block_type law_leaky_block = {"leaky", PZS_PHASE_STEP, law_bytes, law_init, leaky_tick};
+const pzs_block_type law_clipped_block = {"clipped", PZS_PHASE_STEP, law_bytes,
+                                          law_init,  clipped_tick,   NULL};
+const pzs_block_type law_leaky_block = {"leaky",  PZS_PHASE_STEP, law_bytes,
+                                        law_init, leaky_tick,     NULL};

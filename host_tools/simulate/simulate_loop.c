@@ -350,8 +350,8 @@ static pzs_status board_tick(void *self, pzs_loop_signals *signals)
     return status < 0 ? PZS_E_STAGE : (pzs_status)status;
 }
 
-static const pzs_block_type board_block = {"board", PZS_PHASE_STEP, law_bytes, law_init,
-                                           board_tick};
+static const pzs_block_type board_block = {"board",  PZS_PHASE_STEP, law_bytes,
+                                           law_init, board_tick,     NULL};
 
 /*
  * Copy the block list of the scene. For clipped least squares, which has no vibration model, or for

@@ -120,5 +120,5 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
                         state->tables->dead_band);
 }
 
-const pzs_block_type pzs_amplifier_block = {"amplifier", PZS_PHASE_VOLTAGE, block_bytes, block_init,
-                                            block_tick};
+const pzs_block_type pzs_amplifier_block = {"amplifier", PZS_PHASE_VOLTAGE, block_bytes,
+                                            block_init,  block_tick,        NULL};

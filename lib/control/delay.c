@@ -13,17 +13,24 @@
 #include <string.h>
 #include "control.h"
 #include "estimate.h"
+#include "scrub.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
 #include "../core/product.h"
 #include "sensor_check.h"
 
+/* List the parts of the checksum of the tables. Returns their number. */
+static uint32_t list_parts(const pzs_reading_delay *tables, pzs_table_part part[PZS_TABLE_PARTS])
+{
+    part[0] = (pzs_table_part){&tables->inputs, 3u * sizeof tables->inputs};
+    part[1] = scrub_reals(tables->direct, (size_t)tables->sensors * tables->inputs);
+    return 2;
+}
+
 uint32_t pzs_reading_delay_crc(const pzs_reading_delay *tables)
 {
-    const uint16_t counts[3] = {tables->inputs, tables->sensors, tables->delay};
-    const uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    return ~pzs_guard_array_crc(crc, tables->direct, (size_t)tables->sensors * tables->inputs,
-                                sizeof(pzs_real));
+    pzs_table_part part[PZS_TABLE_PARTS];
+    return pzs_scrub_crc(part, list_parts(tables, part));
 }
 
 pzs_status pzs_reading_delay_seal(pzs_reading_delay *tables)
@@ -173,5 +180,13 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     return PZS_OK;
 }
 
+static uint32_t block_parts(const void *tables, uint32_t number,
+                            pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc)
+{
+    const pzs_reading_delay *table = tables;
+    *crc = table->crc;
+    return number == 0 ? list_parts(table, part) : 0;
+}
+
 const pzs_block_type pzs_reading_delay_block = {"reading_delay", PZS_PHASE_READINGS, block_bytes,
-                                                block_init, block_tick};
+                                                block_init,      block_tick,         block_parts};

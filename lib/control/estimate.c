@@ -12,6 +12,7 @@
 #include "estimate.h"
 #include "boxls.h"
 #include "control.h"
+#include "scrub.h"
 #include "../core/guard.h"
 #include "../core/product.h"
 #include "sensor_check.h"
@@ -19,14 +20,19 @@
 #define READY 1u
 #define PADDED(n) (((size_t)(n) + 3u) & ~(size_t)3u)
 
+/* List the parts of the checksum of the tables. Returns their number. */
+static uint32_t list_parts(const pzs_estimator *tables, pzs_table_part part[PZS_TABLE_PARTS])
+{
+    part[0] = (pzs_table_part){&tables->inputs, 3u * sizeof tables->inputs};
+    part[1] = scrub_reals(tables->direct, (size_t)tables->sensors * tables->inputs);
+    part[2] = scrub_reals(tables->gain, (size_t)tables->outputs * tables->sensors);
+    return 3;
+}
+
 uint32_t pzs_estimate_crc(const pzs_estimator *tables)
 {
-    const uint16_t counts[3] = {tables->inputs, tables->outputs, tables->sensors};
-    uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    crc = pzs_guard_crc(crc, tables->direct,
-                        (size_t)tables->sensors * tables->inputs * sizeof(pzs_real));
-    return ~pzs_guard_crc(crc, tables->gain,
-                          (size_t)tables->outputs * tables->sensors * sizeof(pzs_real));
+    pzs_table_part part[PZS_TABLE_PARTS];
+    return pzs_scrub_crc(part, list_parts(tables, part));
 }
 
 pzs_status pzs_estimator_seal(pzs_estimator *tables)
@@ -171,5 +177,13 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     return status;
 }
 
-const pzs_block_type pzs_estimator_block = {"estimator", PZS_PHASE_SHAPE, block_bytes, block_init,
-                                            block_tick};
+static uint32_t block_parts(const void *tables, uint32_t number,
+                            pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc)
+{
+    const pzs_estimator *table = tables;
+    *crc = table->crc;
+    return number == 0 ? list_parts(table, part) : 0;
+}
+
+const pzs_block_type pzs_estimator_block = {"estimator", PZS_PHASE_SHAPE, block_bytes,
+                                            block_init,  block_tick,      block_parts};

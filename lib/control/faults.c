@@ -657,4 +657,4 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 }
 
 const pzs_block_type pzs_fault_detector_block = {"fault_detector", PZS_PHASE_OBSERVE, block_bytes,
-                                                 block_init, block_tick};
+                                                 block_init,       block_tick,        NULL};

@@ -6,14 +6,22 @@
 #include <string.h>
 #include "estimate.h"
 #include "control.h"
+#include "scrub.h"
 #include "../core/guard.h"
+
+/* List the parts of the checksum of the tables. Returns their number. */
+static uint32_t list_parts(const pzs_feed_forward_table *table,
+                           pzs_table_part part[PZS_TABLE_PARTS])
+{
+    part[0] = (pzs_table_part){&table->inputs, 2u * sizeof table->inputs};
+    part[1] = scrub_reals(table->sensitivity, (size_t)table->outputs * table->inputs);
+    return 2;
+}
 
 uint32_t pzs_estimate_known_crc(const pzs_feed_forward_table *table)
 {
-    const uint16_t counts[2] = {table->inputs, table->outputs};
-    const uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    return ~pzs_guard_crc(crc, table->sensitivity,
-                          (size_t)table->outputs * table->inputs * sizeof(pzs_real));
+    pzs_table_part part[PZS_TABLE_PARTS];
+    return pzs_scrub_crc(part, list_parts(table, part));
 }
 
 pzs_status pzs_feed_forward_seal(pzs_feed_forward_table *table)
@@ -146,5 +154,17 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     return PZS_OK;
 }
 
+/* Table 0 is that of the shape, table 1 that of the readings, if it is another one. */
+static uint32_t block_parts(const void *tables, uint32_t number,
+                            pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc)
+{
+    const pzs_known_loads *loads = tables;
+    const pzs_feed_forward_table *table = number == 0 ? loads->shape : loads->readings;
+    if (number > 1 || table == NULL)
+        return 0;
+    *crc = table->crc;
+    return list_parts(table, part);
+}
+
 const pzs_block_type pzs_feed_forward_block = {"feed_forward", PZS_PHASE_READINGS, block_bytes,
-                                               block_init, block_tick};
+                                               block_init,     block_tick,         block_parts};

@@ -165,5 +165,5 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     return PZS_OK;
 }
 
-const pzs_block_type pzs_governor_block = {"governor", PZS_PHASE_READINGS, block_bytes, block_init,
-                                           block_tick};
+const pzs_block_type pzs_governor_block = {"governor", PZS_PHASE_READINGS, block_bytes,
+                                           block_init, block_tick,         NULL};

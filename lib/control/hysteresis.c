@@ -25,6 +25,7 @@
 #include "hysteresis.h"
 #include "control.h"
 #include "step_bounds.h"
+#include "scrub.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
 
@@ -32,20 +33,27 @@
 
 /* ---- tables ----------------------------------------------------------- */
 
+/* List the parts of the checksum of the tables. Returns their number. */
+static uint32_t list_parts(const pzs_hysteresis *tables, pzs_table_part part[PZS_TABLE_PARTS])
+{
+    const size_t sets = tables->sets;
+    part[0] = (pzs_table_part){&tables->inputs, 4u * sizeof tables->inputs};
+    part[1] = scrub_reals(tables->middle, sets);
+    part[2] = scrub_reals(tables->half_range, sets);
+    part[3] = scrub_reals(tables->offset, sets);
+    part[4] = scrub_reals(tables->slope, sets * SEGMENTS);
+    part[5] = scrub_reals(tables->slack, sets * tables->plays);
+    part[6] = scrub_reals(tables->above, sets * tables->plays);
+    part[7] = scrub_reals(tables->below, sets * tables->plays);
+    part[8] = scrub_reals(tables->creep, sets * tables->creeps);
+    part[9] = scrub_reals(tables->creep_rate, tables->creeps);
+    return 10;
+}
+
 uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables)
 {
-    const uint16_t counts[4] = {tables->inputs, tables->sets, tables->plays, tables->creeps};
-    const size_t n = tables->sets, size = sizeof(pzs_real);
-    uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    crc = pzs_guard_array_crc(crc, tables->middle, n, size);
-    crc = pzs_guard_array_crc(crc, tables->half_range, n, size);
-    crc = pzs_guard_array_crc(crc, tables->offset, n, size);
-    crc = pzs_guard_array_crc(crc, tables->slope, n * SEGMENTS, size);
-    crc = pzs_guard_array_crc(crc, tables->slack, n * tables->plays, size);
-    crc = pzs_guard_array_crc(crc, tables->above, n * tables->plays, size);
-    crc = pzs_guard_array_crc(crc, tables->below, n * tables->plays, size);
-    crc = pzs_guard_array_crc(crc, tables->creep, n * tables->creeps, size);
-    return ~pzs_guard_array_crc(crc, tables->creep_rate, tables->creeps, size);
+    pzs_table_part part[PZS_TABLE_PARTS];
+    return pzs_scrub_crc(part, list_parts(tables, part));
 }
 
 static bool are_complete(const pzs_hysteresis *tables)
@@ -524,7 +532,15 @@ static pzs_status inverse_tick(void *self, pzs_loop_signals *signals)
     return PZS_OK;
 }
 
-const pzs_block_type pzs_effect_block = {"effect", PZS_PHASE_READINGS, effect_bytes, effect_init,
-                                         effect_tick};
-const pzs_block_type pzs_inverse_block = {"inverse", PZS_PHASE_VOLTAGE, inverse_bytes, inverse_init,
-                                          inverse_tick};
+static uint32_t effect_parts(const void *tables, uint32_t number,
+                             pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc)
+{
+    const pzs_hysteresis *table = tables;
+    *crc = table->crc;
+    return number == 0 ? list_parts(table, part) : 0;
+}
+
+const pzs_block_type pzs_effect_block = {"effect",    PZS_PHASE_READINGS, effect_bytes,
+                                         effect_init, effect_tick,        effect_parts};
+const pzs_block_type pzs_inverse_block = {"inverse",    PZS_PHASE_VOLTAGE, inverse_bytes,
+                                          inverse_init, inverse_tick,      NULL};

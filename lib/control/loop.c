@@ -319,20 +319,59 @@ static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
     pzs_control_moved(core->control);
 }
 
+/* Let the scrub continue with the next table of a block, or with the next block. */
+static void go_on(pzs_loop *loop, bool is_same_block)
+{
+    loop->state.scrubbed_number = (uint16_t)(is_same_block ? loop->state.scrubbed_number + 1u : 0);
+    loop->state.scrubbed_block = (uint16_t)(loop->state.scrubbed_block + (is_same_block ? 0u : 1u));
+    loop->state.block_scrub.position = 0;
+    loop->state.block_scrub.has_failed = false;
+}
+
+/*
+ * Read the next slice of the tables of the other blocks, one table after the other. A table with a
+ * wrong checksum is read a second time. Returns whether the tables are intact as far as is known;
+ * where they are not, info.block is the block.
+ */
+static bool scrub_block(pzs_loop *loop, const pzs_loop_core *core)
+{
+    pzs_table_part part[PZS_TABLE_PARTS];
+    uint32_t crc = 0, parts = 0;
+    guard_repair_bool(&loop->state.block_scrub.has_failed);
+    if (loop->state.scrubbed_block >= core->count)
+        loop->state.scrubbed_block = 0;
+    const pzs_block *block = &core->blocks[loop->state.scrubbed_block];
+    if (block->type->block_parts != NULL)
+        parts = block->type->block_parts(block->tables, loop->state.scrubbed_number, part, &crc);
+    if (parts == 0) {
+        go_on(loop, false);
+        return true;
+    }
+    if (!pzs_scrub_slice(&loop->state.block_scrub, part, parts, crc)) {
+        loop->info.block = block->type;
+        return false;
+    }
+    if (loop->state.block_scrub.position == 0 && !loop->state.block_scrub.has_failed)
+        go_on(loop, true);
+    return true;
+}
+
 /*
  * Check the next slice of the tables against their checksum. Returns whether the tables are intact,
  * as far as is known.
  */
 static bool scrub_tables(pzs_loop *loop, const pzs_loop_core *core, const pzs_problem *problem)
 {
-    scrub_part part[PROBLEM_PARTS];
+    pzs_table_part part[PROBLEM_PARTS];
     const size_t count = (size_t)problem->inputs * problem->outputs;
-    const scrub_part device_influence = {core->influence, count * sizeof(pzs_real)};
+    const pzs_table_part device_influence = {core->influence, count * sizeof(pzs_real)};
     pzs_problem_parts(problem, part);
-    if (!pzs_scrub_slice(&loop->state.problem_scrub, part, PROBLEM_PARTS, problem->crc))
+    loop->info.block = NULL;
+    if (!pzs_scrub_slice(&loop->state.problem_scrub, part, PROBLEM_PARTS, problem->crc) ||
+        (core->influence != NULL &&
+         !pzs_scrub_slice(&loop->state.influence_scrub, &device_influence, 1, core->influence_crc)))
         return false;
-    return core->influence == NULL ||
-           pzs_scrub_slice(&loop->state.influence_scrub, &device_influence, 1, core->influence_crc);
+    return scrub_block(loop, core);
 }
 
 /* Whether a status of a block takes precedence over the status of the tick so far. */
@@ -353,7 +392,7 @@ static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signal
 {
     const pzs_problem *problem = problem_of(core);
     uint8_t *memory = memory_of(core, problem, 0);
-    (void)finish(loop, result, NULL, -1);
+    (void)finish(loop, result, PZS_IS_ERROR(result) ? loop->info.block : NULL, -1);
     for (size_t k = 0; k < core->count; k++) {
         const pzs_block_type *type = core->blocks[k].type;
         void *self = memory;

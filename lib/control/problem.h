@@ -8,6 +8,6 @@
 
 #define PROBLEM_PARTS 11u
 
-void pzs_problem_parts(const pzs_problem *problem, scrub_part part[PROBLEM_PARTS]);
+void pzs_problem_parts(const pzs_problem *problem, pzs_table_part part[PROBLEM_PARTS]);
 
 #endif

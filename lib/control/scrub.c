@@ -3,6 +3,14 @@
 #include "scrub.h"
 #include "../core/guard.h"
 
+uint32_t pzs_scrub_crc(const pzs_table_part *part, uint32_t parts)
+{
+    uint32_t crc = GUARD_CRC_START;
+    for (uint32_t k = 0; k < parts; k++)
+        crc = part[k].bytes > 0 ? pzs_guard_crc(crc, part[k].data, part[k].bytes) : crc;
+    return ~crc;
+}
+
 /*
  * Compare the checksum after the last slice of the tables, and start again at the first slice.
  * Returns whether this checksum or the one before it was right.
@@ -17,7 +25,7 @@ static bool compare_checksum(pzs_scrub *scrub, uint32_t crc)
     return is_intact;
 }
 
-bool pzs_scrub_slice(pzs_scrub *scrub, const scrub_part *part, uint32_t parts, uint32_t crc)
+bool pzs_scrub_slice(pzs_scrub *scrub, const pzs_table_part *part, uint32_t parts, uint32_t crc)
 {
     size_t room = SCRUB_BYTES, before = 0;
     if (scrub->position == 0)

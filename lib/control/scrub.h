@@ -11,11 +11,15 @@
 #define SCRUB_BYTES                                                                                \
     64u /* size of a slice (bytes): tables of b bytes are checked once in b / SCRUB_BYTES ticks */
 
-/* One array of the tables under a scrub; an absent array has 0 bytes. */
-typedef struct scrub_part {
-    const void *data;
-    size_t bytes;
-} scrub_part;
+/* Describe an array of `count` reals, which may be absent (NULL), as a part of a checksum. */
+static inline pzs_table_part scrub_reals(const pzs_real *value, size_t count)
+{
+    const pzs_table_part part = {value, value != NULL ? count * sizeof *value : 0};
+    return part;
+}
+
+/* Checksum of the parts of some tables, in their order. */
+uint32_t pzs_scrub_crc(const pzs_table_part *part, uint32_t parts);
 
 /*
  * Read the next slice of tables that consist of several parts.
@@ -23,6 +27,6 @@ typedef struct scrub_part {
  * Returns false if the checksum was wrong twice in succession: the tables are damaged. A single
  * wrong checksum may come from damage of *scrub itself.
  */
-bool pzs_scrub_slice(pzs_scrub *scrub, const scrub_part *part, uint32_t parts, uint32_t crc);
+bool pzs_scrub_slice(pzs_scrub *scrub, const pzs_table_part *part, uint32_t parts, uint32_t crc);
 
 #endif

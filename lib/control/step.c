@@ -33,4 +33,5 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     return status;
 }
 
-const pzs_block_type pzs_step_block = {"step", PZS_PHASE_STEP, block_bytes, block_init, block_tick};
+const pzs_block_type pzs_step_block = {"step",     PZS_PHASE_STEP, block_bytes,
+                                       block_init, block_tick,     NULL};

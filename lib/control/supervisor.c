@@ -9,19 +9,25 @@
 #include "control.h"
 #include "monitor.h"
 #include "supervisor.h"
+#include "scrub.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
 
 /* ---- tables ----------------------------------------------------------- */
 
+/* List the parts of the checksum of the tables. Returns their number. */
+static uint32_t list_parts(const pzs_supervision *tables, pzs_table_part part[PZS_TABLE_PARTS])
+{
+    part[0] = (pzs_table_part){&tables->inputs, 5u * sizeof tables->inputs};
+    part[1] = scrub_reals(tables->park, tables->inputs);
+    part[2] = scrub_reals(&tables->fading, 3);
+    return 3;
+}
+
 uint32_t pzs_supervision_crc(const pzs_supervision *tables)
 {
-    const uint16_t counts[5] = {tables->inputs, tables->timeout, tables->ramp_ticks,
-                                tables->alarm_ticks, tables->waits};
-    const pzs_real settings[3] = {tables->fading, tables->noise, tables->load};
-    uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    crc = pzs_guard_array_crc(crc, tables->park, tables->inputs, sizeof(pzs_real));
-    return ~pzs_guard_crc(crc, settings, sizeof settings);
+    pzs_table_part part[PZS_TABLE_PARTS];
+    return pzs_scrub_crc(part, list_parts(tables, part));
 }
 
 pzs_status pzs_supervision_seal(pzs_supervision *tables)
@@ -370,5 +376,13 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     return is_controlled ? PZS_OK : status_of(core->mode);
 }
 
+static uint32_t block_parts(const void *tables, uint32_t number,
+                            pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc)
+{
+    const pzs_supervision *table = tables;
+    *crc = table->crc;
+    return number == 0 ? list_parts(table, part) : 0;
+}
+
 const pzs_block_type pzs_supervisor_block = {"supervisor", PZS_PHASE_SUPERVISE, block_bytes,
-                                             block_init, block_tick};
+                                             block_init,   block_tick,          block_parts};

@@ -32,6 +32,7 @@
 #include <string.h>
 #include "vibration.h"
 #include "control.h"
+#include "scrub.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
 #include "../core/product.h"
@@ -46,26 +47,30 @@
 
 /* ---- tables ----------------------------------------------------------- */
 
-uint32_t pzs_vibration_crc(const pzs_vibration *tables)
+/* List the parts of the checksum of the tables. Returns their number. */
+static uint32_t list_parts(const pzs_vibration *tables, pzs_table_part part[PZS_TABLE_PARTS])
 {
     const size_t modes = tables->modes, inputs = tables->inputs, sensors = tables->sensors;
-    const uint16_t counts[5] = {tables->inputs, tables->outputs, tables->sensors, tables->modes,
-                                tables->delay};
-    const pzs_real settings[3] = {tables->share, tables->mix, tables->slow};
-    const size_t size = sizeof(pzs_real);
-    uint32_t crc = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    crc = pzs_guard_array_crc(crc, tables->shape, tables->outputs * modes, size);
-    crc = pzs_guard_array_crc(crc, tables->reading, sensors * modes, size);
-    crc = pzs_guard_array_crc(crc, tables->direct, sensors * inputs, size);
-    crc = pzs_guard_array_crc(crc, tables->gain, tables->outputs * sensors, size);
-    crc = pzs_guard_array_crc(crc, tables->precision, sensors, size);
-    crc = pzs_guard_array_crc(crc, tables->modal, modes * inputs, size);
-    crc = pzs_guard_array_crc(crc, tables->turn, 4 * modes, size);
-    crc = pzs_guard_array_crc(crc, tables->observer, 3 * modes * modes, size);
-    crc = pzs_guard_array_crc(crc, tables->explain, modes * modes, size);
-    crc = pzs_guard_array_crc(crc, tables->damping, modes * inputs, size);
-    crc = pzs_guard_array_crc(crc, tables->inverse_angle, modes, size);
-    return ~pzs_guard_crc(crc, settings, sizeof settings);
+    part[0] = (pzs_table_part){&tables->inputs, 5u * sizeof tables->inputs};
+    part[1] = scrub_reals(tables->shape, tables->outputs * modes);
+    part[2] = scrub_reals(tables->reading, sensors * modes);
+    part[3] = scrub_reals(tables->direct, sensors * inputs);
+    part[4] = scrub_reals(tables->gain, tables->outputs * sensors);
+    part[5] = scrub_reals(tables->precision, sensors);
+    part[6] = scrub_reals(tables->modal, modes * inputs);
+    part[7] = scrub_reals(tables->turn, 4 * modes);
+    part[8] = scrub_reals(tables->observer, 3 * modes * modes);
+    part[9] = scrub_reals(tables->explain, modes * modes);
+    part[10] = scrub_reals(tables->damping, modes * inputs);
+    part[11] = scrub_reals(tables->inverse_angle, modes);
+    part[12] = scrub_reals(&tables->share, 3);
+    return 13;
+}
+
+uint32_t pzs_vibration_crc(const pzs_vibration *tables)
+{
+    pzs_table_part part[PZS_TABLE_PARTS];
+    return pzs_scrub_crc(part, list_parts(tables, part));
 }
 
 static bool are_complete(const pzs_vibration *tables)
@@ -584,5 +589,13 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     return status;
 }
 
-const pzs_block_type pzs_vibration_block = {"vibration", PZS_PHASE_SHAPE, block_bytes, block_init,
-                                            block_tick};
+static uint32_t block_parts(const void *tables, uint32_t number,
+                            pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc)
+{
+    const pzs_vibration *table = tables;
+    *crc = table->crc;
+    return number == 0 ? list_parts(table, part) : 0;
+}
+
+const pzs_block_type pzs_vibration_block = {"vibration", PZS_PHASE_SHAPE, block_bytes,
+                                            block_init,  block_tick,      block_parts};

@@ -98,8 +98,8 @@ static pzs_status blow_tick(void *self, pzs_loop_signals *signals)
     return PZS_OK;
 }
 
-static const pzs_block_type blow_block = {"blow", PZS_PHASE_VOLTAGE, blow_bytes, blow_init,
-                                          blow_tick};
+static const pzs_block_type blow_block = {"blow",    PZS_PHASE_VOLTAGE, blow_bytes,
+                                          blow_init, blow_tick,         NULL};
 
 /* ---- rig ----------------------------------------------------------------- */
 

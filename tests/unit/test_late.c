@@ -307,6 +307,33 @@ static void test_skip(void **state)
     close_rig(&r);
 }
 
+/* Damaged tables of late readings and of the supervisor are found while the loop runs; the
+ * supervisor then parks the voltages. */
+static void test_scrub(void **state)
+{
+    rig r;
+    (void)state;
+    for (int kind = 0; kind < 3; kind++) {
+        pzs_real direct[K * N];
+        int tick = 0, damaged = 0;
+        open_rig(&r, 2, true, true);
+        memcpy(direct, r.direct, sizeof direct);
+        r.late.direct = direct;
+        r.supervision.alarm_ticks = UINT16_MAX;
+        assert_int_equal(pzs_supervision_seal(&r.supervision), PZS_OK);
+        append(&r, &pzs_supervisor_block, &r.supervision);
+        assert_int_equal(start(&r), PZS_OK);
+        for (; tick < 300 && !damaged; tick++) {
+            direct[3] += tick == 40 && kind == 1 ? PZS_R(0.125) : 0;
+            r.park[2] += tick == 40 && kind == 2 ? PZS_R(0.125) : 0;
+            damaged = pzs_loop_tick(&r.loop, r.wanted, readings_of(&r, 2)) == PZS_W_RAMP;
+        }
+        assert_int_equal(damaged, kind > 0);
+        assert_true(damaged == 0 || tick > 40);
+        close_rig(&r);
+    }
+}
+
 /* The tables set the limit of the optimiser's work; 0 is the default of the library. */
 static void test_work_limit(void **state)
 {
@@ -331,6 +358,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_corrected),    cmocka_unit_test(test_too_old),
         cmocka_unit_test(test_bad_readings), cmocka_unit_test(test_wrong_tables),
-        cmocka_unit_test(test_skip),         cmocka_unit_test(test_work_limit)};
+        cmocka_unit_test(test_skip),         cmocka_unit_test(test_scrub),
+        cmocka_unit_test(test_work_limit)};
     return cmocka_run_group_tests_name("late", tests, NULL, NULL);
 }

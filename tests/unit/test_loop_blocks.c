@@ -475,12 +475,12 @@ static pzs_status fail_tick(void *self, pzs_loop_signals *signals)
     return p->tables->status;
 }
 
-static const pzs_block_type shift_block = {"shift", PZS_PHASE_READINGS, probe_bytes, probe_init,
-                                           shift_readings};
-static const pzs_block_type late_block = {"late", PZS_PHASE_OBSERVE, probe_bytes, probe_init,
-                                          fail_tick};
-static const pzs_block_type early_block = {"early", PZS_PHASE_READINGS, probe_bytes, probe_init,
-                                           fail_tick};
+static const pzs_block_type shift_block = {"shift",    PZS_PHASE_READINGS, probe_bytes,
+                                           probe_init, shift_readings,     NULL};
+static const pzs_block_type late_block = {"late",     PZS_PHASE_OBSERVE, probe_bytes,
+                                          probe_init, fail_tick,         NULL};
+static const pzs_block_type early_block = {"early",    PZS_PHASE_READINGS, probe_bytes,
+                                           probe_init, fail_tick,          NULL};
 
 /* Law: a block that is not the library's takes part in the tick: readings that it shifts have the
  * effect of readings that are shifted. */
@@ -665,6 +665,47 @@ static void test_amplitude(void **state)
     rig_close(&r);
 }
 
+/*
+ * Law: a damaged table of a block is found while the loop runs, by its block, after at most three
+ * rounds of the scrub over all tables; undamaged tables are never reported.
+ */
+static void test_scrub(void **state)
+{
+    static rig r;
+    (void)state;
+    rig_open(&r, 12);
+    list(&r, FEEDS | ESTIMATES);
+    const size_t bytes = sizeof r.influence + sizeof r.direct + sizeof r.gain + sizeof r.by_load +
+                         sizeof r.seen + 4 * sizeof r.lower + sizeof r.weight;
+    const int round = (int)(bytes / 64) + 30;
+    pzs_real *const damaged[] = {NULL,          &r.direct[K * N - 1], &r.gain[0],
+                                 &r.by_load[7], &r.seen[3],           &r.influence[11]};
+    const pzs_block_type *const blame[] = {NULL,
+                                           &pzs_estimator_block,
+                                           &pzs_estimator_block,
+                                           &pzs_feed_forward_block,
+                                           &pzs_feed_forward_block,
+                                           NULL};
+    for (int kind = 0; kind < 6; kind++) {
+        pzs_status status = PZS_OK;
+        int tick = 0;
+        assert_int_equal(start(&r), PZS_OK);
+        for (; tick < 100 + 3 * round && !PZS_IS_ERROR(status); tick++) {
+            act(&r, r.loop.info.voltage, 0);
+            if (tick == 100 && kind > 0)
+                *damaged[kind] += PZS_R(1e-3) * *damaged[kind];
+            status = pzs_loop_tick(&r.loop, r.wanted, r.sensed);
+        }
+        assert_int_equal(status, kind == 0 ? PZS_OK : PZS_E_CRC);
+        if (kind > 0)
+            assert_ptr_equal(r.loop.info.block, blame[kind]);
+        rig_close(&r);
+        rig_open(&r, 12);
+        list(&r, FEEDS | ESTIMATES);
+    }
+    rig_close(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -672,6 +713,7 @@ int main(void)
         cmocka_unit_test(test_wrong_tables),   cmocka_unit_test(test_workspace),
         cmocka_unit_test(test_own_block),      cmocka_unit_test(test_failing_block),
         cmocka_unit_test(test_bad_known_load), cmocka_unit_test(test_precedence),
-        cmocka_unit_test(test_start),          cmocka_unit_test(test_amplitude)};
+        cmocka_unit_test(test_start),          cmocka_unit_test(test_amplitude),
+        cmocka_unit_test(test_scrub)};
     return cmocka_run_group_tests_name("loop_blocks", tests, NULL, NULL);
 }

@@ -62,8 +62,8 @@ static pzs_status do_damage(void *self, pzs_loop_signals *signals)
     return PZS_OK;
 }
 
-static const pzs_block_type damage_block = {"damage", PZS_PHASE_VOLTAGE, no_bytes, no_init,
-                                            do_damage};
+static const pzs_block_type damage_block = {"damage", PZS_PHASE_VOLTAGE, no_bytes,
+                                            no_init,  do_damage,         NULL};
 
 static void open_rig(rig *r, unsigned seed)
 {

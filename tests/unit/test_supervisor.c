@@ -108,8 +108,8 @@ static pzs_status fail_tick(void *self, pzs_loop_signals *signals)
     return told->status;
 }
 
-static const pzs_block_type failing_block = {"failing", PZS_PHASE_READINGS, no_bytes, no_init,
-                                             fail_tick};
+static const pzs_block_type failing_block = {"failing", PZS_PHASE_READINGS, no_bytes,
+                                             no_init,   fail_tick,          NULL};
 
 typedef struct rig {
     unsigned seed;
