@@ -165,15 +165,14 @@ typedef struct text_room {
     double middle[2], width, height;
 } text_room;
 
-/* The room of an electrode is its bounding box, shrunk to its area; in a ring an element. */
+/* The room of an electrode is its mean width and height around its middle; in a ring an element. */
 static text_room room_of(const electrode *electrode)
 {
     static const double half[2] = {0.5, 0.5};
     const double *low = electrode->low, *high = electrode->high;
     const double width = high[0] - low[0], height = high[1] - low[1];
-    const double shrink = sqrt(electrode->area / (width * height));
     const double centre[2] = {low[0] + width / 2, low[1] + height / 2};
-    text_room room = {{centre[0], centre[1]}, shrink * width, shrink * height};
+    text_room room = {{centre[0], centre[1]}, electrode->area / height, electrode->area / width};
     double at[2], nearest[2] = {0, 0}, least = HUGE_VAL;
     for (int k = 0; k < electrode->part.cells; k++) {
         shell_inside(&electrode->part, k, half, at);

@@ -105,7 +105,7 @@ static void write_verdict(const shape_page *shape)
 {
     const voltages *best = main_result(shape);
     put(shape->page.file,
-        "<p class=\"verdict\"><b>Relative RMS error %p</b>: %t (%l), limit active at %d of %d "
+        "<p class=\"verdict\"><b>Relative RMS error %p</b>: %t, %l, limit active at %d of %d "
         "amplifiers.</p>\n",
         best->error, best->name, best->limit, shape->voltage.unit, best->active_limits,
         best->amplifiers);
@@ -208,8 +208,10 @@ static void draw_result(shape_page *shape, const voltages *result)
     find_marks(shape, result);
     const draw_scale own = {true, page->misfit, page->scene->unit_length};
     put(page->file,
-        "<article class=\"set\">\n<h3>%t (%l) — relative RMS error %p</h3>\n<div class=\"row\">\n",
-        result->name, result->limit, shape->voltage.unit, result->error);
+        is_limited(result) ? "<article class=\"set\">\n<h3>%t, %l"
+                           : "<article class=\"set\">\n<h3>%t",
+        result->name, result->limit, shape->voltage.unit);
+    put(page->file, " — relative RMS error %p</h3>\n<div class=\"row\">\n", result->error);
     if (page->analysis->source->has_structure) {
         fputs("<figure>\n", page->file);
         page_draw_shape(page, &page->scale);

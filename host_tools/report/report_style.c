@@ -82,7 +82,7 @@ static const char *const picture_style[] = {
     "font-weight:600;paint-order:stroke;stroke:var(--panel);stroke-width:3px;",
     "stroke-linejoin:round}.pin{fill:var(--ink)}.body{fill:var(--soft);fill-opacity:.13;",
     "stroke:var(--soft);stroke-width:.6}.force{fill:var(--force);stroke:var(--force);",
-    "stroke-width:1.8}.axis{fill:none;stroke:var(--soft)}.patch{fill:none;stroke:var(--panel);",
+    "stroke-width:1.8}.axis{fill:none;stroke:var(--soft)}.patch{fill:none;stroke:var(--none);",
     "stroke-width:1}.limit,.beyond{fill:none;stroke:var(--ink);stroke-width:2.2}.beyond{",
     "stroke-dasharray:5 3}.limit.strong,.beyond.strong{stroke:var(--inverse)}svg text.mild{",
     "fill:var(--ink)}svg text.strong{fill:var(--inverse)}",
