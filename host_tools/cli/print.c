@@ -416,8 +416,9 @@ static double rounded_volt(double voltage)
 }
 
 /*
- * Whether the amplifiers of an actuator are a list in the order of their numbers: stacks, element
- * sets of a mesh file, or electrodes of any outline that are no grid.
+ * Whether the voltages of an actuator are printed as a list in the order of the amplifiers'
+ * numbers: stack actuators, element sets of a mesh file, or electrodes of any outline that do not
+ * form a grid.
  */
 static int is_list(const scene *scene, const scene_actuator *actuator)
 {
@@ -429,7 +430,10 @@ static int is_list(const scene *scene, const scene_actuator *actuator)
     return patches->patch != NULL || patches->outlines != NULL;
 }
 
-/* Print the voltages of a list of amplifiers, several to a line after the number of the first. */
+/*
+ * Print the voltages of a list of amplifiers (V), several on a line after the number of the first
+ * of them.
+ */
 static void print_list(const scene_actuator *actuator, const double *voltage)
 {
     enum { ROW = 8 };
@@ -466,7 +470,7 @@ static void print_grid(const scene_actuator *actuator, const double *voltage)
     }
 }
 
-/* Print the voltages of all actuators. */
+/* Print the voltages of all actuators (V). */
 static void print_voltages(const scene *scene, const voltages *result)
 {
     char limits[32] = "";

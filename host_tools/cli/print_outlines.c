@@ -4,7 +4,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Areas of the electrodes of one item of the section `patches`, or NULL where memory runs out. */
+/*
+ * Areas of the electrodes of one item of the scene's section `patches` (square of the scene's unit
+ * of length), or NULL where memory runs out. The caller frees the array.
+ */
 static double *areas_of(const mesh *mesh, const scene_outlines *outlines)
 {
     double *area = calloc((size_t)outlines->electrodes, sizeof *area);

@@ -6,7 +6,10 @@
 #include "../mesh/mesh.h"
 #include "../text/json.h"
 
-/* Print a line for each item of the section `patches` that has outlines. */
+/*
+ * Print a line with the electrodes' areas for each item of the scene's section `patches` that has
+ * outlines.
+ */
 void print_outlines(const mesh *mesh);
 
 /*

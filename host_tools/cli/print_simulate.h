@@ -7,7 +7,7 @@
 #include "../simulate/simulate_record.h"
 #include "history.h"
 
-/* Receivers of the results of every tick of a simulation. */
+/* Records and files that receive the results of every tick of a simulation. */
 typedef struct simulate_sinks {
     simulate_record *record; /* record of the errors of all control laws, opened by the caller */
     FILE *csv; /* CSV file that receives a header and one line for each tick of the controller, or

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Hysteresis and creep from a measured sweep (identify.h). */
+/*
+ * Identification of hysteresis and creep from a measured sweep by bounded least squares
+ * (identify.h).
+ */
 #include "identify.h"
 #include <math.h>
 #include <stdio.h>
@@ -9,36 +12,47 @@
 
 enum { SLOPES = PZS_HYSTERESIS_SEGMENTS, CREEPS = 3, LEAST_SAMPLES = 100, MOST_SAMPLES = 60000 };
 
-/* Time constants of the creep (s): a decade apart, as creep goes with the logarithm of time. */
+/*
+ * Time constants of the creep model (s), a decade apart, because creep grows with the logarithm of
+ * time.
+ */
 static const double creep_time[CREEPS] = {0.1, 1, 10};
 
-/* Slack of the last play over half of the range, and power by which the slacks grow. */
+/*
+ * Slack of the last play operator relative to half of the voltage range, and exponent with which
+ * the slacks of the play operators grow.
+ */
 static const double widest_slack = 0.95, slack_power = 1.3;
 
-/* Smallest slope over the mean slope: the inverse multiplies noise by 10 at most. */
+/*
+ * Smallest slope of the model relative to the mean slope; the inverse of the model then multiplies
+ * noise by 10 at most.
+ */
 static const double least_slope = 0.1;
 
 /*
- * Weight of the differences of both weights of a play, over that of the samples: a small one keeps
- * the weights alike that the sweep cannot tell apart.
+ * Weight of the rows that make both weights of a play operator equal, relative to the rows of the
+ * samples. A small value suffices to keep those weights equal that the sweep cannot distinguish.
  */
 static const double likeness = 0.05;
 
 /*
- * The least squares: a row for each sample and for each play; the unknowns are slopes, weights
- * above and below, creep, constant.
+ * Bounded least-squares problem with one row for each sample and one for each play operator. The
+ * unknowns are the slopes, the weights of the play operators for positive and for negative values,
+ * the creep, and a constant.
  */
 typedef struct fit {
     const sweep *sweep;
     size_t plays, unknowns, rows;
-    double middle, half_range; /* of the voltages (V) */
-    double lowest, highest;    /* positions */
-    double unit;               /* position per volt of the whole sweep, the unit of the unknowns */
-    double slack[SCENE_PLAYS]; /* (V) */
-    double *matrix;            /* [rows][unknowns] */
-    double *wanted, *weight;   /* [rows] */
-    double *bound;             /* [4][unknowns] lower, upper, step limit, reference */
-    double *value;             /* [unknowns] */
+    double middle, half_range; /* middle and half width of the voltage range (V) */
+    double lowest, highest;    /* lowest and highest measured position */
+    double unit; /* range of the positions over range of the voltages, the unit of the unknowns */
+    double slack[SCENE_PLAYS]; /* slack of each play operator (V) */
+    double *matrix;            /* [rows][unknowns] matrix of the least-squares problem */
+    double *wanted, *weight;   /* [rows] right-hand side and weights of the least-squares problem */
+    double *bound; /* [4][unknowns] lower bounds, upper bounds, step limits and reference values of
+                      the unknowns */
+    double *value; /* [unknowns] solution of the least-squares problem */
 } fit;
 
 static int refuse(char *error, const char *text)
@@ -66,7 +80,11 @@ static void find_ranges(fit *fit)
     fit->unit = (fit->highest - fit->lowest) / (high - low);
 }
 
-/* Slope of the straight line of least squares through the sweep; *rms is what the line leaves. */
+/*
+ * Slope of the least-squares straight line through the samples of the sweep (position per volt).
+ *   rms out  root mean square difference between samples and line, relative to the range of the
+ *       positions
+ */
 static double straight_line(const fit *fit, double *rms)
 {
     const sweep *sweep = fit->sweep;
@@ -124,7 +142,11 @@ static void close_fit(fit *fit)
     free(fit->bound);
 }
 
-/* Part of s that lies in each quarter of the range, counted from the middle. */
+/*
+ * Parts of a voltage, counted from the middle of the range, that lie in each quarter of the voltage
+ * range.
+ *   row [SLOPES] out
+ */
 static void fill_slopes(const fit *fit, double s, double *row)
 {
     for (int i = 0; i < SLOPES; i++) {
@@ -134,7 +156,7 @@ static void fill_slopes(const fit *fit, double s, double *row)
     }
 }
 
-/* Rows of the samples: the effects that each unknown would have with the value 1. */
+/* Fill the rows of the samples: the effects that each unknown would have with the value 1. */
 static void fill_samples(fit *fit)
 {
     const size_t plays = fit->plays;
@@ -174,7 +196,7 @@ static void fill_samples(fit *fit)
     }
 }
 
-/* Rows by which the two weights of a play are to be alike. */
+/* Fill the rows that make the two weights of each play operator equal. */
 static void fill_likeness(fit *fit)
 {
     for (size_t k = 0; k < fit->plays; k++) {
@@ -186,7 +208,10 @@ static void fill_likeness(fit *fit)
     }
 }
 
-/* Bounds of the unknowns: slopes above the least, the constant free, all others not negative. */
+/*
+ * Set the bounds of the unknowns: slopes not below the smallest slope, the constant free, all
+ * others not negative.
+ */
 static void fill_bounds(fit *fit)
 {
     double *lower = fit->bound, *upper = lower + fit->unknowns, *step = upper + fit->unknowns;
@@ -197,7 +222,10 @@ static void fill_bounds(fit *fit)
     lower[fit->unknowns - 1] = -HUGE_VAL;
 }
 
-/* Solve the least squares within the bounds, by the optimiser of the control step. */
+/*
+ * Solve the bounded least-squares problem with the optimiser of the control step. Returns 0, or -1
+ * with error filled.
+ */
 static int solve(fit *fit, char *error)
 {
     const uint16_t n = (uint16_t)fit->unknowns, m = (uint16_t)fit->rows;
@@ -227,8 +255,8 @@ static int solve(fit *fit, char *error)
 /* ---- result ----------------------------------------------------------- */
 
 /*
- * Effect over voltage of a swing from the lowest to the highest voltage, without creep: each play
- * follows all but twice its slack.
+ * Effect per volt of a change from the lowest to the highest voltage, without creep; each play
+ * operator follows the change except for twice its slack.
  */
 static double swing_gain(const fit *fit)
 {
@@ -249,10 +277,13 @@ static void take_list(scene_short_list *list, const double *value, size_t count,
         list->value[k] = factor * value[k];
 }
 
-/* Effect that the fit has at 0 V before any other voltage, in volts of the whole sweep. */
+/*
+ * Effect of the fitted model at 0 V before any other voltage was applied, in units of the
+ * least-squares problem (V).
+ */
 static double effect_at_start(const fit *fit)
 {
-    const double place = -fit->middle; /* all plays start at 0 V */
+    const double place = -fit->middle; /* all play operators start at 0 V */
     double row[SLOPES], sum = fit->value[fit->unknowns - 1] * fit->half_range;
     fill_slopes(fit, place, row);
     for (int i = 0; i < SLOPES; i++)

@@ -116,7 +116,8 @@ typedef struct simulation {
                             or `feeds` is set */
     damper damper; /* tables of the control tick that damps vibration; unused for a quasi-static
                       plant */
-    damper unused_damper; /* an unused damper, for the block list without a vibration block */
+    damper unused_damper; /* empty tables of a vibration block, for the block list without that
+                             block */
     struct loop_blocks *undamped_blocks; /* block list without a vibration block, for the control
                                             laws for comparison */
     int estimates, feeds, quantises; /* flags: the shape is estimated from few sensors; known loads
