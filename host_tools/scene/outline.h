@@ -68,9 +68,9 @@ void outlines_find_boxes(scene_outlines *outlines);
 void outlines_free(scene_outlines *outlines);
 
 /*
- * Function that draws a piece of an electrode in an element: an area of three or more points, or a
- * part of the outline between two points.
- *   at [count][2] in  natural coordinates of the element, -1 to 1
+ * Function that draws one piece of an electrode in an element: an area with three or more corners,
+ * or a line between two points of the outline.
+ *   at  [count][2] in  natural coordinates of the element, from -1 to 1
  */
 typedef void outline_draw(void *context, int element, const double (*at)[2], size_t count);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Area of an element, or of a part of one, that the polygons of an electrode cover. */
+/* Area of an element, or of a part of an element, that the polygons of an electrode cover. */
 #ifndef OUTLINE_COVER_H
 #define OUTLINE_COVER_H
 

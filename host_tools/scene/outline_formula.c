@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Electrodes that are given by a formula (outline_formula.h). */
+/* Electrodes whose area is given by a formula (outline_formula.h). */
 #include "outline_formula.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Electrodes of one layer that overlap (outline_overlap.h). */
+/* Check that electrodes on one layer do not overlap (outline_overlap.h). */
 #include "outline_overlap.h"
 
 #include <math.h>

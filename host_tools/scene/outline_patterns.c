@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Outlines of electrodes as polygons (outline_patterns.h). */
+/*
+ * Circles and patterns of cells as polygons, which are the outlines of electrodes
+ * (outline_patterns.h).
+ */
 #include "outline_patterns.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Pieces of electrodes for pictures (outline_pieces.h). */
+/* Pieces of electrodes, element by element, for pictures (outline_pieces.h). */
 #include "outline_pieces.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Pieces of electrodes of any outline, element by element, for pictures. */
+/* Pieces of electrodes with outlines of any shape, element by element, for pictures. */
 #ifndef OUTLINE_PIECES_H
 #define OUTLINE_PIECES_H
 

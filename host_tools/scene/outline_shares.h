@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Part of the area of each element that an electrode of any outline covers.
- *
- * Polygons are clipped against the element, whose sides are straight in the plane of the outlines.
- * The area of the surface over that of the plane is taken to be linear over an element, so that the
- * parts are exact on plates and on polar meshes in theta1 and theta2, and of second order in the
- * size of the elements elsewhere. A formula is taken to be linear on triangles of a 16 x 16 grid in
- * each element. The parts of electrodes that cover an element together add up to 1.
+ * Part of the area of each element that an electrode with an outline of any shape covers. Polygons
+ * are clipped to the element, whose sides are straight in the plane of the outlines. The ratio of
+ * the areas on the surface and in the plane is taken as linear over an element, so that the parts
+ * are exact on plates and on polar meshes in theta1 and theta2, and of second order in the size of
+ * the elements elsewhere. A formula is taken as linear on the triangles of a 16 x 16 grid in each
+ * element. The parts of electrodes that cover an element together add up to 1.
  */
 #ifndef OUTLINE_SHARES_H
 #define OUTLINE_SHARES_H

@@ -672,14 +672,20 @@ typedef struct scene_short_list {
  */
 typedef struct scene_hysteresis {
     int given;
-    double range[2];        /* lowest and highest voltage of the identified range (V) */
-    scene_short_list slope; /* [4] slopes of the line without memory, from the lowest quarter */
-    scene_short_list slack; /* [plays] rising slacks of the plays (V) */
-    scene_short_list above; /* [plays] weights of the plays above the middle of the range */
-    scene_short_list below; /* [plays] weights of the plays below the middle of the range */
-    scene_short_list creep_time; /* [creeps] time constants of the creep (s) */
-    scene_short_list creep;      /* [creeps] final creep over the voltage */
-    double offset;               /* effect at 0 V before any other voltage (V) */
+    double range[2]; /* lowest and highest voltage at which the hysteresis was identified (V) */
+    scene_short_list slope; /* [4] slopes of the hysteresis model's line without memory in the four
+                               quarters of the voltage range, from the lowest quarter (1) */
+    scene_short_list slack; /* [plays] slack of each play operator of the hysteresis model,
+                               ascending (V) */
+    scene_short_list above; /* [plays] weight of each play operator above the middle of the voltage
+                               range (1) */
+    scene_short_list below; /* [plays] weight of each play operator below the middle of the voltage
+                               range (1) */
+    scene_short_list creep_time; /* [creeps] time constants of the ceramic's creep (s) */
+    scene_short_list creep; /* [creeps] creep of each time constant after a long time, relative to
+                               the voltage (1) */
+    double offset; /* output of the hysteresis model at 0 V before any other voltage was applied (V)
+                    */
 } scene_hysteresis;
 
 typedef struct scene {
