@@ -49,9 +49,16 @@ static void rig_open(rig *r)
         r->upper[k] = 50;
         r->slew[k] = 7;
     }
-    const pzs_problem problem = {PZS_TABLE_FORMAT, 1,         0,         N,        M,
-                                 r->influence,     NULL,      r->weight, r->lower, r->upper,
-                                 r->slew,          r->prefer, 0};
+    const pzs_problem problem = {.format = PZS_TABLE_FORMAT,
+                                 .scene = 1,
+                                 .inputs = N,
+                                 .outputs = M,
+                                 .influence = r->influence,
+                                 .weight = r->weight,
+                                 .lower = r->lower,
+                                 .upper = r->upper,
+                                 .step_limit = r->slew,
+                                 .reference_voltage = r->prefer};
     r->problem = problem;
     r->problem.crc = pzs_problem_crc(&r->problem);
     r->work = malloc(PZS_CONTROL_BYTES(N, M));
