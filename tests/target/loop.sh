@@ -37,6 +37,15 @@ loop_few() {
         >"$scratch/$name.json" 2>"$scratch/found"
 }
 
+# loop_damped NAME ARGUMENTS: the damped tick on a plant with inertia, which misses six ticks
+damped='[{at: 0, load: 0, factor: 0}, {at: 40, target: -0.5}, {at: 70, missed_ticks: 6}, {at: 90, missing_sensors: 0.3, ticks: 5}]'
+loop_damped() {
+    name=$1
+    shift
+    "$PZS" simulate plate-closed-loop --set kinematics=linear --set simulate.influence=undeformed --set simulate.plant.kinematics=linear \
+        --set simulate.ticks=120 --set "simulate.events=$damped" --json --csv "$scratch/$name.csv" "$@" >"$scratch/$name.json" 2>"$scratch/found"
+}
+
 # count FILE KEY: the first number of a key
 count() {
     sed -n "s/^.*\"$2\": \([0-9]*\).*$/\1/p" "$1" | head -n 1
@@ -67,6 +76,9 @@ if tap_needs "$ARM_CC" 'loop' && tap_needs "$QEMU" 'loop'; then
     tap $? 'few sensors in double'
     board_few mps2-an500 double
     board_few netduinoplus2 netduinoplus2
+    loop_damped damped --device netduinoplus2 && [ "$(count "$scratch/damped.json" device_same)" = 114 ] &&
+        grep -q '"dynamics": "inertia"' "$scratch/damped.json" && tail -n 1 "$scratch/damped.csv" | awk -F, '{ exit !($4 < 0.05) }'
+    tap $? 'netduinoplus2: the damped tick on a vibrating plant, 114 ticks with the bits of the same C here, vibration below 5 %'
     ! cmp -s "$scratch/double.csv" "$scratch/netduinoplus2.csv"
     tap $? 'float and double differ'
     ARM_CC=false
