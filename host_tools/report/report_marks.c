@@ -97,7 +97,7 @@ void shell_directions(const shell *shell)
     }
 }
 
-/* Gap between a point in space and the rigid body in its present position; its gradient. */
+/* Gap between a point and the rigid body in its position. normal [3] out: gradient of the gap. */
 static double gap_at(const equilibrium *equilibrium, const double place[3], double normal[3])
 {
     const double *move = equilibrium->design->scene->contact.move;
@@ -107,7 +107,7 @@ static double gap_at(const equilibrium *equilibrium, const double place[3], doub
     return equilibrium->body.gap(&equilibrium->body, from, normal, hessian);
 }
 
-/* Move a point onto the body in some steps, since a gap may be inexact; normal of the body. */
+/* Move a point onto the rigid body in a few steps. normal [3] out: normal of the body there. */
 static void pull_to_body(const equilibrium *equilibrium, double place[3], double normal[3])
 {
     for (int k = 0; k < 4; k++) {

@@ -117,7 +117,7 @@ static void write_variables(FILE *file, int is_dark)
     fputs("}\n", file);
 }
 
-/* Write a style rule with colours for its variables, which many viewers of SVG do not know. */
+/* Write a style rule with colours in place of CSS variables, which many SVG viewers do not know. */
 static void write_expanded(FILE *file, const char *rule, int is_dark)
 {
     const char *at;
