@@ -1,8 +1,9 @@
 /*
  * The control loop: a list of blocks around the control step, which one call runs in each tick.
  * Blocks of the library: correction of late readings, feed-forward of known loads, shape estimator,
- * vibration damper, governor for moving targets, control step, converter steps of the amplifiers,
- * fault detector for electrodes, supervisor. SPDX-License-Identifier: BSD-2-Clause
+ * vibration damper, governor for moving targets, compensation of hysteresis, control step,
+ * converter steps of the amplifiers, fault detector for electrodes, supervisor.
+ * SPDX-License-Identifier: BSD-2-Clause
  *
  *     static pzs_real work[MIRROR_LOOP_BYTES / sizeof(pzs_real) + 1];
  *     static pzs_loop loop;
@@ -75,8 +76,9 @@ typedef struct pzs_loop_signals {
     struct pzs_compensator *compensator; /* compensation of hysteresis, which pzs_effect_block sets
                                             for pzs_inverse_block; NULL: the list has no such blocks
                                           */
-    bool has_inverse;   /* during the initialisation: true if the list has a pzs_inverse_block */
-    uint32_t missed;    /* number of ticks missed before this one, at most PZS_MISSED_LIMIT */
+    bool has_inverse; /* during the initialisation: true if the list has a pzs_inverse_block */
+    uint32_t missed;  /* number of ticks that were missed before this tick, at most PZS_MISSED_LIMIT
+                       */
     pzs_real deviation; /* RMS amplitude by which the measured motion deviates from the prediction
                            of the model (m); negative: no block has computed it */
     uint32_t warnings;  /* one bit, 1 << status, for each warning that a block has returned in this
@@ -124,7 +126,7 @@ typedef struct pzs_block {
 } pzs_block;
 
 #define PZS_BLOCK_LIMIT 16  /* largest number of blocks in a list */
-#define PZS_MISSED_LIMIT 64 /* largest number of missed ticks over which a tick predicts */
+#define PZS_MISSED_LIMIT 64 /* largest number of missed ticks over which the blocks predict */
 
 /* Results of the loop that a program may read. */
 typedef struct pzs_loop_info {
@@ -330,7 +332,8 @@ extern const pzs_block_type pzs_estimator_block;
 
 /* Tables of the correction of late readings. All arrays are const and may stay in flash. */
 typedef struct pzs_reading_delay {
-    uint32_t format, scene; /* format and scene of the problem */
+    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
+                               that of the voltage problem */
     uint32_t crc;           /* checksum of the following members and their arrays, computed by
                                pzs_reading_delay_seal */
     uint16_t inputs, sensors;
@@ -347,12 +350,12 @@ typedef struct pzs_reading_delay {
 pzs_status pzs_reading_delay_seal(pzs_reading_delay *tables);
 
 /*
- * Correction of late readings as a block of PZS_PHASE_READINGS, the first block of a list but for
- * an effect block: adds to each reading the change that the model predicts from the voltages given
- * since the reading was taken. A reading that is missing or stuck is passed on as NaN. A list with
- * a vibration block needs no correction, because that block takes the delay into account. Tables:
- * pzs_reading_delay. Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other sizes),
- * PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE.
+ * The correction of late readings as a block of the loop, in PZS_PHASE_READINGS, the first of a
+ * list except for an effect block. It adds to each reading the change that the model predicts from
+ * the voltages applied since the reading was taken. A missing or stuck reading becomes NaN. A list
+ * with a vibration block needs no correction, because that block takes the delay into account.
+ * Tables: pzs_reading_delay. Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other
+ * sizes), PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE.
  */
 extern const pzs_block_type pzs_reading_delay_block;
 #define PZS_READING_DELAY_BLOCK_BYTES(inputs, sensors, delay)                                      \
@@ -741,51 +744,61 @@ extern const pzs_block_type pzs_feed_forward_block;
 /* ---- hysteresis and creep of the actuators (lib/control/hysteresis.c) --- */
 
 /*
- * Hysteresis and creep of each electrode, identified from a measured sweep (`pzs calibrate
- * --hysteresis`). The voltage v has the effect u (V): the voltage that an electrode without
- * hysteresis would need for as large a displacement. With s = v - middle,
+ * Tables of hysteresis and creep of the electrodes, identified from a measured sweep (`pzs
+ * calibrate --hysteresis`). The effect u (V) of an electrode at the voltage v is the voltage that
+ * an electrode without hysteresis would need for the same displacement. With s = v - middle,
  *
- *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j.
+ *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j
  *
- * m is a line through 0 of four slopes, one for each quarter of the range. Play i follows s with a
- * slack: P_i stays where it is while |s - P_i| is less than the slack, and is drawn along
- * otherwise. Its weight a_i is `above` where P_i is positive and `below` where it is negative. The
- * creep x_j goes the part creep_rate[j] of the way to creep[j] v in each tick. All arrays are
- * const, in flash.
+ * where m is a piecewise linear function through 0 with four slopes, one for each quarter of the
+ * voltage range. The position P_i of play i stays constant while |s - P_i| is less than its slack,
+ * and then moves with s; its weight a_i is `above` for positive and `below` for negative P_i. In
+ * each tick the creep x_j goes the part creep_rate[j] of the way to creep[j] v. All arrays are
+ * const and may stay in flash.
  */
 #define PZS_HYSTERESIS_SEGMENTS 4u
-#define PZS_PLAY_LIMIT 32u           /* most plays of an electrode */
-#define PZS_CREEP_LIMIT 8u           /* most creeps of an electrode */
-#define PZS_LEAST_SLOPE PZS_R(0.001) /* smallest slope of m */
+#define PZS_PLAY_LIMIT 32u /* largest number of plays of an electrode */
+#define PZS_CREEP_LIMIT 8u /* largest number of creeps of an electrode */
+#define PZS_LEAST_SLOPE                                                                            \
+    PZS_R(0.001) /* smallest slope of the piecewise linear part of the effect                      \
+                  */
 
 typedef struct pzs_hysteresis {
-    uint32_t format, scene; /* format and scene of the problem */
-    uint32_t crc;           /* checksum of everything below; see pzs_hysteresis_seal */
+    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
+                               that of the voltage problem */
+    uint32_t crc;           /* checksum of the following members and their arrays, computed by
+                               pzs_hysteresis_seal */
     uint16_t inputs;
-    uint16_t sets; /* number of sets of numbers: 1 for electrodes that are alike, or one for each
-                      input */
+    uint16_t sets; /* number of parameter sets: 1 if all electrodes are alike, otherwise the number
+                      of inputs */
     uint16_t plays, creeps;
     const pzs_real *middle;     /* [sets] middle of the voltage range (V) */
     const pzs_real *half_range; /* [sets] half of the voltage range (V) */
-    const pzs_real *offset;     /* [sets] effect at the middle of the range, where the plays and the
-                                   creep are 0 (V) */
-    const pzs_real *slope;      /* [sets][4] slopes of m, from the lowest quarter to the highest, at
-                                   least PZS_LEAST_SLOPE (1) */
-    const pzs_real *slack;      /* [sets][plays] rising slacks of the plays, above 0 (V) */
-    const pzs_real *above;      /* [sets][plays] weight of each play above 0, not negative (1) */
-    const pzs_real *below;      /* [sets][plays] weight of each play below 0, not negative (1) */
-    const pzs_real *creep;      /* [sets][creeps] final effect of each creep per volt, not negative
-                                   (1) */
-    const pzs_real *creep_rate; /* [creeps] part of the way that each creep goes in a tick, 0 to 1
-                                 */
+    const pzs_real *offset;     /* [sets] effect in the middle of the voltage range, with plays and
+                                   creeps at 0 (V) */
+    const pzs_real *slope; /* [sets][4] slopes of the piecewise linear part of the effect, from the
+                              lowest quarter of the voltage range to the highest, at least
+                              PZS_LEAST_SLOPE (1) */
+    const pzs_real *slack; /* [sets][plays] slack of each play, above 0 and ascending (V) */
+    const pzs_real *above; /* [sets][plays] weight of each play while its position is positive, at
+                              least 0 (1) */
+    const pzs_real *below; /* [sets][plays] weight of each play while its position is negative, at
+                              least 0 (1) */
+    const pzs_real *creep; /* [sets][creeps] final effect of each creep per volt, at least 0 (1) */
+    const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final effect that each
+                                   creep goes in a tick */
 } pzs_hysteresis;
 
-/* Set format and checksum of tables that a firmware has built itself. Errors: ARGUMENT. */
+/*
+ * Write the format number and the checksum into hysteresis tables that a firmware has built itself.
+ * Errors: PZS_E_ARGUMENT.
+ */
 pzs_status pzs_hysteresis_seal(pzs_hysteresis *tables);
 
-/* Results of the compensation that a program may read. */
+/* Results of the compensation of hysteresis that a program may read. */
 typedef struct pzs_compensator_info {
-    const pzs_real *effect; /* [inputs] effects of the voltages of the last tick (V) */
+    const pzs_real *effect; /* [inputs] effects of the voltages of the last tick: the voltages that
+                               electrodes without hysteresis would need (V) */
 } pzs_compensator_info;
 
 typedef struct pzs_compensator {
@@ -794,21 +807,22 @@ typedef struct pzs_compensator {
 } pzs_compensator;
 
 /*
- * Compensation of hysteresis and creep by two blocks around the control step, with the same tables.
- * The effect block, of PZS_PHASE_READINGS, puts effects in the place of the voltages: those of the
- * voltages given last, and as limits the effects at both ends of the range that voltage limits and
- * step limit leave in this tick. The blocks behind it observe and choose effects. The inverse
- * block, the first of PZS_PHASE_VOLTAGE, puts back the voltages that have the chosen effects. So
- * voltages stay inside limits and step limits to the last bit, and the step is optimal for the
- * stroke that the electrodes have in this tick. While the target or all readings are missing, the
- * effects are held: the voltages then follow the creep.
+ * Compensation of hysteresis and creep by two blocks around the control step, which share their
+ * tables. The effect block, in PZS_PHASE_READINGS and the first one of a list, replaces the
+ * voltages of the last tick by their effects, and the limits by the effects at the ends of the
+ * range of this tick. The following blocks observe and choose effects. The inverse block, the first
+ * one of PZS_PHASE_VOLTAGE, restores the voltages that have the chosen effects. Voltages thus stay
+ * inside voltage limits and step limits to the last bit, and the control step is optimal for the
+ * range of effects in this tick. While the target or all readings are missing, the effects are
+ * held, and the voltages follow the creep.
  *
- * The influence matrix is that of effects. The memory of an electrode cannot be measured; a wrong
- * one is forgotten with the next large swing.
- * The effect block is the first one of a list. Object of the effect block: pzs_compensator. Its
- * init returns ARGUMENT (also tables of other counts), FORMAT, CRC, STAGE (no inverse block in the
- * list), LIMITS (input `where` has an infinite voltage limit, or values that the comments of
- * pzs_hysteresis exclude).
+ * The influence matrix is per volt of effect. The memory of an electrode cannot be measured; a
+ * wrong memory is forgotten after the next large change of voltage.
+ *
+ * Memory of the effect block, returned by pzs_loop_find: pzs_compensator. Errors of its
+ * initialisation: PZS_E_ARGUMENT (also for tables of other sizes), PZS_E_FORMAT, PZS_E_CRC,
+ * PZS_E_STAGE (no inverse block in the list), PZS_E_LIMITS (input info.where has an infinite
+ * voltage limit, or parameters outside the ranges that pzs_hysteresis states).
  */
 extern const pzs_block_type pzs_effect_block, pzs_inverse_block;
 #define PZS_EFFECT_BLOCK_BYTES(inputs, plays, creeps)                                              \

@@ -92,9 +92,9 @@ static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 }
 
 /*
- * Compute the optimal voltages for the target, within the voltage limits, with the inputs held that
- * the loop holds, and without step limits. The limits are not taken from the controller of the
- * loop, whose limits may be effects.
+ * Compute the optimal voltages for the target, within the voltage limits of the tables, with the
+ * inputs held that the loop holds, and without step limits. The limits of the loop's controller are
+ * not used, because they may be effects of a hysteresis block.
  */
 static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
 {

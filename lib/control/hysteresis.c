@@ -1,25 +1,26 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Hysteresis and creep of piezoelectric ceramic, and their inverse (pzs_loop.h).
+ * Model of hysteresis and creep of piezoelectric ceramic, and its inverse (pzs_loop.h).
  *
  * The effect of an electrode at the voltage v, with s = v - middle, is
  *
  *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j,
  *
- * where m is a line of four slopes, P_i is the position of play i, a_i is its weight above or below
- * the middle, as P_i is positive or negative, and x_j is a creep of first order. The plays are in
- * series: play i follows play i - 1, and play 0 follows s, each with the slack r_i - r_(i-1); this
- * is the same as P_i following s with the slack r_i, and it can hold no memory that no voltages
- * have left. Slopes are positive and weights are not negative, so u rises with v whatever the
- * memory is: the voltage limits and step limits of a tick are mapped end to end, and the inverse is
- * unique.
+ * where m is a piecewise linear function of four slopes, P_i is the position of play i, a_i is the
+ * weight of the play (one above and one below the middle), and x_j is a creep of first order. Play
+ * i follows s with the slack r_i. It is computed in series: play i follows play i - 1 with the
+ * slack r_i - r_(i-1), and play 0 follows s. Both forms are equal, and in series every memory can
+ * result from some voltages. Slopes are positive and weights are not negative, so u rises with v
+ * for every memory: voltage limits and step limits of a tick are mapped to limits of the effect,
+ * and the inverse is unique.
  *
- * Seen from the present voltage u is a line of straight pieces. In either direction the plays begin
- * to move one after the other, in the order of their slack, and cross the middle in that order,
- * too. The inverse walks along these pieces; it ends in one division and has no iteration.
+ * From the present voltage on, u is a piecewise linear function of v. In either direction the plays
+ * begin to move one after the other, in the order of their slack, and cross the middle in this
+ * order too. The inverse goes through these pieces one by one and ends in one division, without
+ * iteration.
  *
- * Work of a tick, an input: 4 plays + 30 multiply-adds and comparisons for the limits and the
- * memory, at most 2 plays + 4 pieces of the inverse.
+ * The work of a tick for each input is 4 plays + 30 multiply-adds and comparisons for limits and
+ * memory, and at most 2 plays + 4 pieces of the inverse.
  */
 #include <string.h>
 #include "hysteresis.h"
@@ -75,7 +76,7 @@ pzs_status pzs_hysteresis_seal(pzs_hysteresis *tables)
     return PZS_OK;
 }
 
-/* Whether all entries lie between two bounds, both of which may occur. */
+/* Whether all entries lie between two bounds or equal one of them. */
 static bool are_between(const pzs_real *entry, size_t count, pzs_real least, pzs_real most)
 {
     size_t k = 0;
@@ -84,7 +85,7 @@ static bool are_between(const pzs_real *entry, size_t count, pzs_real least, pzs
     return k == count;
 }
 
-/* Whether the slacks of the plays of an electrode are positive and rise. */
+/* Whether the slacks of the plays of an electrode are positive and in ascending order. */
 static bool are_rising(const pzs_real *slack, uint32_t plays)
 {
     uint32_t i = 0;
@@ -93,7 +94,7 @@ static bool are_rising(const pzs_real *slack, uint32_t plays)
     return i == plays;
 }
 
-/* Whether the effect of set k rises with the voltage, and its numbers are finite. */
+/* Whether the effect of parameter set k rises with the voltage, and its numbers are finite. */
 static bool is_valid_set(const pzs_hysteresis *tables, uint32_t k)
 {
     const size_t plays = tables->plays, creeps = tables->creeps;
@@ -108,7 +109,7 @@ static bool is_valid_set(const pzs_hysteresis *tables, uint32_t k)
            are_between(tables->creep + k * creeps, creeps, 0, most);
 }
 
-/* Index of the set of numbers of an input. */
+/* Return the index of the parameter set of an input. */
 static size_t set_of(const pzs_hysteresis *tables, uint32_t input)
 {
     return tables->sets > 1 ? input : 0;
@@ -135,7 +136,7 @@ static pzs_status check(const pzs_hysteresis *tables, const pzs_problem *problem
 
 /* ---- one electrode ---------------------------------------------------- */
 
-/* Value inside [middle - slack, middle + slack]; the lower end if the value is NaN. */
+/* Return `value` clamped to [middle - slack, middle + slack], or the lower end for NaN. */
 static pzs_real follow(pzs_real value, pzs_real middle, pzs_real slack)
 {
     const pzs_real low = middle - slack, high = middle + slack;
@@ -143,20 +144,24 @@ static pzs_real follow(pzs_real value, pzs_real middle, pzs_real slack)
     return least < high ? least : high;
 }
 
-/* Slack of play i behind play i - 1, or of play 0 behind the voltage (V). */
+/* Return the slack of play i behind play i - 1, or of play 0 behind the voltage (V). */
 static pzs_real slack_behind(const pzs_real *slack, uint32_t i)
 {
     return i > 0 ? slack[i] - slack[i - 1] : slack[0];
 }
 
-/* Ordinate at s of the line with four slopes through 0, whose knots are quarters of the range. */
-static pzs_real line_at(const pzs_real *slope, pzs_real half_range, pzs_real s)
+/*
+ * Return the value at `offset` of the piecewise linear function of four slopes through 0, which
+ * change at quarters of the voltage range (V).
+ */
+static pzs_real line_at(const pzs_real *slope, pzs_real half_range, pzs_real offset)
 {
-    const pzs_real knot = half_range / 2, size = number_absolute(s);
-    const pzs_real inner = s < 0 ? slope[1] : slope[2], outer = s < 0 ? slope[0] : slope[3];
+    const pzs_real knot = half_range / 2, size = number_absolute(offset);
+    const pzs_real inner = offset < 0 ? slope[1] : slope[2],
+                   outer = offset < 0 ? slope[0] : slope[3];
     const pzs_real near_part = size < knot ? size : knot;
     const pzs_real way = inner * near_part + outer * (size - near_part);
-    return s < 0 ? -way : way;
+    return offset < 0 ? -way : way;
 }
 
 void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresis_memory memory,
@@ -174,7 +179,7 @@ void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresi
         memory.creep[j] = creep[j] * voltage;
 }
 
-/* Part of the way that a creep goes in some ticks, from the part of one tick. */
+/* Return the part of its way that a creep goes in some ticks, from the part of one tick. */
 static pzs_real rate_of(pzs_real rate, uint32_t ticks)
 {
     pzs_real left = 1, square = 1 - rate;
@@ -188,8 +193,8 @@ static pzs_real rate_of(pzs_real rate, uint32_t ticks)
 }
 
 /*
- * Creep after some ticks at a voltage, towards gain * voltage. A creep above gain * most, which no
- * voltages leave, is taken to be at its end.
+ * Return the creep after some ticks at a voltage, on its way to gain * voltage (V). A creep above
+ * gain * most, which cannot result from any voltages, is set to its final value.
  */
 static pzs_real creep_after(pzs_real creep, pzs_real gain, pzs_real rate, pzs_real voltage,
                             pzs_real most)
@@ -236,28 +241,37 @@ pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
 /* ---- inverse ---------------------------------------------------------- */
 
 /*
- * A walk away from the present voltage. All places are mirrored where it goes down, so that the
- * walk always goes up: they are `sign` times s.
+ * Search along the characteristic of an electrode, from its present voltage upwards or downwards.
+ * All positions are multiplied by `sign`, so that the search always runs towards larger numbers.
  */
 typedef struct effect_walk {
-    const pzs_real *slope;  /* [SEGMENTS] slopes of the line, upwards */
-    const pzs_real *slack;  /* [plays] */
-    const pzs_real *play;   /* [plays] positions of the plays, upwards */
-    const pzs_real *ahead;  /* [plays] weights of the plays beyond the middle */
-    const pzs_real *behind; /* [plays] weights of the plays before the middle */
-    pzs_real sign;          /* 1: upwards, -1: downwards */
-    pzs_real knot;          /* distance of the outer knots of the line from the middle (V) */
-    pzs_real place;         /* where the walk is (V) */
-    pzs_real gain;          /* effect per volt ahead */
+    const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear function, from the lowest
+                              voltages to the highest (1) */
+    const pzs_real *slack; /* [plays] slack of each play (V) */
+    const pzs_real *play;  /* [plays] position of each play, not multiplied by `sign` (V) */
+    const pzs_real *ahead; /* [plays] weight of each play beyond the middle, in the direction of the
+                              search (1) */
+    const pzs_real *behind; /* [plays] weight of each play before the middle, in the direction of
+                               the search (1) */
+    pzs_real sign;          /* 1: the search runs upwards; -1: downwards */
+    pzs_real knot;  /* distance from the middle at which the slope of the piecewise linear function
+                       changes (V) */
+    pzs_real place; /* present position of the search, relative to the middle (V) */
+    pzs_real gain;  /* slope of the effect ahead of the present position (1) */
     uint32_t plays;
-    uint32_t moving;  /* the first plays, which move */
-    uint32_t crossed; /* the first ones of them, which are beyond the middle */
-    uint32_t knots;   /* knots of the line that are passed */
+    uint32_t moving;  /* number of plays that move already, the first ones in the order of their
+                         slack */
+    uint32_t crossed; /* number of moving plays that are beyond the middle */
+    uint32_t knots;   /* number of changes of slope of the piecewise linear function that the search
+                         has passed */
 } effect_walk;
 
 #define NOWHERE PZS_R(HUGE_VAL)
 
-/* Slope of the line in segment k, counted in the direction of the walk. */
+/*
+ * Return the slope of the piecewise linear function in segment k, counted in the direction of the
+ * search.
+ */
 static pzs_real slope_of(const effect_walk *walk, uint32_t k)
 {
     return walk->slope[walk->sign > 0 ? k : SEGMENTS - 1u - k];
@@ -281,26 +295,26 @@ static effect_walk start_walk(const pzs_hysteresis *tables, uint32_t input,
     return walk;
 }
 
-/* Place at which the next play begins to move. */
+/* Return the position at which the next play begins to move (V). */
 static pzs_real next_move(const effect_walk *walk)
 {
     const uint32_t i = walk->moving;
     return i < walk->plays ? walk->sign * walk->play[i] + walk->slack[i] : NOWHERE;
 }
 
-/* Place at which the next moving play crosses the middle. */
+/* Return the position at which the next moving play crosses the middle (V). */
 static pzs_real next_crossing(const effect_walk *walk)
 {
     return walk->crossed < walk->moving ? walk->slack[walk->crossed] : NOWHERE;
 }
 
-/* Place of the next knot of the line. */
+/* Return the position at which the slope of the piecewise linear function changes next (V). */
 static pzs_real next_knot(const effect_walk *walk)
 {
     return walk->knots + 1u < SEGMENTS ? ((pzs_real)walk->knots - 1) * walk->knot : NOWHERE;
 }
 
-/* Let the next play move, from before or from beyond the middle. */
+/* Let the next play move, with its weight before or beyond the middle. */
 static void move_play(effect_walk *walk)
 {
     const uint32_t i = walk->moving++;
@@ -309,7 +323,7 @@ static void move_play(effect_walk *walk)
     walk->crossed = is_beyond ? walk->moving : walk->crossed;
 }
 
-/* Pass the nearest break of the line of straight pieces. */
+/* Pass the nearest position at which the slope of the effect changes. */
 static void pass_break(effect_walk *walk, pzs_real nearest)
 {
     if (next_crossing(walk) <= nearest) {
@@ -364,17 +378,17 @@ static size_t effect_bytes(const void *tables, const pzs_problem *problem)
     return PZS_EFFECT_BLOCK_BYTES(problem->inputs, hysteresis->plays, hysteresis->creeps);
 }
 
-/* Let the compensator point to its tables and its arrays. */
+/* Let the block point to its tables and its arrays. */
 static void place(pzs_compensator *compensator, const pzs_hysteresis *tables)
 {
-    const size_t n = tables->inputs;
+    const size_t inputs = tables->inputs;
     pzs_real *at = (void *)((uint8_t *)compensator + PZS_ALIGNED(sizeof *compensator));
     compensator->state.tables = tables;
     compensator->state.effect = at;
-    compensator->state.lower = at + n;
-    compensator->state.upper = at + 2 * n;
-    compensator->state.play = at + 3 * n;
-    compensator->state.creep = at + 3 * n + play_count(tables);
+    compensator->state.lower = at + inputs;
+    compensator->state.upper = at + 2 * inputs;
+    compensator->state.play = at + 3 * inputs;
+    compensator->state.creep = at + 3 * inputs + play_count(tables);
     compensator->info.effect = compensator->state.effect;
 }
 
@@ -407,8 +421,8 @@ static pzs_status effect_init(void *self, const void *tables, pzs_loop_signals *
 }
 
 /*
- * Range of the voltages that input k may have in this tick. Returns whether its step limit and its
- * voltage limits overlap; if not, the voltage limit takes precedence.
+ * Compute the range of voltages of input k in this tick. Returns whether its step limit and its
+ * voltage limits overlap; otherwise the voltage limits take precedence.
  */
 static bool set_range(pzs_compensator *compensator, const pzs_control *control, uint32_t k,
                       pzs_real given)
@@ -424,10 +438,7 @@ static bool set_range(pzs_compensator *compensator, const pzs_control *control, 
     return overlaps;
 }
 
-/*
- * Replace the limits of input k by the effects at the ends of its range, after its voltage has been
- * remembered.
- */
+/* Store the voltage limits of input k, and replace them by the effects at the ends of its range. */
 static void set_effect_limits(const pzs_compensator *compensator, pzs_control *control, uint32_t k)
 {
     const pzs_hysteresis *tables = compensator->state.tables;
@@ -438,13 +449,16 @@ static void set_effect_limits(const pzs_compensator *compensator, pzs_control *c
     control->state.upper[k] = high;
 }
 
-/* Factor of epsilon by which an effect may differ from that of the last prediction. */
+/*
+ * Largest difference of an effect from that of the last prediction that counts as rounding,
+ * relative to the machine epsilon.
+ */
 #define ROUNDING 256
 
 /*
- * Let the controller work with the effects in the place of voltages. Where they are those of its
- * last prediction but for rounding, as after every tick whose voltages were given out unchanged,
- * the prediction is still valid.
+ * Let the controller work with effects instead of voltages. Where the effects differ from those of
+ * its last prediction by rounding only, as after a tick whose voltages were applied unchanged, the
+ * prediction stays valid.
  */
 static void take_effects(const pzs_compensator *compensator, pzs_control *control)
 {
@@ -501,7 +515,10 @@ static pzs_status inverse_init(void *self, const void *tables, pzs_loop_signals 
     return PZS_OK;
 }
 
-/* Voltage of input k that has the effect which the control step has chosen, inside its range. */
+/*
+ * Return the voltage of input k, inside its range, that has the effect which the control step
+ * chose.
+ */
 static pzs_real voltage_of(const pzs_compensator *compensator, const pzs_control *control,
                            const pzs_real *given, uint32_t k)
 {

@@ -1,43 +1,51 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Hysteresis and creep of one electrode (pzs_hysteresis): the effect of a voltage, the voltage of
- * an effect, and what the electrode remembers.
+ * Hysteresis and creep of one electrode (pzs_hysteresis): effect of a voltage, voltage of an
+ * effect, and memory of the electrode.
  */
 #ifndef PZS_LIB_HYSTERESIS_H
 #define PZS_LIB_HYSTERESIS_H
 
 #include "pzs_loop.h"
 
-/* Checksum of the counts and arrays of the tables, as stored in their crc field. */
+/*
+ * Return the checksum of the counts and arrays of hysteresis tables, as stored in their member crc.
+ */
 uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables);
 
-/* What one electrode remembers. */
+/* Memory of one electrode, by which its effect depends on earlier voltages. */
 typedef struct hysteresis_memory {
-    pzs_real *play;  /* [plays] positions of the plays, relative to the middle of the range (V) */
-    pzs_real *creep; /* [creeps] effects of the creep (V) */
+    pzs_real *play;  /* [plays] position of each play, relative to the middle of the voltage range
+                        (V) */
+    pzs_real *creep; /* [creeps] effect of each creep (V) */
 } hysteresis_memory;
 
-/* Set the memory of electrode `input` to that of a voltage that has been there for long. */
+/*
+ * Set the memory of electrode `input` to the state after a voltage has been applied for a long
+ * time.
+ */
 void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresis_memory memory,
                          pzs_real voltage);
 
 /*
- * Let electrode `input` stand at a voltage for some ticks, at least one. A memory that no voltages
- * can have left, as after damage, becomes the nearest one that they can; a number that is NaN does
- * so too.
+ * Update the memory of electrode `input` after a voltage has been applied for some ticks, at least
+ * one. A memory that cannot result from any voltages (damage, NaN) becomes the nearest possible
+ * one.
  */
 void pzs_hysteresis_remember(const pzs_hysteresis *tables, uint32_t input, hysteresis_memory memory,
                              pzs_real voltage, uint32_t ticks);
 
-/* Effect (V) that electrode `input` has when it moves to a voltage. It does not fall as the voltage
- * rises. */
+/*
+ * Return the effect (V) of electrode `input` when its voltage changes to `voltage`. The effect
+ * never falls while the voltage rises.
+ */
 pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
                                hysteresis_memory memory, pzs_real voltage);
 
 /*
- * Voltage (V) by which electrode `input` gets a wanted effect, from the voltage `from`, at which
- * the electrode stands. Exact up to rounding; at most 2 plays + 4 pieces of a straight line are
- * walked.
+ * Return the voltage (V) at which electrode `input` has a wanted effect, starting from its present
+ * voltage `from`. The result is exact up to rounding; the search visits at most 2 plays + 4
+ * straight pieces of the characteristic.
  */
 pzs_real pzs_hysteresis_voltage(const pzs_hysteresis *tables, uint32_t input,
                                 hysteresis_memory memory, pzs_real from, pzs_real effect);

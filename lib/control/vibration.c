@@ -210,7 +210,7 @@ static void repeat_voltages(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
     if (tables->delay == 0)
-        return; /* the ring buffer has one row */
+        return; /* a ring buffer of one row has no previous row */
     memcpy(equilibrium_of(damper, 0), equilibrium_of(damper, 1), tables->modes * sizeof(pzs_real));
     memcpy(expected_of(damper, 0), expected_of(damper, 1), tables->sensors * sizeof(pzs_real));
 }

@@ -19,11 +19,11 @@ bool pzs_springs_in_range(const pzs_structure *structure)
     const pzs_rows *rows = &structure->spring;
     if (rows->count > 0 && pzs_guard_nonfinite(structure->spring_stiffness, rows->count) >= 0)
         return false;
-    for (uint32_t s = 0; s < rows->count; s++) {
-        if (structure->spring_stiffness[s] < 0)
+    for (uint32_t spring = 0; spring < rows->count; spring++) {
+        if (structure->spring_stiffness[spring] < 0)
             return false;
-        for (uint32_t i = rows->start[s]; i < rows->start[s + 1]; i++)
-            for (uint32_t j = rows->start[s]; j < rows->start[s + 1]; j++)
+        for (uint32_t i = rows->start[spring]; i < rows->start[spring + 1]; i++)
+            for (uint32_t j = rows->start[spring]; j < rows->start[spring + 1]; j++)
                 if (!in_envelope(structure, i, j))
                     return false;
     }
@@ -51,20 +51,21 @@ static void add_spring(pzs_model *model, uint32_t spring)
 
 void pzs_model_add_springs(pzs_model *model)
 {
-    for (uint32_t s = 0; s < model->state.structure->spring.count; s++)
-        add_spring(model, s);
+    for (uint32_t spring = 0; spring < model->state.structure->spring.count; spring++)
+        add_spring(model, spring);
 }
 
-void pzs_model_add_spring_force(const pzs_model *model, pzs_real factor, const pzs_real *p,
-                                pzs_real *f)
+void pzs_model_add_spring_force(const pzs_model *model, pzs_real factor,
+                                const pzs_real *displacement, pzs_real *sum)
 {
     const pzs_rows *rows = &model->state.structure->spring;
-    for (uint32_t s = 0; s < rows->count; s++) {
+    for (uint32_t spring = 0; spring < rows->count; spring++) {
         pzs_real elongation = 0;
-        for (uint32_t i = rows->start[s]; i < rows->start[s + 1]; i++)
-            elongation += weight(model, i) * p[rows->dof[i]];
-        const pzs_real force = factor * model->state.structure->spring_stiffness[s] * elongation;
-        for (uint32_t i = rows->start[s]; i < rows->start[s + 1]; i++)
-            f[rows->dof[i]] += weight(model, i) * force;
+        for (uint32_t i = rows->start[spring]; i < rows->start[spring + 1]; i++)
+            elongation += weight(model, i) * displacement[rows->dof[i]];
+        const pzs_real force =
+            factor * model->state.structure->spring_stiffness[spring] * elongation;
+        for (uint32_t i = rows->start[spring]; i < rows->start[spring + 1]; i++)
+            sum[rows->dof[i]] += weight(model, i) * force;
     }
 }

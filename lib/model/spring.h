@@ -22,7 +22,7 @@ void pzs_model_add_springs(pzs_model *model);
  * Add the forces that displace the springs by a displacement [free_dof], times a factor, to a force
  * [free_dof], except at constrained degrees of freedom.
  */
-void pzs_model_add_spring_force(const pzs_model *model, pzs_real factor, const pzs_real *p,
-                                pzs_real *f);
+void pzs_model_add_spring_force(const pzs_model *model, pzs_real factor,
+                                const pzs_real *displacement, pzs_real *force);
 
 #endif

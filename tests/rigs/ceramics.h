@@ -1,6 +1,7 @@
 /*
- * Ceramics with hysteresis and creep of other families than the plays that the library compensates:
- * Bouc-Wen, Preisach with a skew density, and the plays of the simulation, each followed by creep.
+ * Models of piezoelectric ceramic with hysteresis and creep, of other families than the plays that
+ * the library compensates: Bouc-Wen, Preisach with a skew density, and the plays of the simulation.
+ * Each is followed by creep.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -23,21 +24,23 @@ typedef enum ceramic_family { BOUC_WEN, PREISACH, PLAYS_FAMILY, FAMILIES } ceram
 typedef struct test_ceramic {
     ceramic_family family;
     double limit; /* largest voltage (V) */
-    double width; /* width of the hysteresis */
-    double creep; /* final creep of each time constant over the voltage */
+    double width; /* width of the hysteresis loop, relative to the range */
+    double creep; /* final creep of each time constant, relative to the voltage */
     double lag[LAGS];
-    double voltage, memory; /* Bouc-Wen: last voltage, hysteretic voltage (V) */
-    double up[RELAYS], down[RELAYS], weight[RELAYS]; /* Preisach: thresholds (V), density */
-    double state[RELAYS];                            /* Preisach: 1 or -1 */
-    double share;                                    /* Preisach: part of the relays */
-    double play[CERAMIC_PLAYS];                      /* plays: positions (V) */
+    double voltage, memory; /* Bouc-Wen model: last voltage and hysteretic voltage (V) */
+    double up[RELAYS], down[RELAYS], weight[RELAYS]; /* Preisach model: thresholds of the relays (V)
+                                                        and their density */
+    double state[RELAYS];       /* Preisach model: state of each relay, 1 or -1 */
+    double share;               /* Preisach model: part of the effect that the relays make */
+    double play[CERAMIC_PLAYS]; /* model of plays: positions of the plays (V) */
 } test_ceramic;
 
 /*
- * Relays on a triangle of thresholds. Their density falls away from a ridge and is larger for
- * positive voltages, so no loop is symmetric. Their share gives the wanted width at 0 V.
+ * Make the relays of a Preisach model, on a triangle of thresholds. Their density decreases away
+ * from a ridge and is larger for positive voltages, so that no hysteresis loop is symmetric. Their
+ * share gives the wanted width at 0 V.
  */
-static inline void open_relays(test_ceramic *c)
+static inline void open_relays(test_ceramic *ceramic)
 {
     double sum = 0, rising = 0, falling = 0;
     int k = 0;
@@ -46,76 +49,77 @@ static inline void open_relays(test_ceramic *c)
             const double up = (i + 0.5) / RELAY_LINES * 2 - 1;
             const double down = (j + 0.5) / RELAY_LINES * 2 - 1;
             const double ridge = (up - down - 0.5) / 0.25;
-            c->up[k] = up * c->limit;
-            c->down[k] = down * c->limit;
-            c->weight[k] = exp(-ridge * ridge / 2) * (1 + 0.45 * (up + down) / 2);
-            c->state[k] = up + down > 0 ? -1 : 1;
-            c->state[k] = up + down == 0 ? 0 : c->state[k];
-            sum += c->weight[k];
-            rising += c->weight[k] * (up < 0 ? 1 : -1);
-            falling += c->weight[k] * (down > 0 ? -1 : 1);
+            ceramic->up[k] = up * ceramic->limit;
+            ceramic->down[k] = down * ceramic->limit;
+            ceramic->weight[k] = exp(-ridge * ridge / 2) * (1 + 0.45 * (up + down) / 2);
+            ceramic->state[k] = up + down > 0 ? -1 : 1;
+            ceramic->state[k] = up + down == 0 ? 0 : ceramic->state[k];
+            sum += ceramic->weight[k];
+            rising += ceramic->weight[k] * (up < 0 ? 1 : -1);
+            falling += ceramic->weight[k] * (down > 0 ? -1 : 1);
         }
     for (k = 0; k < RELAYS; k++)
-        c->weight[k] /= sum;
-    c->share = fmin(c->width / (fabs(falling - rising) / sum / 2), 0.9);
+        ceramic->weight[k] /= sum;
+    ceramic->share = fmin(ceramic->width / (fabs(falling - rising) / sum / 2), 0.9);
 }
 
-static inline void open_test_ceramic(test_ceramic *c, ceramic_family family, double limit,
+static inline void open_test_ceramic(test_ceramic *ceramic, ceramic_family family, double limit,
                                      double width, double creep)
 {
-    memset(c, 0, sizeof *c);
-    c->family = family;
-    c->limit = limit;
-    c->width = width;
-    c->creep = creep;
+    memset(ceramic, 0, sizeof *ceramic);
+    ceramic->family = family;
+    ceramic->limit = limit;
+    ceramic->width = width;
+    ceramic->creep = creep;
     if (family == PREISACH)
-        open_relays(c);
+        open_relays(ceramic);
 }
 
-static inline double bouc_wen(test_ceramic *c, double voltage)
+static inline double bouc_wen(test_ceramic *ceramic, double voltage)
 {
     enum { PARTS_OF_MOVE = 8 };
-    const double move = (voltage - c->voltage) / PARTS_OF_MOVE;
+    const double move = (voltage - ceramic->voltage) / PARTS_OF_MOVE;
     for (int i = 0; i < PARTS_OF_MOVE; i++)
-        c->memory += 2.5 * (c->width * move - fabs(move) * c->memory / c->limit);
-    c->voltage = voltage;
-    return (1 + c->width) * voltage - c->memory;
+        ceramic->memory +=
+            2.5 * (ceramic->width * move - fabs(move) * ceramic->memory / ceramic->limit);
+    ceramic->voltage = voltage;
+    return (1 + ceramic->width) * voltage - ceramic->memory;
 }
 
-static inline double preisach(test_ceramic *c, double voltage)
+static inline double preisach(test_ceramic *ceramic, double voltage)
 {
     double sum = 0;
     for (int k = 0; k < RELAYS; k++) {
-        if (voltage > c->up[k])
-            c->state[k] = 1;
-        else if (voltage < c->down[k])
-            c->state[k] = -1;
-        sum += c->weight[k] * c->state[k];
+        if (voltage > ceramic->up[k])
+            ceramic->state[k] = 1;
+        else if (voltage < ceramic->down[k])
+            ceramic->state[k] = -1;
+        sum += ceramic->weight[k] * ceramic->state[k];
     }
-    return (1 - c->share) * voltage + c->share * c->limit * sum;
+    return (1 - ceramic->share) * voltage + ceramic->share * ceramic->limit * sum;
 }
 
-static inline double parallel_plays(test_ceramic *c, double voltage)
+static inline double parallel_plays(test_ceramic *ceramic, double voltage)
 {
     double sum = voltage;
     for (int i = 0; i < CERAMIC_PLAYS; i++) {
-        const double slack = c->limit * (i + 1) / (2 * CERAMIC_PLAYS);
-        c->play[i] = fmin(fmax(c->play[i], voltage - slack), voltage + slack);
-        sum += c->width * 16 / 5 * (c->play[i] - voltage) / CERAMIC_PLAYS;
+        const double slack = ceramic->limit * (i + 1) / (2 * CERAMIC_PLAYS);
+        ceramic->play[i] = fmin(fmax(ceramic->play[i], voltage - slack), voltage + slack);
+        sum += ceramic->width * 16 / 5 * (ceramic->play[i] - voltage) / CERAMIC_PLAYS;
     }
     return sum;
 }
 
-/* Effect (V) of a voltage that stands for some seconds from now on. */
-static inline double ceramic_act(test_ceramic *c, double voltage, double seconds)
+/* Return the effect (V) of a voltage that is applied for some seconds from now on. */
+static inline double ceramic_act(test_ceramic *ceramic, double voltage, double seconds)
 {
     static const double time[LAGS] = {0.1, 1, 10};
-    double effect = c->family == BOUC_WEN   ? bouc_wen(c, voltage)
-                    : c->family == PREISACH ? preisach(c, voltage)
-                                            : parallel_plays(c, voltage);
+    double effect = ceramic->family == BOUC_WEN   ? bouc_wen(ceramic, voltage)
+                    : ceramic->family == PREISACH ? preisach(ceramic, voltage)
+                                                  : parallel_plays(ceramic, voltage);
     for (int j = 0; j < LAGS; j++) {
-        effect += c->lag[j];
-        c->lag[j] -= expm1(-seconds / time[j]) * (c->creep * voltage - c->lag[j]);
+        effect += ceramic->lag[j];
+        ceramic->lag[j] -= expm1(-seconds / time[j]) * (ceramic->creep * voltage - ceramic->lag[j]);
     }
     return effect;
 }
