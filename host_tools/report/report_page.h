@@ -60,11 +60,11 @@ void page_voltages(const page *page, const voltages *result, int results);
 /* Write a section for each pair of voltage limits with the shape error of every mode, if any. */
 void page_modes(const page *page, const modes *modes);
 
-/* Take a displacement vector u [dof] into the page, with its size at the nodes as the values. */
+/* Make a displacement vector u [dof] the shape of the page, and its size the values of the page. */
 void page_displace(page *page, const double *u);
 
 /*
- * Take a shape into the page.
+ * Make a shape that was reached for a target the shape that the page draws.
  *   u       [dof]      in  displacement vector
  *   reached [targets]  in  reached values of the target's component
  *   target  [targets]  in  target values of the same component

@@ -28,7 +28,7 @@ typedef struct view {
 /* Whether the map of a mesh is its parameter plane. */
 bool view_has_parameters(const mesh *mesh);
 
-/* Begin a view without points: of the outer side of the shell in space, or of its map. */
+/* Begin a view without points: of the outer side of a shell in space, or of the shell's map. */
 void view_begin(view *view, const mesh *mesh, bool is_map);
 
 /* Make a point visible in the view. */
