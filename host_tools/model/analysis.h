@@ -60,8 +60,8 @@ typedef struct analysis {
                             computed voltages of the open electrodes */
     double *charge; /* [electrodes] charges of the electrodes at the last computed displacement (C)
                      */
-    int nonlinear;  /* 1: analysis_solve and analysis_reach use the nonlinear equilibrium solver; 0:
-                       they solve linearly. Set from the scene at first */
+    int nonlinear; /* 1: displacements are computed by the nonlinear equilibrium solver; 0: they are
+                      computed linearly. The initial value is that of the scene */
     double *influence; /* [outputs][inputs] influence matrix in the reference state, filled by
                           analysis_influence */
     pzs_status status; /* status of the last computation of a nonlinear equilibrium */

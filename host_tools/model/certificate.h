@@ -55,11 +55,11 @@ typedef struct certificate_loop {
                    */
     int delay;    /* age of the readings that the scene states (ticks) */
     int older;    /* number of ticks by which every reading may be older than the scene states: with
-                     each number up to this one, vibrations decay and the shape settles after fast
+                     every smaller or equal number, vibrations decay and the shape settles after fast
                      jumps of the target */
     int newer; /* number of ticks by which every reading may be newer than the scene states, at most
-                  the stated delay: with each number up to this one, vibrations decay and the shape
-                  settles after fast jumps of the target */
+                  the stated delay: with every smaller or equal number, vibrations decay and the
+                  shape settles after fast jumps of the target */
     bool has_margins;
     double margin_gain; /* largest static response of the structure to voltages, relative to the
                            model, with which the loop is stable */

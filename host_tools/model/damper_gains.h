@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Gains of the damped tick (pzs_vibration) from a modal model: propagators, observer, damping
- * gradient.
+ * Gains of the control tick that damps vibration (pzs_vibration), from a modal model: propagators,
+ * observer, damping gradient.
  *
  * The observer is a stationary Kalman filter. Its states are, for each mode, the position q, the
  * velocity p over the angular frequency, and the static position w under the loads. Over one tick,

@@ -256,7 +256,7 @@ static void make_gains(estimation *estimation, estimator *estimator)
 }
 
 /*
- * Replace a combination of disturbances by the part of it that the sensors do not determine.
+ * Subtract from a combination of disturbances the part that the sensors determine.
  *   left [disturbances] in/out
  */
 static void remove_observed_part(estimation *estimation, double *left)
