@@ -54,9 +54,9 @@ typedef struct certificate_loop {
     double ticks; /* mean number of ticks until the shape has settled after fast jumps of the target
                    */
     int delay;    /* age of the readings that the scene states (ticks) */
-    int older;    /* number of ticks by which every reading may be older than the scene states: with
-                     every smaller or equal number, vibrations decay and the shape settles after fast
-                     jumps of the target */
+    int older; /* largest number of ticks by which all readings may be older than the scene states;
+                  vibrations decay, and the shape settles after fast target jumps, with every number
+                  up to it */
     int newer; /* number of ticks by which every reading may be newer than the scene states, at most
                   the stated delay: with every smaller or equal number, vibrations decay and the
                   shape settles after fast jumps of the target */
