@@ -114,13 +114,13 @@ typedef struct pzs_optimiser {
     bool is_optimal;
 } pzs_optimiser;
 
-/* One array of some tables, as a part of their checksum; an absent array has no bytes. */
+/* One array of constant tables, as a part of their checksum; an absent array has 0 bytes. */
 typedef struct pzs_table_part {
     const void *data;
     size_t bytes;
 } pzs_table_part;
 
-#define PZS_TABLE_PARTS 14u /* largest number of parts of the tables of a block */
+#define PZS_TABLE_PARTS 14u /* largest number of arrays in the tables of a block */
 
 /*
  * Progress of a scrub, which checks constant tables slice by slice: each tick reads one slice, and
@@ -385,9 +385,11 @@ typedef struct pzs_loop_state {
     pzs_loop_core core[3]; /* three copies of the pointers and sizes, so that two outvote a damaged
                               third */
     pzs_scrub problem_scrub, influence_scrub;
-    pzs_scrub block_scrub; /* scrub of the tables of the other blocks, one table after the other */
-    uint16_t scrubbed_block;  /* index of the block whose tables are read */
-    uint16_t scrubbed_number; /* number of the table of this block that is read */
+    pzs_scrub block_scrub;    /* scrub of the tables of all blocks except the step block, one table
+                                 after the other */
+    uint16_t scrubbed_block;  /* index in the list of the block whose tables are being checked */
+    uint16_t scrubbed_number; /* number of the table, among those of the block, that is being
+                                 checked */
     uint32_t missed; /* number of ticks missed since the last tick, as announced by pzs_loop_skip */
 } pzs_loop_state;
 

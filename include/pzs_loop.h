@@ -111,9 +111,10 @@ typedef struct pzs_block_type {
     /* Run a block in one tick. An error ends the tick. */
     pzs_status (*block_tick)(void *self, pzs_loop_signals *signals);
     /*
-     * List the arrays of one of the tables of a block in the order of their checksum, which is
-     * written to `crc`, so that the loop can read them again while it runs. Returns the number of
-     * parts; 0: the block has no table of this number. NULL: the tables have no checksum.
+     * List the arrays of a table of the block in the order in which its checksum covers them, so
+     * that the loop can check them again while it runs. The function writes the expected checksum
+     * to `crc` and returns the number of arrays; 0: the block has no table of this number. A NULL
+     * function means that the tables have no checksum.
      */
     uint32_t (*block_parts)(const void *tables, uint32_t number,
                             pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc);

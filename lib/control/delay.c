@@ -19,7 +19,7 @@
 #include "../core/product.h"
 #include "sensor_check.h"
 
-/* List the parts of the checksum of the tables. Returns their number. */
+/* List the arrays that the checksum of the tables of late readings covers. Returns their number. */
 static uint32_t list_parts(const pzs_reading_delay *tables, pzs_table_part part[PZS_TABLE_PARTS])
 {
     part[0] = (pzs_table_part){&tables->inputs, 3u * sizeof tables->inputs};

@@ -20,7 +20,7 @@
 #define READY 1u
 #define PADDED(n) (((size_t)(n) + 3u) & ~(size_t)3u)
 
-/* List the parts of the checksum of the tables. Returns their number. */
+/* List the arrays that the checksum of the estimator tables covers. Returns their number. */
 static uint32_t list_parts(const pzs_estimator *tables, pzs_table_part part[PZS_TABLE_PARTS])
 {
     part[0] = (pzs_table_part){&tables->inputs, 3u * sizeof tables->inputs};

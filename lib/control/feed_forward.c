@@ -9,7 +9,7 @@
 #include "scrub.h"
 #include "../core/guard.h"
 
-/* List the parts of the checksum of the tables. Returns their number. */
+/* List the arrays that the checksum of a feed-forward table covers. Returns their number. */
 static uint32_t list_parts(const pzs_feed_forward_table *table,
                            pzs_table_part part[PZS_TABLE_PARTS])
 {
@@ -154,7 +154,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     return PZS_OK;
 }
 
-/* Table 0 is that of the shape, table 1 that of the readings, if it is another one. */
+/* Table 0 is that of the shape; table 1 is that of the readings, if there is a separate one. */
 static uint32_t block_parts(const void *tables, uint32_t number,
                             pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc)
 {

@@ -34,7 +34,7 @@
 
 /* ---- tables ----------------------------------------------------------- */
 
-/* List the parts of the checksum of the tables. Returns their number. */
+/* List the arrays that the checksum of the hysteresis tables covers. Returns their number. */
 static uint32_t list_parts(const pzs_hysteresis *tables, pzs_table_part part[PZS_TABLE_PARTS])
 {
     const size_t sets = tables->sets;

@@ -319,7 +319,7 @@ static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
     pzs_control_moved(core->control);
 }
 
-/* Let the scrub continue with the next table of a block, or with the next block. */
+/* Continue the scrub with the next table of a block, or with the first table of the next block. */
 static void go_on(pzs_loop *loop, bool is_same_block)
 {
     loop->state.scrubbed_number = (uint16_t)(is_same_block ? loop->state.scrubbed_number + 1u : 0);
@@ -329,9 +329,9 @@ static void go_on(pzs_loop *loop, bool is_same_block)
 }
 
 /*
- * Read the next slice of the tables of the other blocks, one table after the other. A table with a
- * wrong checksum is read a second time. Returns whether the tables are intact as far as is known;
- * where they are not, info.block is the block.
+ * Check the next slice of the tables of all blocks except the step block, one table after the
+ * other. A table with a wrong checksum is read a second time. Returns whether the tables are
+ * intact, as far as is known; if they are not, info.block is the type of the block.
  */
 static bool scrub_block(pzs_loop *loop, const pzs_loop_core *core)
 {

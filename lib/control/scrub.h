@@ -18,7 +18,7 @@ static inline pzs_table_part scrub_reals(const pzs_real *value, size_t count)
     return part;
 }
 
-/* Checksum of the parts of some tables, in their order. */
+/* Return the checksum of tables that consist of several arrays, in the order of the arrays. */
 uint32_t pzs_scrub_crc(const pzs_table_part *part, uint32_t parts);
 
 /*

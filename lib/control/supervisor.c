@@ -15,7 +15,7 @@
 
 /* ---- tables ----------------------------------------------------------- */
 
-/* List the parts of the checksum of the tables. Returns their number. */
+/* List the arrays that the checksum of the supervisor tables covers. Returns their number. */
 static uint32_t list_parts(const pzs_supervision *tables, pzs_table_part part[PZS_TABLE_PARTS])
 {
     part[0] = (pzs_table_part){&tables->inputs, 5u * sizeof tables->inputs};

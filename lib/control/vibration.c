@@ -47,7 +47,7 @@
 
 /* ---- tables ----------------------------------------------------------- */
 
-/* List the parts of the checksum of the tables. Returns their number. */
+/* List the arrays that the checksum of the vibration tables covers. Returns their number. */
 static uint32_t list_parts(const pzs_vibration *tables, pzs_table_part part[PZS_TABLE_PARTS])
 {
     const size_t modes = tables->modes, inputs = tables->inputs, sensors = tables->sensors;
