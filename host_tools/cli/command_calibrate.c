@@ -11,6 +11,7 @@
 #include "../data/number_table.h"
 #include "../model/calibrate_model.h"
 #include "../system/progress.h"
+#include "command_sweep.h"
 #include "outfile.h"
 
 /*
@@ -277,24 +278,35 @@ static int write_file(const run *run, const char *path)
     return outfile_end(&output, ferror(output.file));
 }
 
-int command_calibrate(const options *options, const scene *scene)
+/* Compute the matrix from pokes, and print and write it. Returns an exit code. */
+static int calibrate_matrix(run *run, const options *options)
 {
     char error[SCENE_ERROR];
+    int status = 0;
+    progress_start();
+    progress_stage("fitting the matrix");
+    if (fit(run, error) < 0)
+        status = complain(error, "");
+    progress_stop();
+    if (status == 0 && options->output)
+        status = write_file(run, options->output);
+    if (status == 0 && options->as_json)
+        print_json(run);
+    else if (status == 0)
+        print_result(run, options->output);
+    return status;
+}
+
+int command_calibrate(const options *options, const scene *scene)
+{
     run run;
     memset(&run, 0, sizeof run);
     run.scene = scene;
     int status = read_pokes(&run, options);
-    progress_start();
-    progress_stage("fitting the matrix");
-    if (status == 0 && fit(&run, error) < 0)
-        status = complain(error, "");
-    progress_stop();
-    if (status == 0 && options->output)
-        status = write_file(&run, options->output);
-    if (status == 0 && options->as_json)
-        print_json(&run);
+    if (status == 0 && options->sample_rate > 0)
+        status = command_sweep(options, &run.pokes);
     else if (status == 0)
-        print_result(&run, options->output);
+        status = calibrate_matrix(&run, options);
     calibration_free(&run.result);
     calibration_model_free(&run.model);
     number_table_free(&run.voltages);

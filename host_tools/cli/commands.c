@@ -273,6 +273,10 @@ const option_entry option_table[OPTIONS] = {
                          "voltages of the pokes: text or .npy, a line for each poke"},
     [OPTION_SHAPES] = {"--shapes", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_CALIBRATE),
                        "measured shapes, in the order of the voltages"},
+    [OPTION_HYSTERESIS] =
+        {"--hysteresis", NULL, "RATE", ARGUMENT_TEXT, NULL, BIT(COMMAND_CALIBRATE),
+         "hysteresis and creep from a sweep of RATE samples a second, in place of "
+         "a matrix: prints the section hysteresis of a scene"},
     [OPTION_OUTPUT] = {"-o", NULL, "FILE", ARGUMENT_FILE, NULL,
                        BIT(COMMAND_TABLES) | BIT(COMMAND_CALIBRATE),
                        "output file, or a folder for it"},

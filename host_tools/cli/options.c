@@ -147,6 +147,15 @@ static int take_limit(options *options, const char *value)
     return 0;
 }
 
+static int take_sample_rate(options *options, const char *value)
+{
+    char *end;
+    options->sample_rate = strtod(value, &end);
+    if (end == value || *end || !isfinite(options->sample_rate) || !(options->sample_rate > 0))
+        return options_refuse("--hysteresis is the samples a second of the sweep, not", value);
+    return 0;
+}
+
 static int take_number(options *options, const char *value)
 {
     enum { MOST_MODES = 200 };
@@ -209,6 +218,7 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_CSV_FOLDER: return take_file(&options->csv_folder, value);
     case OPTION_VOLTAGES: return take_file(&options->voltages, value);
     case OPTION_SHAPES: return take_file(&options->shapes, value);
+    case OPTION_HYSTERESIS: return take_sample_rate(options, value);
     case OPTION_PREFIX: return take_file(&options->prefix, value);
     case OPTION_OUTPUT: return take_file(&options->output, value);
     case OPTION_DEVICE: options->device = device_find(value); return 0;

@@ -31,7 +31,8 @@ typedef struct options {
                                       where they are not wanted */
     const char *voltages, *shapes; /* files of measured voltages and shapes, for the command
                                       calibrate */
-    int words; /* number of arguments of the whole command line, which reports print */
+    double sample_rate; /* samples a second of a sweep for the command calibrate; 0: pokes */
+    int words;          /* number of arguments of the whole command line, which reports print */
     char *const *words_given; /* [words] arguments of the whole command line */
     const device_board *device;
     tables_image image;

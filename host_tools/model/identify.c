@@ -31,15 +31,16 @@ static const double widest_slack = 0.95, slack_power = 1.3;
 static const double least_slope = 0.1;
 
 /*
- * Weight of the rows that make both weights of a play operator equal, relative to the rows of the
- * samples. A small value suffices to keep those weights equal that the sweep cannot distinguish.
+ * Weight of the rows that make numbers alike, relative to the rows of the samples: both weights of
+ * a play operator, and the creeps of neighbouring time constants. A small value suffices to keep
+ * those numbers equal that the sweep cannot distinguish.
  */
 static const double likeness = 0.05;
 
 /*
- * Bounded least-squares problem with one row for each sample and one for each play operator. The
- * unknowns are the slopes, the weights of the play operators for positive and for negative values,
- * the creep, and a constant.
+ * Bounded least-squares problem with one row for each sample, one for each play operator and one
+ * for each pair of neighbouring creeps. The unknowns are the slopes, the weights of the play
+ * operators for positive and for negative values, the creep, and a constant.
  */
 typedef struct fit {
     const sweep *sweep;
@@ -196,16 +197,27 @@ static void fill_samples(fit *fit)
     }
 }
 
-/* Fill the rows that make the two weights of each play operator equal. */
+/* Fill row i, which makes two unknowns equal. */
+static void make_alike(fit *fit, size_t i, size_t one, size_t other)
+{
+    double *row = fit->matrix + i * fit->unknowns;
+    row[one] = fit->half_range;
+    row[other] = -fit->half_range;
+    fit->weight[i] = likeness * sqrt((double)fit->sweep->count);
+}
+
+/*
+ * Fill the rows that make the two weights of each play operator equal, and the creeps of all time
+ * constants: a time constant that is longer than the sweep gets the creep of the one before.
+ */
 static void fill_likeness(fit *fit)
 {
-    for (size_t k = 0; k < fit->plays; k++) {
-        const size_t i = fit->sweep->count + k;
-        double *row = fit->matrix + i * fit->unknowns;
-        row[SLOPES + k] = fit->half_range;
-        row[SLOPES + fit->plays + k] = -fit->half_range;
-        fit->weight[i] = likeness * sqrt((double)fit->sweep->count);
-    }
+    const size_t creep = SLOPES + 2 * fit->plays;
+    size_t i = fit->sweep->count;
+    for (size_t k = 0; k < fit->plays; k++)
+        make_alike(fit, i++, SLOPES + k, SLOPES + fit->plays + k);
+    for (size_t j = 0; j + 1 < CREEPS; j++)
+        make_alike(fit, i++, creep + j, creep + j + 1);
 }
 
 /*
@@ -340,7 +352,7 @@ int identify(identification *result, const sweep *sweep, int plays, double gain,
     for (int k = 0; k < plays; k++)
         fit.slack[k] = widest_slack * fit.half_range * pow((k + 1.0) / plays, slack_power);
     fit.unknowns = SLOPES + 2 * fit.plays + CREEPS + 1;
-    fit.rows = sweep->count + fit.plays;
+    fit.rows = sweep->count + fit.plays + CREEPS - 1;
     int failed = open_fit(&fit) ? 0 : refuse(error, "out of memory");
     if (!failed) {
         fill_samples(&fit);

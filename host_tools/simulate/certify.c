@@ -171,6 +171,12 @@ static int measure_growth(const trial *trial, certificate_loop *loop, bool *is_s
 /* ---- storms ----------------------------------------------------------- */
 
 /*
+ * Share by which the ceramic has less hysteresis than the tables of its compensation say, in the
+ * second sequence of targets: a compensation that is too strong raises the gain of small moves.
+ */
+static const double less_hysteresis = 0.25;
+
+/*
  * Structure, step limits and targets of the i-th storm (simulation with fast jumps of the target),
  * with readings that are `older` ticks older than the scene states. In the last sequence of targets
  * some ticks are missed, and the loop is not informed of them.
@@ -183,6 +189,7 @@ static storm_plant plant_of(int i, int older)
                          .step_limit = i / PLANTS % 2 ? 0.25 : 1,
                          .more_delay = older,
                          .seed = (uint64_t)(sequence + 1),
+                         .less_hysteresis = sequence == 1 ? less_hysteresis : 0,
                          .missed_share = sequence == SEEDS - 1 ? missed_share : 0,
                          .is_uninformed = true};
 }

@@ -289,6 +289,20 @@ static void start_ceramic(storm *storm)
     }
 }
 
+/*
+ * Effect (V) that the voltage of electrode k would have on a ceramic without hysteresis whose
+ * stroke is as large as that of the tables.
+ */
+static double straight_effect(const storm *storm, size_t k)
+{
+    const size_t amplifiers = storm->rig->amplifiers;
+    const pzs_problem *problem = &storm->rig->analysis->design.problem;
+    const double low = storm->stroke[k], high = storm->stroke[amplifiers + k];
+    const double range = problem->upper[k] - problem->lower[k];
+    const double part = range > 0 ? (storm->voltage[k] - problem->lower[k]) / range : 0;
+    return low + part * (high - low);
+}
+
 /* Advance the hysteresis and creep of the ceramic by one interval under the present voltages. */
 static void advance_ceramic(storm *storm)
 {
@@ -300,8 +314,10 @@ static void advance_ceramic(storm *storm)
     }
     for (size_t k = 0; k < storm->rig->amplifiers && storm->hysteresis; k++) {
         const hysteresis_memory memory = memory_of(storm, k);
-        storm->acting[k] =
+        const double straight = straight_effect(storm, k);
+        const double bent =
             pzs_hysteresis_effect(storm->hysteresis, (uint32_t)k, memory, storm->voltage[k]);
+        storm->acting[k] = bent + storm->plant->less_hysteresis * (straight - bent);
         pzs_hysteresis_remember(storm->hysteresis, (uint32_t)k, memory, storm->voltage[k], 1);
     }
 }

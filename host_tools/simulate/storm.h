@@ -50,7 +50,9 @@ typedef struct storm_plant {
     const storm_ceramic *ceramic; /* ceramic of the electrodes; NULL: the ceramic that the
                                      controller's tables describe, without hysteresis where the loop
                                      has no such tables */
-    bool is_uninformed; /* true: the loop is not informed of missed ticks by pzs_loop_skip */
+    double less_hysteresis; /* share by which the ceramic has less hysteresis and creep than the
+                               controller's tables describe, from 0 to 1 */
+    bool is_uninformed;     /* true: the loop is not informed of missed ticks by pzs_loop_skip */
 } storm_plant;
 
 /* Data that all storms (simulations with fast target jumps) of one control loop share. */

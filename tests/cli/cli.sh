@@ -470,6 +470,13 @@ ceramic='hysteresis={range: [-300, 300], slopes: [0.68, 0.68, 0.68, 0.68], slack
 # shellcheck disable=SC2086
 run 0 simulate plate-closed-loop $quick --set "$ceramic" --set simulate.plant.hysteresis=0.1 --json && json "j['phases'][0]['controller']['steady'] < 1.02 * j['phases'][0]['optimum']"
 check 'hysteresis: a compensated loop ends at the optimum within the stroke' $?
+awk 'BEGIN { for (i = 0; i < 500; i++) print 300 * sin(i / 20) * (1 - i / 600) }' >"$dir/sweep.csv"
+awk '{ print 1e-7 * $1 }' "$dir/sweep.csv" >"$dir/place.csv"
+run 0 calibrate --hysteresis 1000 --voltages "$dir/sweep.csv" --shapes "$dir/place.csv" --json && json "abs(j['gain'] / 1e-7 - 1) < 1e-3 and j['fit_rms'] < 1e-3" &&
+    run 0 calibrate --hysteresis 1000 --voltages "$dir/sweep.csv" --shapes "$dir/place.csv" -o "$dir/ceramic.yaml" && grep -q '^  slack: \[' "$dir/ceramic.yaml"
+check 'hysteresis: identified from a sweep' $?
+run 2 calibrate --hysteresis 0 --voltages "$dir/sweep.csv" --shapes "$dir/place.csv" && says '--hysteresis is the samples a second of the sweep, not'
+check 'hysteresis: a sweep without a rate is refused' $?
 run 0 tables plate-closed-loop --quasi-static --set "$ceramic" --prefix bent -o "$dir/bent.h" &&
     printf '#include "pzs.h"\n#include "bent.h"\nstatic double work[BENT_LOOP_BYTES / 8 + 2];\nstatic pzs_loop loop;\nint main(void) {\n%s\n%s\n%s\n}\n' \
         'const pzs_status s = pzs_loop_init(&loop, bent_blocks, BENT_BLOCKS, NULL, work, sizeof work);' \
