@@ -82,13 +82,26 @@ static bool are_equal(const pzs_real *left, const pzs_real *right, uint32_t coun
     return i == count;
 }
 
+/*
+ * Whether two controllers hold the same inputs at the same voltages.
+ *   left, right [count] in  voltages at which inputs are held (V), NaN: not held
+ */
+static bool are_held_alike(const pzs_real *left, const pzs_real *right, uint32_t count)
+{
+    uint32_t i = 0;
+    while (i < count && (number_is_finite(left[i]) ? left[i] >= right[i] && left[i] <= right[i]
+                                                   : !number_is_finite(right[i])))
+        i++;
+    return i == count;
+}
+
 /* Whether target and held inputs are those for which the last optimum was computed. */
 static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 {
     const pzs_problem *problem = state->control->state.problem;
     const pzs_real *own = state->optimum.state.held[0], *loop = state->control->state.held[0];
     return state->has_target && are_equal(state->target, wanted, problem->outputs) &&
-           memcmp(own, loop, problem->inputs * sizeof *own) == 0;
+           are_held_alike(own, loop, problem->inputs);
 }
 
 /*

@@ -19,7 +19,7 @@
  * order too. The inverse goes through these pieces one by one and ends in one division, without
  * iteration.
  *
- * The work of a tick for each input is 4 plays + 30 multiply-adds and comparisons for limits and
+ * The work of a tick for each input is 3 plays + 30 multiply-adds and comparisons for limits and
  * memory, and at most 2 plays + 4 pieces of the inverse.
  */
 #include <string.h>
@@ -204,21 +204,27 @@ static pzs_real creep_after(pzs_real creep, pzs_real gain, pzs_real rate, pzs_re
     return now + rate * (end - now);
 }
 
-void pzs_hysteresis_remember(const pzs_hysteresis *tables, uint32_t input, hysteresis_memory memory,
-                             pzs_real voltage, uint32_t ticks)
+pzs_real pzs_hysteresis_remember(const pzs_hysteresis *tables, uint32_t input,
+                                 hysteresis_memory memory, pzs_real voltage, uint32_t ticks)
 {
-    const size_t set = set_of(tables, input);
-    const pzs_real *slack = tables->slack + set * tables->plays;
+    const size_t set = set_of(tables, input), first = set * tables->plays;
+    const pzs_real *slack = tables->slack + first;
     const pzs_real *creep = tables->creep + set * tables->creeps;
     const pzs_real most = number_absolute(tables->middle[set]) + tables->half_range[set];
     pzs_real place = voltage - tables->middle[set];
+    pzs_real effect = tables->offset[set] +
+                      line_at(tables->slope + set * SEGMENTS, tables->half_range[set], place);
     for (uint32_t i = 0; i < tables->plays; i++) {
         place = follow(memory.play[i], place, slack_behind(slack, i));
         memory.play[i] = place;
+        effect += (place > 0 ? tables->above : tables->below)[first + i] * place;
     }
-    for (uint32_t j = 0; j < tables->creeps; j++)
+    for (uint32_t j = 0; j < tables->creeps; j++) {
+        effect += memory.creep[j];
         memory.creep[j] = creep_after(memory.creep[j], creep[j],
                                       rate_of(tables->creep_rate[j], ticks), voltage, 2 * most);
+    }
+    return effect;
 }
 
 pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
@@ -488,8 +494,8 @@ static pzs_status effect_tick(void *self, pzs_loop_signals *signals)
     for (uint32_t k = 0; k < tables->inputs; k++) {
         const pzs_real given = signals->given[k];
         const hysteresis_memory memory = memory_of(compensator, k);
-        compensator->state.effect[k] = pzs_hysteresis_effect(tables, k, memory, given);
-        pzs_hysteresis_remember(tables, k, memory, given, 1u + signals->missed);
+        compensator->state.effect[k] =
+            pzs_hysteresis_remember(tables, k, memory, given, 1u + signals->missed);
         if (!set_range(compensator, control, k, given) && clash < 0)
             clash = (int32_t)k;
         set_effect_limits(compensator, control, k);
@@ -524,6 +530,8 @@ static pzs_real voltage_of(const pzs_compensator *compensator, const pzs_control
 {
     const pzs_real lower = compensator->state.lower[k], upper = compensator->state.upper[k];
     const pzs_real wanted = control->state.voltage[k];
+    if (!number_is_finite(wanted)) /* damaged memory: stay */
+        return number_clamp(given[k], lower, upper);
     if (!(wanted < control->state.upper[k]))
         return upper;
     if (!(wanted > control->state.lower[k]))

@@ -30,10 +30,10 @@ void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresi
 /*
  * Update the memory of electrode `input` after a voltage has been applied for some ticks, at least
  * one. A memory that cannot result from any voltages (damage, NaN) becomes the nearest possible
- * one.
+ * one. Return the effect in the first of these ticks (V).
  */
-void pzs_hysteresis_remember(const pzs_hysteresis *tables, uint32_t input, hysteresis_memory memory,
-                             pzs_real voltage, uint32_t ticks);
+pzs_real pzs_hysteresis_remember(const pzs_hysteresis *tables, uint32_t input,
+                                 hysteresis_memory memory, pzs_real voltage, uint32_t ticks);
 
 /*
  * Return the effect (V) of electrode `input` when its voltage changes to `voltage`. The effect
