@@ -15,19 +15,21 @@
 #include "outfile.h"
 
 /*
- * A calibration with its input files and, where a scene is the model, the fitted material factors
- * and faults.
+ * Calibration: its input files, its result and, where a scene describes the actuators, the wiring
+ * faults found and the fitted factors of the scene's material constants.
  */
 typedef struct run {
     const scene *scene;
     number_table voltages, shapes;
     pokes pokes;
-    calibration_model model; /* scene with fitted material factors; empty where the model is a
-                                measured matrix or there is none */
+    calibration_model model; /* model whose influence matrix is computed from a scene with fitted
+                                factors of its material constants; empty where the scene gives a
+                                measured matrix, or without a scene */
     int faults;
     wiring_fault fault[WIRING_FAULTS];
-    double *acting; /* [pokes][actuators] voltages that act on the electrodes with the wiring faults
-                       that were found (V) */
+    double *acting; /* [pokes][actuators] voltages that reach the electrodes in each poke (shape
+                       measured under known voltages), with the found wiring faults taken into
+                       account (V) */
     calibration result;
 } run;
 
@@ -112,8 +114,8 @@ static int fit_to_matrix(run *run, char *error)
 }
 
 /*
- * Fit the material factors of a structure, find wiring faults, and compute the influence matrix.
- * Returns 0, or -1 with error filled.
+ * Fit factors of the structure's material constants, find wiring faults, and compute the influence
+ * matrix. Returns 0, or -1 with error filled.
  */
 static int fit_to_structure(run *run, char *error)
 {
@@ -278,7 +280,10 @@ static int write_file(const run *run, const char *path)
     return outfile_end(&output, ferror(output.file));
 }
 
-/* Compute the matrix from pokes, and print and write it. Returns an exit code. */
+/*
+ * Compute the influence matrix from pokes (shapes measured under known voltages), and print and
+ * write it. Returns an exit code.
+ */
 static int calibrate_matrix(run *run, const options *options)
 {
     char error[SCENE_ERROR];

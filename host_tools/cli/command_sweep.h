@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The command `pzs calibrate --hysteresis`: hysteresis and creep from a measured sweep. */
+/*
+ * The command `pzs calibrate --hysteresis`: hysteresis and creep of an actuator from a measured
+ * sweep (voltage that rises and falls, and the position at every sample).
+ */
 #ifndef COMMAND_SWEEP_H
 #define COMMAND_SWEEP_H
 
@@ -7,9 +10,11 @@
 #include "options.h"
 
 /*
- * Identify hysteresis and creep from a sweep, print the section `hysteresis` of a scene and the
- * errors of the fit, and write the section to the output file that the options name.
- *   samples  in  voltages in one column, positions in one column or more, whose mean counts
+ * Identify hysteresis and creep from a sweep (voltage that rises and falls, and the position at
+ * every sample), print the section `hysteresis` of a scene and the errors of the fit, and write the
+ * section to the output file that the options name.
+ *   samples  in  one voltage and one or more positions per sample; the mean of the positions is
+ *       used
  * Returns an exit code after printing the result or an error message.
  */
 int command_sweep(const options *options, const pokes *samples);

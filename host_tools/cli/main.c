@@ -431,7 +431,7 @@ static int command_shape(const options *options, analysis *analysis)
 
 /*
  * Run all ticks of a simulation, with a CSV file where the options request one, then compute the
- * optimum of each phase.
+ * optimal voltages of each phase (interval between events of the scene).
  *   history out  results of every tick of the controller
  * Returns 0, or an exit code.
  */
@@ -452,8 +452,8 @@ static int run_simulation(simulation *run, const options *options, simulate_reco
 }
 
 /*
- * Check the plausibility of the plant's displacements under the controller at the end of each
- * phase.
+ * Check the plausibility of the plant's displacements under the controller at the end of each phase
+ * (interval between events of the scene).
  */
 static void check_phases(plausible *warnings, const simulation *run)
 {
@@ -638,7 +638,10 @@ static const char *table_path(const options *options, const char *prefix, char p
     return path;
 }
 
-/* Whether the control tick of the tables damps vibration; if not, `reason` says why. */
+/*
+ * Whether the control tick with the constants that `pzs tables` writes would damp vibration; if
+ * not, `reason` says why.
+ */
 static int is_damped(const analysis *analysis, char *reason)
 {
     estimator estimator;
@@ -657,8 +660,9 @@ static int is_damped(const analysis *analysis, char *reason)
 }
 
 /*
- * Refuse tables for a control loop that vibration makes unstable and whose tick cannot damp the
- * vibration, unless the options permit this. Returns 0, or -1 with error filled.
+ * Refuse to write the firmware's constants (`pzs tables`) for a control loop that vibration makes
+ * unstable and whose tick cannot damp the vibration, unless the options permit this. Returns 0, or
+ * -1 with error filled.
  */
 static int judge_loop(analysis *analysis, char *error)
 {
@@ -680,7 +684,10 @@ static int judge_loop(analysis *analysis, char *error)
         certificate->stable_rate);
 }
 
-/* Add a warning where a certified loop tolerates no error in the age of the readings. */
+/*
+ * Add a warning where the control loop is stable, but not if the sensor readings are one tick older
+ * than the scene states.
+ */
 static void warn_of_age(analysis *analysis)
 {
     const certificate_loop *loop = &analysis->certificate.loop;
@@ -689,8 +696,9 @@ static void warn_of_age(analysis *analysis)
 }
 
 /*
- * Refuse tables for a loop with a vibration model that is unstable or does not settle after fast
- * jumps of the target. Returns 0, or -1 with error filled.
+ * Refuse to write the firmware's constants (`pzs tables`) for a control loop that damps vibration
+ * with a model of it, where this loop is unstable or does not settle after fast jumps of the
+ * target. Returns 0, or -1 with error filled.
  */
 static int judge_storms(analysis *analysis, char *error)
 {
@@ -712,9 +720,10 @@ static int judge_storms(analysis *analysis, char *error)
 }
 
 /*
- * Compute all contents of the tables of a firmware. Tables for the nonlinear solver contain the
- * scene's equilibrium, and a voltage problem where the scene has a target; tables for the
- * controller alone contain the influence matrix that the simulation of the scene uses.
+ * Compute everything that `pzs tables` writes as constants for a firmware. The constants for the
+ * nonlinear solver contain the scene's equilibrium, and a voltage problem where the scene has a
+ * target; those for the controller alone contain the influence matrix that the simulation of the
+ * scene uses.
  */
 static int prepare_tables(analysis *analysis, tables_image image, char *error)
 {

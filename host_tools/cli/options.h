@@ -31,7 +31,9 @@ typedef struct options {
                                       where they are not wanted */
     const char *voltages, *shapes; /* files of measured voltages and shapes, for the command
                                       calibrate */
-    double sample_rate; /* samples a second of a sweep for the command calibrate; 0: pokes */
+    double sample_rate; /* samples per second of a measured hysteresis sweep, for the command
+                           calibrate; 0: the files contain pokes (shapes under known voltages)
+                           instead */
     int words;          /* number of arguments of the whole command line, which reports print */
     char *const *words_given; /* [words] arguments of the whole command line */
     const device_board *device;

@@ -133,9 +133,9 @@ static void json_head(json *json, const analysis *analysis)
 /* ---- check ------------------------------------------------------------ */
 
 /*
- * Compute the memory that the tables of a control, linear or nonlinear firmware need on a device,
- * by writing the tables to a file that is discarded. Returns 0, or -1 where the scene cannot have
- * these tables.
+ * Compute the device memory for the constants (`pzs tables`) of one kind of firmware: control,
+ * linear or nonlinear. The constants are written to a file that is discarded. Returns 0, or -1
+ * where they cannot be made for the scene.
  */
 static int image_size(const analysis *analysis, tables_image image, tables_size *size,
                       tables_memory *need)
@@ -251,8 +251,9 @@ void print_check_json(const analysis *analysis)
 /* ---- solve ------------------------------------------------------------ */
 
 /*
- * Print the results of a contact: load steps added for the contact body, sag of the facets, and a
- * warning of the last load step.
+ * Print the results of the contact with a rigid body: number of load steps that were shortened
+ * because of the body, depth of the body between the nodes of an element, and a warning about the
+ * last load step.
  */
 static void print_contact(const analysis *analysis)
 {
@@ -485,8 +486,8 @@ static void print_voltages(const scene *scene, const voltages *result)
 }
 
 /*
- * Difference between the shape errors on the nonlinear structure with the voltages of the linear
- * model and with those of the nonlinear model. This is the disadvantage of the smaller tables.
+ * Increase of the shape error on the nonlinear structure when its voltages are optimised with the
+ * linear instead of the nonlinear model, as a firmware without the nonlinear solver does.
  */
 static double cost_of_linear(const shape_run *run)
 {
@@ -550,7 +551,10 @@ static void print_reached(const shape_run *run)
         putchar('\n');
 }
 
-/* Print the amplifiers whose voltage limits are narrower than the limits of the table. */
+/*
+ * Print how many amplifiers have narrower voltage limits than the printed table of results states,
+ * and how many are held at one voltage.
+ */
 static void print_narrower(const voltages *result, int amplifiers)
 {
     if (result->narrowed + result->held > 0)

@@ -31,7 +31,10 @@ void print_head(const analysis *analysis, const char *influence);
 /* Write how well the sensors determine the shape as the JSON member `estimate`. */
 void print_estimate_json(json *json, const estimator *estimator);
 
-/* Print the size of the scene and the memory that its tables need on a device. */
+/*
+ * Print the size of the scene and the device memory that the constants of its firmware (`pzs
+ * tables`) need.
+ */
 void print_check(const analysis *analysis);
 void print_check_json(const analysis *analysis);
 

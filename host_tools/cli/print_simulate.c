@@ -322,7 +322,10 @@ static void json_count(json *json, const simulate_count *count, simulate_law law
     json_close(json, '}');
 }
 
-/* Write modes, damping and imperfections of the plant as JSON. */
+/*
+ * Write the modes and the damping of the plant, and its deviations from the controller's model, as
+ * JSON.
+ */
 static void json_plant(json *json, const simulation *simulation)
 {
     const plant *plant = &simulation->plant;

@@ -16,8 +16,8 @@ typedef struct simulate_sinks {
 } simulate_sinks;
 
 /*
- * Run the simulation under all control laws, then compute the optimum of each phase. Returns 0, or
- * -1 with error filled.
+ * Run the simulation under all control laws, then compute the optimal voltages of each phase
+ * (interval between events of the scene). Returns 0, or -1 with error filled.
  */
 int print_run(simulation *simulation, const simulate_sinks *sinks, char *error);
 

@@ -7,7 +7,10 @@
 #include "../model/spring_forces.h"
 #include "../text/words.h"
 
-/* Number of items that may have springs: the springs of the scene, then its actuators. */
+/*
+ * Number of entries of the scene that may consist of springs: its spring entries and its actuators,
+ * which may be stack actuators.
+ */
 static int items_of(const scene *scene)
 {
     return scene->springs + scene->actuators;

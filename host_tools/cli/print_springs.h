@@ -8,8 +8,8 @@
 
 /*
  * Print the forces of springs and stack actuators on the structure, along their directions; print
- * nothing where there are none. The JSON member is `springs`, with the forces of all springs of an
- * item.
+ * nothing where there are none. The JSON member is `springs`: for each spring entry or stack
+ * actuator of the scene an array with the force of each of its springs.
  *   displacement [free_dof] in
  */
 void print_springs(const analysis *analysis, const double *displacement);

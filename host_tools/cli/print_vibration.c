@@ -151,8 +151,8 @@ void print_vibration_summary(const certificate *certificate)
 }
 
 /*
- * Write the stability of the control loop that `pzs tables` writes, with or without a vibration
- * model, as JSON.
+ * Write the stability of the control loop of a firmware with the constants of `pzs tables` as JSON,
+ * whether its control tick has a vibration model or not.
  */
 static void json_stability(json *json, const certificate *certificate)
 {

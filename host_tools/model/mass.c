@@ -66,8 +66,8 @@ static void moments(const laminate *laminate, const laminate_place *place, doubl
 }
 
 /*
- * Share of an element's mass that couples two of its corners: bilinear interpolation for the
- * consistent part, all mass at the corners for the lumped part.
+ * Fraction of an element's mass that is the entry of its mass matrix for two of its corners: from
+ * bilinear interpolation in the consistent matrix, with all mass at the corners in the lumped one.
  */
 static double share(const laminate_place *place, int row, int column, double lumped)
 {
@@ -209,7 +209,9 @@ void mass_multiply(const mass *mass, const pzs_model *model, const double *vecto
 
 /*
  * Values of the dof of a node when the structure moves as a rigid body.
- *   unit [7] out
+ *   shift [3] in   translation
+ *   spin  [3] in   vector of a small rotation about the origin (rad)
+ *   unit  [7] out  displacement and rotation dof along the local axes; the seventh is 0
  */
 static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], const double spin[3],
                            double unit[7])

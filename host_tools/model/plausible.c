@@ -184,7 +184,8 @@ void plausible_result(plausible *warnings, const mesh *mesh, const double *displ
                       int is_linear, const char *name)
 {
     if (mesh->elements == 0)
-        return; /* the points of a measured matrix have no thickness and no strain */
+        return; /* a scene with a measured influence matrix has no elements, hence no thickness or
+                   strain to check */
     const subject of = {.scene = mesh->scene,
                         .mesh = mesh,
                         .u = displacement,

@@ -76,8 +76,9 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
                     unsigned negative_pivots);
 
 /*
- * Apply the plausibility rule on a certified control loop with a vibration model.
- *   older in  number of ticks by which readings may be older than the scene states
+ * Warn where the control loop is stable with its vibration model, but not if the sensor readings
+ * are one tick older than the scene states.
+ *   older in  largest number of ticks by which the readings may be older than the scene states
  */
 void plausible_loop(plausible *warnings, const scene *scene, int older);
 

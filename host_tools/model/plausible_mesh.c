@@ -11,7 +11,7 @@
 /* ---- general meshes ----------------------------------------------------- */
 
 /*
- * Whether a rule that measures a single number of an irregular mesh is asked for its first number.
+ * Whether k is 0 and the mesh is irregular, for rules with a single number on irregular meshes.
  * Meshes along lines of curvature have no such number.
  */
 static int is_first(const subject *of, int k, measured *found)
@@ -100,8 +100,8 @@ static int bending_of(const subject *of, int k, measured *found, laminate_bendin
 }
 
 /*
- * Part of the deflection, relative to the bending deflection, that a transverse shear strain
- * computed from equilibrium adds to that of a uniform shear strain.
+ * Deflection by transverse shear that the assumption of a uniform shear strain leaves out, compared
+ * with a shear strain computed from equilibrium, relative to the bending deflection.
  */
 int measure_shear(const subject *of, int k, measured *found)
 {

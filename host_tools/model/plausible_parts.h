@@ -22,7 +22,8 @@ typedef struct subject {
                                (analysis_path_difference) */
     unsigned negative_pivots; /* number of negative pivots of the tangent stiffness at the
                                  equilibrium */
-    int older; /* number of ticks by which readings may be older than the scene states */
+    int older; /* largest number of ticks by which the sensor readings may be older than the scene
+                  states while the control loop stays stable */
 } subject;
 
 enum { WHAT = 200 };
@@ -73,14 +74,14 @@ measure measure_path, measure_stability;
 measure measure_target, measure_unreached, measure_idle;
 
 /*
- * Function that measures a certified control loop for the plausibility rule on the age of its
- * readings (plausible_result.c).
+ * Function that measures by how many ticks the sensor readings of a stable control loop may be
+ * older than stated (plausible_result.c).
  */
 measure measure_age;
 
 /*
- * Find the k-th pair of an actuator of voltages and a patch grid that it drives. Returns 0 where
- * there is no such pair.
+ * Find pair k, counted over all actuators of the scene, of an actuator and one of the patch grids
+ * to which it applies its voltages. Returns 0 where there is no such pair.
  */
 int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
                     const scene_drive **drive);
@@ -92,8 +93,8 @@ int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
 double plausible_voltage(const scene *scene, const scene_actuator *actuator, const double *voltage);
 
 /*
- * Store the electric field of a voltage in the layer of a drive in found->value; NAN where the
- * material has its own field limit.
+ * Store in found->value the electric field that an actuator's voltage causes in the layer of the
+ * patch grid that it drives; NAN where the material has its own field limit.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found);
 

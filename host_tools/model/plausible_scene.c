@@ -115,8 +115,8 @@ int measure_thickness(const subject *of, int k, measured *found)
 /* ---- electric fields -------------------------------------------------- */
 
 /*
- * Find the k-th pair of an actuator of voltages and a patch grid that it drives. Returns 0 where
- * there is no such pair.
+ * Find pair k, counted over all actuators of the scene, of an actuator and one of the patch grids
+ * to which it applies its voltages. Returns 0 where there is no such pair.
  */
 int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
                     const scene_drive **drive)
@@ -160,8 +160,9 @@ double plausible_voltage(const scene *scene, const scene_actuator *actuator, con
 }
 
 /*
- * Store the electric field of a voltage in the layer of a drive in found->value; NAN where the
- * material has its own field limit, which the design enforces.
+ * Store in found->value the electric field that an actuator's voltage causes in the layer of the
+ * patch grid that it drives; NAN where the material has its own field limit, which the design
+ * enforces.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found)
 {
@@ -201,7 +202,10 @@ int measure_applied_field(const subject *of, int k, measured *found)
 
 /* ---- electrodes ------------------------------------------------------- */
 
-/* Number of elements whose areas make up that of an electrode. */
+/*
+ * Area of an electrode as a number of elements; an element that is partly covered counts with its
+ * covered fraction.
+ */
 static double elements_of(const scene_outlines *outlines, int electrode)
 {
     double sum = 0;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Computing work of a control tick: bound, and longest of many ticks (tick_work.h). */
+/*
+ * Computing work of a control tick: upper bound, and work of the longest of many simulated ticks
+ * (tick_work.h).
+ */
 #include "tick_work.h"
 #include <math.h>
 #include <stdlib.h>
@@ -28,8 +31,9 @@ uint64_t tick_work_limit(const design *design)
     if (!(control->clock > 0) || !(control->rate > 0))
         return 0;
     const double allowed = control->clock / control->rate / TICK_WORK_CYCLES - TICK_WORK_OTHERS;
-    const int steps = control->moving_target ? 2 : 1; /* a governor of the target computes a voltage
-                                                         step of its own in each tick */
+    const int steps = control->moving_target ? 2 : 1; /* with a governor, each tick also computes
+                                                         the static optimum for the moving target,
+                                                         which is a second voltage problem */
     const double left = (allowed / steps - instructions(design, 0)) / TICK_WORK_PER_OPTIMISER;
     const double most = fmin(left, (double)PZS_WORK_LIMIT(inputs));
     return most > (double)least ? (uint64_t)most : least;
@@ -58,7 +62,10 @@ static void random_target(const design *design, uint64_t *seed, double *wanted)
     }
 }
 
-/* Number of multiply-adds of the optimiser in the longest of many ticks. */
+/*
+ * Largest number of multiply-adds that the optimiser needs in one of many ticks with random
+ * targets.
+ */
 static uint64_t longest_work(const design *design, uint64_t limit, void *work, size_t bytes,
                              double *wanted)
 {

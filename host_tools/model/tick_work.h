@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Computing work of a control tick on a device: the bound that follows from the limit of the
- * optimiser's work, and the longest of many ticks whose targets jump.
+ * Computing work of a control tick on a device: the upper bound that follows from the limit of the
+ * optimiser's work, and the work of the longest of many simulated ticks in which the target jumps.
  */
 #ifndef TICK_WORK_H
 #define TICK_WORK_H
@@ -19,32 +19,36 @@
 #define TICK_WORK_PER_OUTPUT 50.0
 #define TICK_WORK_CYCLES 2.0 /* assumed number of clock cycles per instruction */
 #define TICK_WORK_OTHERS                                                                           \
-    20000 /* number of instructions reserved for the other blocks of the tick */
+    20000 /* instructions per tick that are reserved for all but the control step */
 
 typedef struct tick_work {
     bool is_made;
-    bool is_limited;   /* true where the limit follows from clock and tick rate of the scene; false
-                          where it is the default */
-    uint64_t limit;    /* limit of the optimiser's work in one tick (multiply-adds) */
-    uint64_t bound;    /* largest possible number of multiply-adds in one tick (PZS_STEP_WORK) */
-    uint64_t measured; /* multiply-adds of the optimiser in the longest tick that was computed */
-    int ticks;         /* number of ticks that were computed to find the longest one */
+    bool is_limited;     /* true where the limit of the optimiser's work follows from clock and tick
+                            rate of the scene; false where it is the default of the library */
+    uint64_t limit;      /* limit of the optimiser's work in one tick (multiply-adds) */
+    uint64_t bound;      /* largest possible number of multiply-adds in one tick (PZS_STEP_WORK) */
+    uint64_t measured;   /* multiply-adds of the optimiser in the longest tick that was computed */
+    int ticks;           /* number of ticks that were computed to find the longest one */
     double instructions; /* upper bound of the number of instructions in one tick */
     double longest;      /* number of instructions in the longest tick that was computed */
     double rate; /* highest tick rate that the scene's clock allows (1/s); 0 where the scene gives
                     no clock */
-    bool holds; /* true where the scene's tick rate does not exceed the highest one, or is not given
-                 */
+    bool holds;  /* true where the scene's tick rate is at most `rate`, or the scene lacks the clock
+                    or the tick rate */
 } tick_work;
 
 /*
- * Limit of the optimiser's work in one tick (multiply-adds) that clock and tick rate of the scene
- * allow, at least PZS_WORK_LEAST; 0 where the scene does not give both. With a
- * governor, which makes a voltage step of its own, each of the two steps may take half of the tick.
+ * Limit of the optimiser's work in one tick (multiply-adds) that processor clock and tick rate of
+ * the scene allow, at least PZS_WORK_LEAST; 0 where the scene does not give both. With a governor,
+ * each tick also computes the static optimum for the moving target; this second voltage problem and
+ * the control step may each take half of the tick.
  */
 uint64_t tick_work_limit(const design *design);
 
-/* Fill `work`. The member is_made is false where the scene has no amplifiers or no targets. */
+/*
+ * Fill `work` with the computing work of a tick. The member is_made is false where the scene has no
+ * amplifiers or no targets.
+ */
 void tick_work_make(tick_work *work, const design *design);
 
 #endif

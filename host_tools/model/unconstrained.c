@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Number of solutions for the remaining gradient: the first solution and its refinements. */
+/* Number of solutions of the normal equations: the first one and the corrections by refinement. */
 enum { SOLUTIONS = 3 };
 
 /*
@@ -63,9 +63,9 @@ static double diagonal(const unconstrained *solver, size_t k)
 }
 
 /*
- * Input that depends least on the inputs eliminated so far, by the remaining share of its diagonal
- * entry. Returns the number of inputs where that share is a rounding error for all remaining
- * inputs.
+ * Next pivot: the input with the largest ratio of its not yet eliminated diagonal entry to its
+ * original one, so that it depends least on the inputs eliminated so far. Returns the number of
+ * inputs, which is the index of no input, where this ratio is only a rounding error for all inputs.
  */
 static size_t next_pivot(const unconstrained *solver)
 {

@@ -65,8 +65,9 @@ static pzs_status trial_start(trial *trial, const design *design, common_limits 
 }
 
 /*
- * Store the widest voltage range of any amplifier, the numbers of amplifiers that are held or have
- * a narrower range, and the number of voltages at a limit in the result.
+ * Store the widest voltage range of any amplifier, the numbers of amplifiers that are held (limits
+ * that allow only one voltage) or have a narrower range, and the number of voltages at a limit in
+ * the result.
  */
 static void note_limits(const pzs_problem *problem, const double *voltage, voltages *result)
 {
@@ -84,8 +85,9 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
     for (int k = 0; k < problem->inputs; k++)
         result->narrowed += problem->lower[k] != problem->upper[k] &&
                             (problem->lower[k] > lowest || problem->upper[k] < highest);
-    result->limit[0] = fmin(lowest, highest); /* lowest exceeds highest only where every amplifier
-                                                 is held; the minimum restores their order */
+    result->limit[0] = fmin(lowest, highest); /* where every amplifier is held at one voltage,
+                                                 `lowest` is still infinite and above `highest`; the
+                                                 minimum restores their order */
     result->limit[1] = fmax(lowest, highest);
 }
 
@@ -264,8 +266,8 @@ int voltages_linear(analysis *analysis, common_limits common, voltages *result, 
     if (evaluate_or_none(analysis, result, error) < 0)
         return -1;
     if (analysis->nonlinear)
-        result->optimality = (double)NAN; /* the KKT conditions hold on the structure of the
-                                             optimisation only */
+        result->optimality = (double)NAN; /* the voltages are an optimum (KKT conditions) of the
+                                             linear model, not of the nonlinear structure */
     return 0;
 }
 

@@ -29,13 +29,13 @@ typedef struct voltages {
     double optimality;  /* KKT violation relative to the largest entry of the gradient at zero
                            voltage; NAN where the result is not an optimum */
     double limit[2];    /* lowest and highest voltage that any amplifier may give (V) */
-    int held, narrowed; /* number of held amplifiers; number of the other amplifiers whose range is
-                           narrower than `limit` */
+    int held, narrowed; /* number of amplifiers that are held at one voltage; number of other
+                           amplifiers whose range is narrower than `limit` */
     double residual;    /* relative residual of the linear solver in the displacement */
     double regularisation; /* regularisation parameter of voltages_regularised, relative to the mean
                               diagonal entry of the Hessian; 0 for other methods */
-    int active_limits, iterations; /* number of amplifiers at a limit, held ones excluded; number of
-                                      iterations of the optimiser */
+    int active_limits, iterations; /* number of amplifiers at a voltage limit, without those held at
+                                      one voltage; number of iterations of the optimiser */
     int relinearised;  /* number of times that the influence matrix was computed again at the last
                           shape */
     int linear_solves; /* number of linear solves that the nonlinear structure has needed */

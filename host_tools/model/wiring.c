@@ -29,15 +29,19 @@ static const double dead_gain = 0.3;
  */
 static const double gain_spread = 1;
 
-/* Arrays of one search for wiring faults, in one allocation that begins at `voltages`. */
+/*
+ * Arrays of one search for wiring faults, in one allocation that begins at `voltages`; n is the
+ * number of actuators, and of their electrodes.
+ */
 typedef struct wiring {
     size_t n;
-    double *voltages; /* [n][n] scalar products of the voltages of each pair of amplifiers over the
-                         pokes */
-    double *shapes;   /* [n][n] scalar products of the model's influence columns of each pair of
-                         electrodes */
-    double *products; /* [n][n] products of the voltages of each amplifier, the measured shapes and
-                         the model's column of each electrode */
+    double *voltages; /* [n][n] scalar products of the voltages of each pair of amplifiers, summed
+                         over all pokes (shapes measured under known voltages) (V2) */
+    double *shapes;   /* [n][n] scalar products of each pair of columns of the model's influence
+                         matrix */
+    double *products; /* [n][n] for each amplifier and electrode, the sum over all measured shapes
+                         of the amplifier's voltage times the scalar product of the shape with the
+                         electrode's column of the model's influence matrix */
     double *matrix;   /* [n][n] matrix of the normal equations, then its Cholesky factor */
     double *gain; /* [n] right-hand side of the normal equations, then gain of each electrode (ratio
                      of its actual to its model influence) */
@@ -161,8 +165,8 @@ static double common_gain(const wiring *wiring)
 
 /*
  * Compute the gain of every electrode (ratio of its actual to its model influence) for the present
- * wiring. The prior keeps a gain that the pokes do not determine at the common gain. Returns the
- * remaining sum of squares.
+ * wiring. A gain that the measurements do not determine is kept at the common gain of all
+ * electrodes by the prior. Returns the remaining sum of squares.
  */
 static double find_gains(wiring *wiring)
 {
