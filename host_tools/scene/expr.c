@@ -51,7 +51,8 @@ typedef struct parser {
     const char *error;
     instruction code[CODE];
     int length;
-    int depth; /* number of values on the evaluation stack behind the code that is emitted so far */
+    int depth; /* number of values on the evaluation stack after the instructions emitted so far
+                  have been executed */
     waiting stack[STACK];
     int waiting;
     int want_value; /* 1: the next symbol must be an operand; 0: it must be an operator */
@@ -449,8 +450,9 @@ static double formula_value(const expr *expression, const expr_point *at)
 }
 
 /*
- * Copy those coordinates of a point that the scattered points of an interpolated function have.
- *   place  [3] out
+ * Copy the coordinates of a point that are arguments of an interpolated function, in the order of
+ * expression->axis.
+ *   place  [axes] out  at most 3 coordinates
  */
 static void place_of(const expr *expression, const expr_point *at, double *place)
 {

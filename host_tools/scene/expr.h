@@ -42,15 +42,18 @@ expr *expr_from_points(const char *text, int axes, const int *axis, size_t count
                        const double *point, const double *value);
 
 /*
- * Build a function from a list of values, one for each row of a target (value [count] in). Returns
- * NULL when memory runs out.
+ * Build a function from a list of values, one for each row of a target: each controlled
+ * displacement, or each output of a measured influence matrix.
+ *   text   in           description for reports
+ *   value  [count]  in  values in the order of the rows
+ * Returns NULL when memory runs out.
  */
 expr *expr_from_list(const char *text, size_t count, const double *value);
 
 /*
- * Return the value of a function at one row of a target, whose coordinates are `at`. A list of
- * values is looked up by the row, and is NAN for a row that it does not have; all other functions
- * use the coordinates.
+ * Return the value of a function at one row of a target (a controlled displacement), which lies at
+ * the point `at`. A function that is a list of values returns entry number `row`, or NAN if the
+ * list is shorter or row is negative; all other functions use the coordinates.
  */
 double expr_row_value(const expr *expression, const expr_point *at, int row);
 

@@ -40,14 +40,15 @@ typedef struct scene_outline {
  */
 typedef struct scene_outlines {
     int electrodes;
-    int columns; /* number of electrodes along the second index of a grid; 1 for electrodes with one
-                    index */
+    int columns; /* number of electrodes along the second index of electrodes that form a grid and
+                    are named _i_j; 1 for electrodes with one index */
     scene_outline *electrode; /* [electrodes] outline of each electrode, in the order of the scene
                                */
     int elements;
-    size_t *start;     /* [elements + 1] first of the parts that belong to each element */
-    int *electrode_of; /* [start[elements]] electrode to which each part belongs; ascending in each
-                          element */
+    size_t *start; /* [elements + 1] for each element, the index in electrode_of and share of its
+                      first covered part; the last entry is the number of all parts */
+    int *electrode_of; /* [start[elements]] number of the electrode that covers each part; ascending
+                          in each element */
     double *share; /* [start[elements]] covered area over the area of the element, above 0 and at
                       most 1 */
 } scene_outlines;

@@ -95,8 +95,8 @@ static void fit_ratio(outline_cell *cell, const int axis[2], const double ratio[
 /* Compute all members of a cell that follow from its corners. */
 static void finish(outline_cell *cell, outline_plane plane)
 {
-    const double steepest = 0.1; /* smallest cosine of the angle between the surface and the plane,
-                                    that of 84 degrees */
+    const double steepest = 0.1; /* smallest permitted cosine of the angle between the surface and
+                                    the plane of the outlines, that of 84 degrees */
     const int *axis = plane_axes[plane];
     double ratio[4], sum = 0;
     int turned = 0;

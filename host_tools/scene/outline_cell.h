@@ -48,11 +48,13 @@ void outline_cell_part(const outline_cell *whole, outline_plane plane, const dou
                        const double high[2], outline_cell *part);
 
 /*
- * Find move number k of a cell by full turns along closed coordinates. An outline beyond the ends
- * of theta1 or theta2 meets the cell after one of these moves.
- *   k          in   from 0 (no move) to OUTLINE_MOVES - 1
- *   shift [2]  out  displacement in the plane of the outlines
- * Returns whether the surface of the scene has this move.
+ * Find one of the moves of a cell by full turns (2 pi) of theta1 and theta2, as far as these
+ * coordinates are periodic. An outline that goes beyond the ends of theta1 or theta2 meets the cell
+ * after one of these moves.
+ *   k          in   number of the move, from 0 (no move) to OUTLINE_MOVES - 1: each coordinate
+ *                   moves by 0, +1 or -1 turn
+ *   shift [2]  out  displacement of the cell in the plane of the outlines
+ * Returns whether the surface of the scene is periodic in the directions of the move.
  */
 enum { OUTLINE_MOVES = 9 };
 bool outline_cell_move(const scene *scene, outline_plane plane, int k, double shift[2]);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Shares and overlaps of all electrodes of any outline of a scene (scene_parts.h). */
+/*
+ * Check of all electrodes with outlines of any shape in a scene: computes the part of each element
+ * that they cover, and refuses electrodes that overlap (scene_parts.h).
+ */
 #include "outline_overlap.h"
 #include "outline_shares.h"
 #include "scene_parts.h"

@@ -6,9 +6,10 @@
 #include "scene.h"
 
 /*
- * Return the part of an element that two electrodes of different layers cover together. Where one
- * of the two is given by a formula, their places in the element are taken to be independent, and
- * the result is the product of their parts.
+ * Return the area of an element that two electrodes of different layers cover together, as a
+ * fraction of the area of the element. If one of the two is given by a formula, or if their
+ * outlines lie in different planes, the result is the product of the fractions that each electrode
+ * covers, as for areas at independent random places.
  */
 double outline_common_share(const scene *scene, const scene_patches *one, int electrode,
                             const scene_patches *other, int other_electrode, int element);

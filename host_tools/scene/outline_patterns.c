@@ -93,7 +93,10 @@ double outline_grid_size(const grid_pattern *pattern)
     return fmin(first, second) - pattern->gap;
 }
 
-/* Compute corner k, counted counterclockwise, of the electrode in cell i, j of a grid. */
+/*
+ * Compute corner k (0 to 3, counted counterclockwise) of the rectangular electrode in the cell with
+ * the indices i and j of a grid.
+ */
 static void grid_corner(const grid_pattern *pattern, int i, int j, int k, double point[2])
 {
     const int cell[2] = {i, j}, is_high[2] = {k == 1 || k == 2, k >= 2};
@@ -168,7 +171,10 @@ double outline_ring_size(const ring_pattern *pattern)
     return least;
 }
 
-/* Compute the directions of the two ends of a keystone's arc at a radius (rad). */
+/*
+ * Compute the directions (rad), seen from the centre of the rings, of the two ends of the arc of
+ * the given radius between the straight sides of a keystone.
+ */
 static void arc_ends(const keystone *stone, double radius, double angle[2])
 {
     const double inset = radius > 0 ? asin(fmin(1, stone->half_gap / radius)) : 0;
@@ -203,8 +209,8 @@ static int pattern_sides(const ring_pattern *pattern)
 }
 
 /*
- * Append the polygon of a ring of one sector: the outer circle, then the inner circle in the other
- * direction, joined by a cut.
+ * Append the polygon of a ring with one sector, which is a full annulus: the outer circle, then the
+ * inner circle in the opposite direction, joined by a cut from one circle to the other.
  */
 static int add_annulus(scene_outline *outline, const ring_pattern *pattern, const keystone *stone,
                        size_t sides)

@@ -61,10 +61,13 @@ static bool has_layer(const outline_work *work, int element)
     return !layer->present || layer->present[element];
 }
 
-/* Sums over all elements that show where an electrode lies. */
+/*
+ * Results for one electrode, accumulated over all elements, that show whether it extends beyond the
+ * surface or meets the surface twice.
+ */
 typedef struct electrode_sums {
-    double plane_area; /* area in the plane of the outlines that the electrode covers on the surface
-                        */
+    double plane_area; /* area of the electrode's part that lies on the surface, measured in the
+                          plane of the outlines */
     bool is_mirrored, is_direct;
 } electrode_sums;
 
@@ -176,8 +179,9 @@ static int sort_entries(const share_list *list, int elements, scene_outlines *ou
         outlines->start[list->entry[i].element + 2]++;
     for (int element = 0; element < elements; element++)
         outlines->start[element + 2] += outlines->start[element + 1];
-    for (size_t i = 0; i < list->count; i++) { /* In the list the parts of one electrode follow
-                                                  those of the electrode before it. */
+    for (size_t i = 0; i < list->count; i++) { /* The parts in the list are sorted by electrodes, so
+                                                  that they are added to each element in the order
+                                                  of the electrodes. */
         const size_t to = outlines->start[list->entry[i].element + 1]++;
         outlines->electrode_of[to] = list->entry[i].electrode;
         outlines->share[to] = list->entry[i].share;

@@ -51,7 +51,8 @@ typedef struct scene_surface {
                             length) */
     expr *formula[3]; /* formulas of the coordinates x, y and z of a surface in the variables theta1
                          and theta2; a coordinate whose formula is NULL is theta1, theta2 or 0 */
-    spline *meridian; /* meridian (r, z) of a surface of revolution over its chord length */
+    spline *meridian; /* meridian (r, z) of a surface of revolution, a spline whose parameter is the
+                         chord length */
 } scene_surface;
 
 typedef enum scene_kinematics {
@@ -65,10 +66,11 @@ typedef struct scene_equilibrium {
     int load_steps;   /* number of load steps that the equilibrium solver tries first */
     double tolerance; /* convergence tolerance of a load step: largest norm of the last increment
                          relative to the displacement of the step */
-    int extrapolated_iterations; /* number of iterations of a load step with extrapolated
-                                    resultants, before the true resultants are used; 0: Newton's
-                                    method throughout */
-    int linear_solves;           /* largest number of linear solves of one nonlinear solution */
+    int extrapolated_iterations; /* number of iterations of a load step with extrapolated stress
+                                    resultants, before those of the present displacement are used;
+                                    0: Newton's method throughout */
+    int linear_solves; /* largest number of systems of linear equations that are solved for one
+                          nonlinear equilibrium */
     scene_at at;
 } scene_equilibrium;
 
@@ -83,14 +85,16 @@ typedef struct scene_element {
     double tau;    /* factor of the warping correction in the membrane shear strain of an element */
     double rho;    /* factor of the bending flexibility that is added to the transverse shear
                       compliance of an element */
-    int hr, lin33; /* hr: 1 condenses the compliance in the strain modes 01, 10 and 11
-                      (Hellinger-Reissner); lin33: 1 condenses the linear part of the normal strain
-                      e33 through the thickness */
+    int hr, lin33; /* hr: 1 sets the stress resultants of those strains to 0 that the linear and
+                      bilinear modes of an element omit (Hellinger-Reissner), 0 sets these strains
+                      to 0; lin33: 1 condenses the linear part of the normal strain e33 through the
+                      thickness */
     int metric; /* 1: strains take the exact variation of the surface metric through the thickness;
                    0: metric of the reference surface */
     int exact_area;   /* 1: exact area of an element; 0: area from the metric at the centre of the
                          element */
-    int dof_per_node; /* number of dof of a node, 7 or 6 */
+    int dof_per_node; /* number of dof of a node: 7, or 6 without the seventh, the displacement u3
+                         of the middle surface relative to the mean of both faces */
     int equilibrium_shear; /* 1: transverse shear stiffness of a laminate from equilibrium of its
                               layers; 0: from a shear strain that is constant through the thickness
                             */
@@ -161,8 +165,8 @@ typedef struct scene_patches { /* Rectangular grid of piezoelectric patches on o
     int grid[2]; /* number of patches along theta1 and theta2, default 1 and 1; every edge of a
                     patch must be a mesh line; on a mesh from a file: number of element sets and 1
                   */
-    int *patch;  /* [elements] number of the patch in each element of a mesh from a file, or -1
-                    without a patch; NULL on other meshes */
+    int *patch;  /* [elements] number of the patch to which each element of a mesh from a file
+                    belongs; -1: the element has no patch; NULL on other meshes */
     outline_plane plane; /* plane in whose coordinates the outlines of the electrodes are given */
     int cut; /* 1: an outline may extend beyond the surface, and its part on the surface counts; 0:
                 such an outline is refused */
@@ -203,8 +207,8 @@ typedef struct scene_where {
     double theta[2]; /* coordinates theta1 and theta2 of a point, equal to those of its mesh node */
     double span[2][2]; /* start and end of a region along theta1 and along theta2; infinite where
                           the scene gives no limit */
-    int node[2]; /* indices of a point's mesh lines in line[0].point and line[1].point; on a mesh
-                    from a file, node[0] is the node nearest to a place */
+    int node[2]; /* indices of the mesh lines of theta1 and of theta2 on which a point lies; on a
+                    mesh from a file, node[0] is the number of the node nearest to a place */
     char set[SCENE_NAME]; /* name of a node, edge or element set of the mesh file */
     double x[3]; /* coordinates x, y, z of a place on a mesh from a file (scene unit of length) */
     scene_at at;
@@ -247,22 +251,25 @@ typedef enum scene_per { PER_POINT, PER_LENGTH, PER_AREA } scene_per;
  */
 typedef struct scene_spring {
     char name[SCENE_NAME]; /* name of the springs; empty if the scene gives none */
-    scene_where where; /* nodes to which one spring each is attached; where.at.column is 0 if the
-                          springs are attached at points instead */
+    scene_where where; /* nodes to which one spring each is attached; not given (where.at.column is
+                          0) if the springs are attached at points */
     int points;
     double (*point)[3]; /* [points] coordinates of the points: theta1, theta2 and 0, or x, y, z on a
                            mesh from a file, where z is NAN if it is not given */
-    scene_where to; /* node at the other end of the springs; to.at.column is 0 if they end at the
-                       ground */
-    scene_direction along; /* direction in which a displacement elongates the springs */
-    scene_direction about; /* axis of the rotation that twists torsional springs */
+    scene_where to; /* node at the other end of the springs; not given (to.at.column is 0) if they
+                       end at the ground */
+    scene_direction along; /* direction of elongation: a displacement of the shell along it
+                              elongates the springs */
+    scene_direction about; /* axis of torsional springs: a rotation of the shell about it twists
+                              them */
     scene_face face;       /* face of the shell to which the springs are attached */
     double stiffness; /* stiffness of a spring: force per elongation, also per length or area; for a
                          torsional spring moment per angle (rad) */
     int per;          /* quantity that the stiffness refers to, a value of scene_per */
-    double force;     /* blocked force of a stack actuator per unit of its input */
-    double stroke; /* free stroke of a stack actuator per unit of its input; 0 if the blocked force
-                      is given */
+    double force; /* blocked force (force without elongation) of a stack actuator per volt (or other
+                     unit) of its input */
+    double stroke; /* free stroke (elongation without load) of a stack actuator per volt (or other
+                      unit) of its input; 0 if the blocked force is given */
     scene_at at;
 } scene_spring;
 
@@ -286,8 +293,9 @@ typedef struct scene_actuator {
     double *each;       /* [grid[0] * grid[1]] voltage (V) or temperature (K) of each amplifier in a
                            solution without optimisation; NULL where all have the value `applied` */
     int open;           /* sensor electrodes: 1 open circuit, 0 short circuit */
-    int first, grid[2]; /* number of the first amplifier of an actuator (or of the first electrode
-                           of a sensor), and the size of its grid along theta1 and theta2 */
+    int first, grid[2]; /* first: number of the first amplifier of an actuator (or electrode of a
+                           sensor) among all of the scene; grid: number of patches along theta1 and
+                           theta2 */
     scene_at at;
 } scene_actuator;
 
@@ -336,11 +344,11 @@ typedef struct scene_load {
     scene_component component; /* direction of the load; a pressure acts along u3 */
     double vector[3]; /* unit vector (x, y, z) along which a weight acts; zero vector: the weight
                          acts along `component` */
-    scene_direction about; /* axis of a point load that is a moment */
-    expr *value; /* formula of the load per point, length or area, of the temperature (K), or of the
-                    acceleration of gravity for a weight */
-    expr *outer; /* formula of the temperature at the outer face (K), where `value` is that at the
-                    inner face; NULL: uniform temperature */
+    scene_direction about; /* axis about which a point load acts as a moment */
+    expr *value;   /* formula of the load: force or moment at a point, force per length or per area,
+                      temperature (K), or the acceleration of gravity for a weight */
+    expr *outer;   /* formula of the temperature at the outer face (K), where `value` is that at the
+                      inner face; NULL: uniform temperature */
     int true_area; /* face load: 1: load per area of the loaded face; 0: load per area of the
                       reference surface */
     scene_follower follower; /* face load: law by which a pressure follows the deformation;
@@ -365,7 +373,8 @@ typedef struct scene_contact {
     scene_face face; /* face of the shell that touches the rigid body, inner or outer */
     scene_body body;
     double move[3]; /* displacement x, y, z of the rigid body at full load (scene unit of length) */
-    double stiffness; /* penalty factor of contact, relative to the stiffness of the structure */
+    double stiffness; /* penalty stiffness of the contact, as a multiple of the stiffness of the
+                         structure */
     scene_at at;
 } scene_contact;
 
@@ -444,8 +453,9 @@ typedef struct scene_limit { /* Voltage limits of the amplifiers first to first 
 } scene_limit;
 
 typedef struct scene_limits {
-    double lower, upper, step_limit; /* lower and upper voltage limit (V) and step limit (V a tick)
-                                        of all amplifiers; infinite if not given */
+    double lower, upper, step_limit; /* lower and upper voltage limit (V) and step limit, the
+                                        largest change of a voltage in one tick (V), of all
+                                        amplifiers; infinite if not given */
     double regularisation; /* weight of the sum of squared voltages in the optimisation: absolute,
                               or relative if regularisation_is_relative is 1 */
     int regularisation_is_relative;
@@ -473,12 +483,13 @@ typedef struct scene_estimate {
     int given;
     int readings;
     scene_reading *reading;
-    double loads; /* standard deviation of the unknown factor of every load, relative to the load of
-                     the scene */
+    double loads;    /* standard deviation of the factor that multiplies each load of the scene; its
+                        true value is unknown to the firmware */
     double voltages; /* standard deviation of the voltage error of an electrode (V); -1: a twentieth
                         of its voltage range */
-    double tolerance; /* largest fraction of the disturbance that the estimate may leave unobserved;
-                         readings that leave more are refused */
+    double tolerance; /* largest permitted root mean square of the error of the estimated shape, as
+                         a fraction of that of the shape that the disturbances cause; readings that
+                         leave a larger error are refused */
     scene_at at;
 } scene_estimate;
 
@@ -502,10 +513,10 @@ typedef enum scene_event_type {
     EVENT_IMPULSE, /* a load acts like a hammer: the impulse of its force during `amount` seconds is
                       applied in one instant */
     EVENT_SINE,    /* a load is multiplied by amount * sin(2 pi frequency time) for some ticks */
-    EVENT_LATE, /* for some ticks the voltages act late by a random part of the tick interval, up to
-                   the fraction `amount` */
-    EVENT_JITTER, /* for some ticks the tick interval is longer or shorter by a random part of it,
-                     up to the fraction `amount` */
+    EVENT_LATE, /* for some ticks each voltage change takes effect late, by a random fraction of the
+                   tick interval that is at most `amount` */
+    EVENT_JITTER, /* for some ticks the tick interval is lengthened or shortened by a random
+                     fraction of it that is at most `amount` */
     EVENT_DELAY   /* for some ticks the readings arrive `amount` ticks later than the controller
                      assumes */
 } scene_event_type;
@@ -549,8 +560,8 @@ typedef enum scene_sight { SIGHT_SCENE, SIGHT_ESTIMATED, SIGHT_MEASURED } scene_
 typedef struct scene_imperfections {
     double bandwidth; /* corner frequency of the amplifiers, which are first-order low-pass filters
                          (Hz); 0: no limit */
-    double creep; /* creep of the ceramic: change of strain a decade of time, relative to the strain
-                     of the voltage */
+    double creep; /* creep of the ceramic: increase of strain per decade (tenfold increase) of time,
+                     as a fraction of the strain that the voltage causes */
     double drift; /* drift of every sensor, of random sign (unit of the reading per second) */
     double quantum; /* quantisation step of the sensors' analogue-to-digital converters (unit of the
                        reading) */
@@ -569,21 +580,21 @@ typedef struct scene_imperfections {
 typedef struct scene_simulate {
     int given;
     int ticks, seed;
-    int at_target; /* 1: the controller uses the influence matrix at the nonlinear optimum; 0: that
-                      of the undeformed state */
+    int at_target; /* 1: the controller uses the influence matrix of the state at the nonlinear
+                      optimum; 0: that of the undeformed state */
     scene_kinematics kinematics; /* kinematics of the simulated plant, linear or nonlinear */
     double *stiffness, *d; /* [materials] factors by which stiffness and piezoelectric constants of
                               the plant differ from what the controller knows */
-    double *gain; /* [amplifiers] factors by which the columns of a measured influence matrix differ
-                     in the plant, unknown to the controller */
+    double *gain;      /* [amplifiers] factor by which each column of a measured influence matrix is
+                          multiplied in the plant; the controller does not know it */
     double scatter;    /* standard deviation of the relative error of each entry of a measured
                           influence matrix */
-    double hysteresis; /* width of the largest hysteresis loop of an actuator, relative to the
-                          voltage range */
+    double hysteresis; /* width of the hysteresis loop of an actuator over a full voltage cycle, as
+                          a fraction of the voltage range */
     scene_sight sight;
     double noise; /* standard deviation of the noise of a measured shape (scene unit of length); the
                      readings of an estimate have their own noise */
-    int delay;    /* delay of the sensors' readings (ticks) */
+    int delay;    /* delay between measurement and use of the sensors' readings (ticks) */
     double step, dead_band; /* quantisation step of the digital-to-analogue converters and dead band
                                of the amplifiers (V) */
     double fault_chance;    /* probability that a random electrode fault occurs in a tick */
@@ -641,8 +652,8 @@ typedef struct scene_dynamics {
 typedef struct scene_control {
     double rate; /* tick rate of the control loop (ticks per second); 0 if neither given nor needed
                     by a simulation */
-    int moving_target; /* 1: a reference governor lets the vibration-damping tick follow a moving
-                          target */
+    int moving_target; /* 1: the target moves, and a reference governor compensates the lag of the
+                          controller when it damps vibration */
     double clock;      /* clock frequency of the device's processor (Hz); 0 if not given */
 } scene_control;
 
@@ -659,7 +670,7 @@ typedef struct scene_safety {
 
 enum { SCENE_PLAYS = 32, SCENE_CREEPS = 8 };
 
-/* List of at most a few numbers, stored in place. */
+/* List of at most SCENE_PLAYS numbers, stored in the structure itself without allocation. */
 typedef struct scene_short_list {
     int count;
     double value[SCENE_PLAYS];
@@ -667,25 +678,27 @@ typedef struct scene_short_list {
 
 /*
  * Identified hysteresis and creep of the piezoelectric ceramic, which the control loop compensates.
- * The model (Prandtl-Ishlinskii) is a piecewise linear line without memory plus play operators,
- * each with its slack and weight.
+ * The output of the model (Prandtl-Ishlinskii) is the sum of a piecewise linear function of the
+ * voltage without memory, of play operators (whose output follows the voltage only after it has
+ * changed direction by more than the slack of the operator), each multiplied by a weight, and of
+ * creep terms.
  */
 typedef struct scene_hysteresis {
     int given;
     double range[2]; /* lowest and highest voltage at which the hysteresis was identified (V) */
-    scene_short_list slope; /* [4] slopes of the hysteresis model's line without memory in the four
-                               quarters of the voltage range, from the lowest quarter (1) */
-    scene_short_list slack; /* [plays] slack of each play operator of the hysteresis model,
-                               ascending (V) */
-    scene_short_list above; /* [plays] weight of each play operator above the middle of the voltage
-                               range (1) */
-    scene_short_list below; /* [plays] weight of each play operator below the middle of the voltage
-                               range (1) */
+    scene_short_list slope; /* [4] slopes of the piecewise linear function in the quarters of the
+                               voltage range, lowest quarter first (1) */
+    scene_short_list slack; /* [plays] slack of each play operator: change of the voltage after a
+                               reversal before the operator follows; ascending (V) */
+    scene_short_list above; /* [plays] weight of each play operator while its output is above the
+                               middle of the voltage range (1) */
+    scene_short_list below; /* [plays] weight of each play operator while its output is below the
+                               middle of the voltage range (1) */
     scene_short_list creep_time; /* [creeps] time constants of the ceramic's creep (s) */
-    scene_short_list creep; /* [creeps] creep of each time constant after a long time, relative to
-                               the voltage (1) */
-    double offset; /* output of the hysteresis model at 0 V before any other voltage was applied (V)
-                    */
+    scene_short_list creep; /* [creeps] final value of the creep term of each time constant, as a
+                               fraction of the voltage (1) */
+    double offset; /* constant term of the hysteresis model: its output at 0 V before any other
+                      voltage (V) */
 } scene_hysteresis;
 
 typedef struct scene {
@@ -699,7 +712,7 @@ typedef struct scene {
     uint32_t hash; /* hash of the text of the scene file and of the changes of --set */
     scene_element element;
     scene_kinematics kinematics;
-    double tolerance; /* largest relative error that simpler kinematics may cause where the scene
+    double tolerance; /* largest relative error that linear kinematics may cause where the scene
                          says kinematics: auto */
     scene_equilibrium equilibrium;
     scene_surface surface;

@@ -79,8 +79,8 @@ int scene_check_names(const scene *scene, char *error)
 /* ---- surface and mesh ---- */
 
 /*
- * Number of intervals at whose ends the geometry of a surface is checked; practical curves bend
- * little within one.
+ * Number of intervals into which the range of a surface coordinate is divided; the geometry of the
+ * surface is checked at their ends. A practical surface curves little within one interval.
  */
 enum { SAMPLES = 2000 };
 
@@ -101,8 +101,9 @@ static int check_poles(const scene *scene, char *error)
     int i;
     for (i = 0; i <= SAMPLES; i++) {
         double theta1 = sample(line, i), radius;
-        if (surface_closes(&scene->surface, 1) && i < SAMPLES) /* the radius of the surface can be
-                                                                  smallest between two samples */
+        if (surface_closes(&scene->surface, 1) && i < SAMPLES) /* the radius may be smallest between
+                                                                  two samples, at an odd multiple of
+                                                                  half a turn */
             theta1 = fmax(theta1, fmin(sample(line, i + 1),
                                        (2 * floor(theta1 / full_turn) + 1) * full_turn / 2));
         radius = surface_at(&scene->surface, theta1, 0).a[1];
@@ -119,8 +120,8 @@ static int check_poles(const scene *scene, char *error)
 }
 
 /*
- * Reject a meridian that turns back on itself: its arc length per unit of the spline parameter is
- * nearly 0 there.
+ * Reject a meridian that turns back on itself: there its arc length per unit of the spline
+ * parameter (chord length) is nearly 0.
  */
 static int check_meridian(const scene *scene, char *error)
 {
@@ -245,8 +246,8 @@ static int snap(const scene_line *line, double *coordinate, int *is_on)
 /* ---- places ---- */
 
 /*
- * Check that a rectangular region contains mesh lines of both directions, and widen the region by a
- * tolerance for rounding.
+ * Check that a rectangular region contains mesh lines of both directions, and widen its limits by a
+ * tolerance for rounding errors.
  */
 static int check_region(const scene *scene, scene_where *where, char *error)
 {

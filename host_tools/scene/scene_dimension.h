@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Physical dimensions of the numbers in a scene. Every row of a table of keys states one. */
+/*
+ * Physical dimensions of the numbers in a scene: each row of a table of scene keys (scene_fields.h)
+ * names the dimension of its key.
+ */
 #ifndef SCENE_DIMENSION_H
 #define SCENE_DIMENSION_H
 

@@ -138,8 +138,8 @@ static int check_keys(reader *reader, int node, const field *fields)
 }
 
 /*
- * Read the value of a key with the function of its table row, after refusing retired words. Returns
- * 0, or -1 after writing the error message of the YAML tree.
+ * Read the value of a key with the function of its table row, after refusing words that the scene
+ * language no longer has. Returns 0, or -1 after writing the error message of the YAML tree.
  */
 static int read_child(reader *reader, int node, const field *field, void *to)
 {
@@ -274,8 +274,8 @@ static const char comment_start[] = "/"
                                   "/";
 
 /*
- * Return whether a text contains a mark that begins or ends a comment in C: it would do so in
- * generated tables.
+ * Return whether a text contains a mark that begins or ends a comment in C. Such a text is refused,
+ * because it would begin or end a comment in the C tables that are generated from the scene.
  */
 static int is_comment(const char *text)
 {
@@ -400,7 +400,10 @@ const form labels_form = {.type = FORM_LIST, .item = &label_form};
 const form flag_form = {.type = FORM_WORD, .words = flags};
 const form triple_form = {.type = FORM_LIST, .item = &number_form, .least = 3, .most = 3};
 
-/* Return the form of a list of two numbers within a range. */
+/*
+ * Return the description (form) of a scene value that is a list of two numbers, both within the
+ * range `rule`.
+ */
 static form pair_form(const range *rule)
 {
     form pair = {.type = FORM_LIST, .item = &number_form, .least = 2, .most = 2};
@@ -487,8 +490,8 @@ static int case_has(const form_case *one, const char *key)
 }
 
 /*
- * Return the form_case whose first key is "type=word" with the given word, or NULL if there is
- * none.
+ * Return the form_case whose list of keys begins with "type=" and a list of words that contains the
+ * given word, or NULL if there is none.
  */
 static const form_case *case_of_type(const form_case *cases, const char *word)
 {

@@ -116,8 +116,8 @@ int case_next(const char **keys, case_item *item);
 int case_item_has(const case_item *item, const char *key);
 
 /*
- * Check the keys of a YAML mapping against the form_case that requires "type=word" with the given
- * word. Returns 0, or -1 after writing the error message of the YAML tree.
+ * Check the keys of a YAML mapping against the permitted combination (form_case) for its key `type`
+ * with the given word as value. Returns 0, or -1 after writing the error message of the YAML tree.
  */
 int check_type_case(reader *reader, int node, const form_case *cases, const char *word);
 
@@ -148,7 +148,7 @@ field_read read_flag; /* reads one of the words true, false, on, off, yes and no
 field_read read_expr; /* reads a formula into an allocated expr *; rule: range of its value if it is
                          constant, or NULL */
 
-/* Forms of values that the keys of several sections share. */
+/* Descriptions (forms) of values that keys of several sections accept. */
 extern const form number_form, above_zero_form, not_negative_form, formula_form, name_form,
     label_form, labels_form, triple_form, flag_form;
 

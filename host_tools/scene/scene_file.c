@@ -44,7 +44,7 @@ int scene_table_read(reader *reader, int node, number_table *table)
 
 /*
  * Check that one entry of a table is finite. Returns 0, or -1 after writing the error message of
- * the YAML tree with the place of the entry in the file.
+ * the YAML tree, with the row and column of the entry in the file.
  */
 static int check_finite(reader *reader, int node, const number_table *table, size_t row,
                         size_t column)

@@ -74,8 +74,9 @@ static int actuators_of(const influence_text *text)
 }
 
 /*
- * Return an entry of the measured matrix before it is multiplied by the scale of the scene (place
- * [NUMBER_NAME] out: position of the entry in the file).
+ * Return an entry of the measured matrix before it is multiplied by the factor `scale` of the
+ * scene.
+ *   place  [NUMBER_NAME] out  position of the entry in the file, as text
  */
 static double entry(const influence_text *text, int output, int actuator, char *place)
 {
@@ -86,9 +87,9 @@ static double entry(const influence_text *text, int output, int actuator, char *
 }
 
 /*
- * Compare a count that the scene implies with the number of outputs or actuators of the matrix. If
- * it equals the other of the two numbers, the error message says that the matrix is transposed.
- * Returns 0, or -1 after writing the error message of the YAML tree.
+ * Compare a number of names, points or flags in the scene with the number of outputs (or actuators)
+ * of the matrix. If it equals the number of the other kind, the error message says that the matrix
+ * is transposed. Returns 0, or -1 after writing the error message of the YAML tree.
  */
 static int check_count(reader *reader, int node, const influence_text *text, const char *what,
                        int count, int is_of_outputs)

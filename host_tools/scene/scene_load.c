@@ -46,8 +46,8 @@ static const choice fixes[] = {{"clamped", U1 | U2 | U3},
                                {NULL, 0}};
 
 /*
- * Return the bits of the dof that take the value of a support: the mean of both faces for a
- * displacement u1, u2 or u3, else the single dof that a word of the scene names.
+ * Return the bits of the dof that take the prescribed displacement of a support: the mean of both
+ * faces for a displacement u1, u2 or u3, else the single dof that the scene names.
  */
 static unsigned moved_by(int fix)
 {
@@ -205,7 +205,7 @@ static int read_constant(reader *reader, int node, void *to, const void *rule)
                       tree_name(reader->t, node), node_text(reader, node));
 }
 
-/* Read the direction of a weight: a global axis or a vector. */
+/* Read the direction in which gravity acts on the shell: a global axis or a vector. */
 static int read_weight_axis(reader *reader, int node, void *to, const void *rule)
 {
     scene_load *load = to;

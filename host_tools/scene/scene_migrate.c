@@ -76,7 +76,7 @@ static void write_edited(const migration *migration, char *to, size_t *bytes)
     size_t at = 0, length = 0;
     for (int i = 0; i < migration->count; i++) {
         const edit *const edit = &migration->edits[i];
-        if (edit->from < at) /* another alias of the same YAML node has led to this edit before */
+        if (edit->from < at) /* the same YAML node was reached before through another alias */
             continue;
         memcpy(to + length, migration->text + at, edit->from - at);
         length += edit->from - at;
@@ -277,8 +277,9 @@ static int move_rate(migration *migration, int node)
 /* ---- the step limit as a rate limit ----------------------------------- */
 
 /*
- * Write the shortest decimal number whose quotient by the tick rate is exactly the step limit.
- * Returns whether such a number exists and the scene reader accepts it.
+ * Write the shortest decimal number for a rate limit (V/s) that, divided by the tick rate, is
+ * exactly the step limit (V per tick). Returns whether such a number exists and the scene reader
+ * accepts it.
  */
 static bool rate_limit_text(double step_limit, double rate, char text[32])
 {

@@ -171,14 +171,14 @@ extern const int place_components[];
             "nodes for all; mesh from a file: the node nearest to {x, y, z}, or {set: name}."      \
     }
 
-/* Forms of the values of the sections of a scene. */
+/* Descriptions (forms) of the values that the sections of a scene accept. */
 extern const form element_form, surface_form, mesh_form, materials_form, layers_form,
     reference_form, patches_form, actuators_form, sensors_form, control_form, safety_form,
     hysteresis_form, limits_form, supports_form, springs_form, loads_form, contact_form,
     outputs_form, target_form, compare_form, estimate_form, dynamics_form, simulate_form,
     equilibrium_form, influence_form, measured_target_form;
 
-/* Element formulation of a scene that does not choose one. */
+/* Default element formulation, for a scene that does not choose one. */
 extern const scene_element element_improved;
 
 /* Check that every name of a scene is used only once. Returns 0, or -1 with error filled. */

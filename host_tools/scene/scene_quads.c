@@ -252,8 +252,8 @@ static int check_set(reader *reader, int node, const quad_set *set)
 }
 
 /*
- * Function that is called for one element set of a list. Returns 0, or -1 after writing the error
- * message of the YAML tree.
+ * Function that read_sets calls for each element set of a YAML list of set names. Returns 0, or -1
+ * after writing the error message of the YAML tree.
  */
 typedef int set_action(reader *reader, int node, const quad_set *set, void *to);
 
@@ -408,8 +408,9 @@ int read_place(reader *reader, int node, scene_where *where)
 /* ---- nodes of a place --------------------------------------------------- */
 
 /*
- * Mark the nodes of the members of a set of the mesh file; `type` is the number of nodes of a
- * member: 1 nodes, 2 edges, 4 elements.
+ * Mark the nodes of all nodes, edges or elements of a set of the mesh file.
+ *   type            in   nodes of each item of the set: 1 for nodes, 2 for edges, 4 for elements
+ *   in_set [nodes]  out  1 for a node of the set; other entries stay as they are
  */
 static void mark_set(const quad_mesh *mesh, const quad_set *set, int type, unsigned char *in_set)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Keys and words of the scene language that were replaced. The reader of scenes answers each with
- * its new name, and scene_migrate rewrites it in a file.
+ * Keys and words of the scene language that newer names have replaced. The scene reader refuses
+ * each of them with an error message that states the new name; scene_migrate replaces it in a file.
  */
 #ifndef SCENE_RETIRED_H
 #define SCENE_RETIRED_H

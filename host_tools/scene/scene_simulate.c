@@ -92,7 +92,10 @@ static const range loop_width = {
 
 static const form loop_width_form = {.type = FORM_NUMBER, .range = &loop_width};
 
-/* Rows of the table of keys that every simulated plant has. */
+/*
+ * Rows of the key table for hysteresis and creep, shared by plants with a structural model and
+ * plants with a measured influence matrix.
+ */
 #define HYSTERESIS_ROWS                                                                            \
     {"hysteresis",                                                                                 \
      read_hysteresis,                                                                              \
@@ -315,7 +318,10 @@ static const int event_types[] = {EVENT_TARGET, EVENT_VALUE, EVENT_LOAD,  EVENT_
                                   EVENT_FROZEN, EVENT_LOST,  EVENT_LATE,  EVENT_JITTER,
                                   EVENT_DELAY};
 
-/* Range of the part of a tick interval by which voltages may be late or the interval may vary. */
+/*
+ * Range of the fraction of a tick interval by which voltages may be late, or by which the interval
+ * may vary.
+ */
 static const range part = {0, 0.9, 0,
                            "must lie between 0 and 0.9; it is a part of the interval "
                            "between ticks"};
@@ -433,7 +439,9 @@ static int lasts(scene_event_type type)
     return type == EVENT_NAN || type == EVENT_FROZEN || type >= EVENT_SINE;
 }
 
-/* Check that the keys of an event belong to the type of the event. */
+/*
+ * Check that an event has all keys that its type needs, and no key that its type does not permit.
+ */
 static int check_event(reader *reader, int node, const event_text *text)
 {
     const scene_event_type type = text->event->type;

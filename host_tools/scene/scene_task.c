@@ -118,7 +118,10 @@ static const field drive_fields[] = {
 static const form drive_form = {.type = FORM_MAP, .fields = drive_fields};
 static const form drives_form = {.type = FORM_LIST, .item = &drive_form, .least = 1};
 
-/* Read the patches that an actuator drives, or those of a sensor if rule is not NULL. */
+/*
+ * Read the patches that belong to an actuator, or to a sensor: the table row of a sensor has a rule
+ * that is not NULL.
+ */
 static int read_drives(reader *reader, int node, void *to, const void *rule)
 {
     scene_actuator *actuator = to;
@@ -228,7 +231,10 @@ int read_actuators(reader *reader, int node, void *to, const void *rule)
 
 static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
 
-/* The rule of the key `drives` tells its reader that the patches belong to a sensor. */
+/*
+ * The rule `circuits` in the row of the key `drives` is no array of choices here; it is not NULL to
+ * tell read_drives that the patches belong to a sensor.
+ */
 static const field sensor_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,
      .help = "Name; the electrodes are name_1_1 ..., or name alone for a single patch."},

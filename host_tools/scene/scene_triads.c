@@ -11,17 +11,21 @@
 #include <string.h>
 
 /*
- * Bits of the dof along the axes e1, e2 and e3 of a node's triad: the mean of both faces, their
- * difference, and for e3 also the displacement of the middle surface.
+ * Bits of the dof along the axes e1, e2 and e3 of a node's triad: for each axis, the mean and the
+ * difference of both faces; for e3 also the displacement of the middle surface relative to the
+ * faces.
  */
 enum { ALONG_1 = 1 | 8, ALONG_2 = 2 | 16, ALONG_3 = 4 | 32 | 64, ALL = 127 };
 
-/* Sine of the largest angle at which two directions still count as parallel or as perpendicular. */
+/*
+ * Sine of the largest deviation (angle) at which two directions still count as parallel or as
+ * perpendicular.
+ */
 static const double nearly = 0.01;
 
 /*
- * Largest cosine of the angle between the normals of two edges of a set at which their common node
- * counts as a corner.
+ * Cosine of the smallest angle between the normals of two adjacent edges of a set at which the node
+ * between them counts as a corner.
  */
 static const double corner = 0.85;
 
@@ -56,7 +60,8 @@ typedef struct triads {
     char *error;
     unsigned char *in_set; /* [nodes] 1 for the nodes of the support that is being applied */
     unsigned char *fixed;  /* [nodes] 1 for the nodes whose axis e1 a support has determined */
-    edge_normal *normal;   /* [nodes] sums of the normals of the support's edges at each node */
+    edge_normal *normal;   /* [nodes] at each node, sum of the normals of the support's edges that
+                              meet there */
 } triads;
 
 static long long label(const triads *triads, size_t node)
@@ -176,7 +181,7 @@ static int apply_plane(triads *triads, const scene_support *support, const doubl
 
 /* ---- triads ------------------------------------------------------------- */
 
-/* Return a set of dof in which the bits of the axes e1 and e2 are exchanged. */
+/* Return a set of dof in which those of the axes e1 and e2 have changed places. */
 static unsigned exchanged(unsigned bits)
 {
     return (bits & ALONG_3) | (bits & ALONG_1) << 1 | (bits & ALONG_2) >> 1;
@@ -227,7 +232,8 @@ static int hold_global(triads *triads, const scene_support *support, size_t node
         const bool is_held = (bits & axis_bit[i]) != 0;
         if (is_held != (held == 1))
             continue;
-        own = i; /* the constrained axis; if two axes are constrained, the axis that is free */
+        own = i; /* index of the only constrained axis, or of the only free axis if two are
+                    constrained */
         if (held == 1 && fabs(triads->mesh->director[node][i]) > sqrt(1 - nearly * nearly)) {
             triads->mesh->constrained[node] |= ALONG_3;
             return 0;
@@ -294,8 +300,8 @@ static int hold_node(triads *triads, const scene_support *support, size_t node,
 /* ---- supports ----------------------------------------------------------- */
 
 /*
- * Find the nodes of a support and, if its directions follow from its edges, the normals of these
- * edges. Returns 0, or -1 with the error filled.
+ * Find the nodes of a support. If the support needs directions that the scene does not give,
+ * compute the normals of its edges too. Returns 0, or -1 with the error filled.
  */
 static int find_nodes(triads *triads, const scene_support *support)
 {
@@ -362,8 +368,9 @@ static int apply_supports(triads *triads)
     for (int k = 0; k < triads->scene->supports; k++)
         if (turn_directors(triads, &triads->scene->support[k]) != 0)
             return -1;
-    for (int pass = 0; pass < 2; pass++) /* the first iteration applies the supports with a value,
-                                            whose triads later supports must not change */
+    for (int pass = 0; pass < 2; pass++) /* The first iteration applies the supports with a
+                                            prescribed value, so that other supports cannot change
+                                            the triads of their nodes. */
         for (int k = 0; k < triads->scene->supports; k++) {
             const scene_support *support = &triads->scene->support[k];
             if ((support->value != NULL) != (pass == 0))

@@ -73,8 +73,9 @@ static const char *text_of(const tree *tree, int map, const char *key)
 }
 
 /*
- * Return the dimension of the value of a support: a displacement is a length, the difference of
- * both faces over the thickness is dimensionless.
+ * Return the dimension of the prescribed value of a support: a length for a displacement;
+ * dimensionless for a difference of both faces and for the seventh dof (u3 of the middle surface
+ * minus the mean of both faces), which are divided by the thickness.
  */
 static dimension of_support(const tree *tree, int map)
 {
@@ -145,8 +146,8 @@ static dimension of_limit(const reader *reader, int map)
 }
 
 /*
- * Return the dimension of a value that results are compared with; the values are listed in the
- * order of the amplifiers.
+ * Return the dimension of a number in a list of reference values of amplifiers, by its position in
+ * the list.
  */
 static dimension of_compare(const reader *reader, int node)
 {

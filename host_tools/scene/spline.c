@@ -74,8 +74,9 @@ static void solve_band(double *band, double (*solution)[2], int rows)
 }
 
 /*
- * Add a value to the coefficient of a variable of knot j (`kind`: value, second derivative) in the
- * condition of knot i, and to the symmetric entry of the matrix.
+ * Add `value` to a coefficient of the condition of knot i: that of the ordinate or second
+ * derivative (`kind`) at knot j. The same value is added to the transposed entry of the symmetric
+ * matrix.
  */
 static void condition(double *band, int i, int j, int kind, double value)
 {
@@ -84,8 +85,8 @@ static void condition(double *band, int i, int j, int kind, double value)
 }
 
 /*
- * Add the slope of the cubic between the knots i and i + 1, taken at its end `at` (i or i + 1) and
- * multiplied by sign, to the condition of a knot.
+ * Add the slope of a cubic piece to the condition of a knot, multiplied by `sign`. The piece lies
+ * between the knots i and i + 1; its slope is taken at its end `at` (i or i + 1).
  */
 static void add_slope(double *band, const double *length, int knot, int i, int at, double sign)
 {
@@ -217,7 +218,7 @@ double spline_length(const spline *spline)
     return spline->t[spline->n - 1];
 }
 
-/* Return the index of the piece of a spline that contains a parameter. */
+/* Return the index of the piece of a spline, between two knots, in which a parameter value lies. */
 static int piece(const spline *spline, double parameter)
 {
     int low = 0, high = spline->n - 1;

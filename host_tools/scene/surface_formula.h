@@ -10,9 +10,10 @@
 
 /*
  * Return whether a surface is given by formulas. The other functions of this file are for such
- * surfaces alone. At a point of such a surface (formula_at), e1 is tangent to the theta1 line, e3
- * is the unit normal along the cross product of the tangents, and e2 = e3 x e1; a and k are the
- * lengths and the normal curvatures of the coordinate lines, and b is 0.
+ * surfaces only. At a point of such a surface, e1 is tangent to the line of variable theta1, e3 is
+ * the unit normal along the cross product of the tangents, and e2 = e3 x e1. The members a and k of
+ * surface_point are the lengths of the tangents and the normal curvatures of the coordinate lines,
+ * and its member b is 0.
  */
 int surface_is_general(const scene_surface *surface);
 

@@ -9,8 +9,8 @@
 #include "surface_point.h"
 
 /*
- * Bits of a set of coordinates: theta1, theta2, and the angle around the axis of a cylinder or
- * spiral, which may be either of them.
+ * Bits that stand for a set of surface coordinates: theta1, theta2, and the angle around the axis
+ * of a cylinder or spiral, which may be theta1 or theta2.
  */
 enum { ALONG_THETA1 = 1, ALONG_THETA2 = 2, AROUND_AXIS = 4 };
 
@@ -122,15 +122,17 @@ surface_meridian_function polar_meridian, cone_meridian, sphere_meridian, hyperb
 surface_area_function plate_area, polar_area, cylinder_area, cone_area, sphere_area, torus_area,
     formula_area;
 
-/* Row of the table of surface types without its texts for the scene (surface.c). */
+/*
+ * Row of the table of surface types without the texts that only the scene reader needs (surface.c).
+ */
 typedef struct surface_type {
     surface_at_function *at;
     surface_meridian_function *meridian; /* function of the meridian; NULL: the surface is no
                                             surface of revolution */
     surface_area_function *area; /* function of the area; NULL: the area is integrated numerically
                                   */
-    int closed, angles; /* sets of coordinates with the period 2 pi, and of coordinates that are
-                           angles */
+    int closed, angles; /* sets of coordinates (bits ALONG_THETA1, ALONG_THETA2 and AROUND_AXIS):
+                           those with the period 2 pi, and those that are angles */
     const char *pole_cure;
 } surface_type;
 

@@ -25,7 +25,8 @@ static void make_one_line(char *text)
     if (length < SCENE_ERROR - 1)
         return;
     while (length > 0 && ((unsigned char)text[length - 1] & 0xC0) == 0x80)
-        text[--length] = 0; /* a character of several bytes was cut at the end of the message */
+        text[--length] = 0; /* the cut at the end of the message left a part of a character of
+                               several bytes */
     if (length > 0 && ((unsigned char)text[length - 1] & 0x80))
         text[--length] = 0;
 }
@@ -171,8 +172,8 @@ typedef struct builder {
     yaml_parser_t yaml;
     const char *text;
     size_t bytes;
-    int line; /* line number that is assigned to every node; 0: nodes take the positions of the file
-               */
+    int line; /* line number that all nodes of a change from the command line take; 0: the nodes
+                 take their lines from the file */
     int depth;
     int open[TREE_DEPTH];  /* indices of the lists and mappings that are still open */
     char *key[TREE_DEPTH]; /* key that was read in an open mapping and whose value follows, or NULL
@@ -474,9 +475,8 @@ static int names_item(const tree *tree, int item, const char *text, size_t lengt
 }
 
 /*
- * Return the child of a YAML node with which a path starts: selected by its key or item name (which
- * may contain dots), or by its index in a list. *used becomes the number of bytes of the path that
- * it stands for.
+ * Return the child of a YAML node that the first part of a path stands for: a key or item name
+ * (which may contain dots), or an index in a list. *used becomes the length of that part (bytes).
  */
 static int step(const tree *tree, int node, const char *path, size_t *used)
 {
