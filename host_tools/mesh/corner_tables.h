@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Corner tables of an element type: the matrices s and t and the base vectors g_mean and g_diff
- * that map the displacements of corners to strains.
+ * (members of pzs_element_type), which map the displacements of the four corners to the strains at
+ * the corners.
  */
 #ifndef CORNER_TABLES_H
 #define CORNER_TABLES_H
@@ -19,8 +20,8 @@ typedef struct corner_data {
                           surface */
     double range[2];   /* ranges of theta1 and theta2 in the element (length or rad); not used if
                           is_cartesian is true */
-    double length[2];  /* lengths by which differences along directions 1 and 2 are divided (m); 0:
-                          the chord of each edge */
+    double length[2];  /* lengths by which differences of displacements along directions 1 and 2 are
+                          divided (m); 0: the straight distance between the corners of each edge */
     double middle;     /* height of the middle of the laminate above the reference surface (m) */
 } corner_data;
 

@@ -274,13 +274,16 @@ static int relax_e33(double stiffness[N][N])
 }
 
 /*
- * Integrals over the thickness of plies that thicken freely: their normal stress 33 is equal at
- * every height, and each ply's strain 33 follows from its stiffness and its in-plane strains.
+ * Integrals over the thickness of the package for plies that thicken freely: their normal stress 33
+ * is equal at every height, and each ply's strain 33 follows from its stiffness and its in-plane
+ * strains.
  */
 typedef struct free_plies {
-    double compliance; /* integral of 1 over the thickness of the plies, in the metric of the
+    double compliance; /* compliance of the package against the normal stress 33 (m/Pa): integral of
+                          1/(stiffness of the strain 33) over the thickness, in the metric of the
                           element */
-    double length; /* integral of 1 over the thickness of the plies, in the metric of the element */
+    double length; /* thickness of the package (m): integral of 1 over the thickness, in the metric
+                      of the element */
     double narrowing[N]; /* [10] integral over the thickness of (stiffness that couples each strain
                             with the strain 33)/(stiffness of the strain 33) */
 } free_plies;
@@ -309,10 +312,11 @@ static void add_free_point(free_plies *sums, double natural[6][6], const double 
 /*
  * Replace the stiffness of all strains but the difference of the thickness strain 33 by that of
  * plies that thicken freely under one normal stress s:
- *   s = (e length + narrowing . strains)/compliance,
- * with e the mean thickness strain of the package and the integrals of free_plies. A thickness
- * strain that is linear through the package cannot follow plies of different Poisson's ratios; a
- * bimetal of two such plies would bend too little or too much, by some per cent.
+ *   s = (e length + sum over i of narrowing_i E_i)/compliance,
+ * with e the mean thickness strain of the package, E_i the other strains of the element, and
+ * length, narrowing and compliance the members of free_plies. A thickness strain that is linear
+ * through the package cannot follow plies of different Poisson's ratios; a bimetal of two such
+ * plies would bend too little or too much, by some per cent.
  */
 static void free_thickness(const laminate *laminate, const scene_element *element,
                            const laminate_place *place, double stiffness[N][N])
@@ -385,9 +389,9 @@ static int set_shear(const laminate *laminate, const laminate_place *place, doub
 }
 
 /*
- * Compute the stiffness of the package of plies for the ten strains of an element, before options
- * that treat the strain modes differently. With the element option lin33 every ply thickens freely.
- * Returns 0, or -1 if no ply is present.
+ * Compute the stiffness of the package of plies for the ten strains of an element, which is the
+ * same for all strain modes (00, 01, 10, 11). With the element option lin33 every ply thickens
+ * freely. Returns 0, or -1 if no ply is present.
  */
 static int package_stiffness(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, double stiffness[N][N])
@@ -458,8 +462,8 @@ static void integrate_stress(const laminate *laminate, const scene_element *elem
 
 /*
  * Return the bending flexibility 12/(E h^3) that is added to the transverse shear flexibility on
- * coarse meshes: the smaller compliance of the two directions' curvatures, while the other in-plane
- * stresses and the normal stress are 0.
+ * coarse meshes (E: modulus of elasticity, h: thickness). It is the smaller one of the compliances
+ * of the curvatures 11 and 22, while the other in-plane stresses and the normal stress are 0.
  */
 static double bending_flexibility(double inverse[N][N], double thickness)
 {
@@ -522,8 +526,9 @@ static double bubble_share(double inverse[N][N], double thickness, const laminat
 
 /*
  * Compute the flexibility that is added to the two transverse shears of a strain mode: the element
- * option rho times bending flexibility times squared length of the element over 12, and in the
- * modes 01 and 10 times the part of bubble_share. The published element has rho = 0.
+ * option rho times the bending flexibility times the squared length of the element over 12. In the
+ * modes 01 and 10 this is multiplied by the result of bubble_share. The published element has rho =
+ * 0.
  */
 static void shear_flexibility(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double inverse[N][N], int mode,

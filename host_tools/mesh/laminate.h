@@ -55,8 +55,9 @@ typedef struct laminate_place {
     double chord[2]; /* lengths of the element along its directions 1 and 2 (m), used for the shear
                         flexibility */
     double area;
-    double bubble_share;  /* part of the element option rho that is used on this element; 1 on an
-                             element along lines of curvature */
+    double bubble_share;  /* fraction (0 to 1) of the added transverse shear flexibility (element
+                             option rho) that this element uses; 1 on an element along lines of
+                             curvature */
     double skew[2];       /* skew alpha_1, alpha_2 of the element: its area per unit of the natural
                              coordinates varies as 1 + alpha_1 xi2 + alpha_2 xi1 */
     bool is_general;      /* true: the element does not lie along lines of curvature */
@@ -77,8 +78,9 @@ int laminate_build(const scene *scene, laminate *laminate, char *error);
 double laminate_area_ratio(const scene_element *element, const laminate_place *place, double z);
 
 /*
- * Compute the stiffness of the four strain modes 00, 01, 10 and 11 of an element, times area,
- * area/(3 - alpha_1^2), area/(3 - alpha_2^2) and area/9.
+ * Compute the stiffness of the four strain modes of an element: 00 (constant), 01, 10 (linear along
+ * one direction) and 11 (bilinear). They are multiplied by area, area/(3 - alpha_1^2), area/(3 -
+ * alpha_2^2) and area/9, with alpha_1 and alpha_2 the skew coefficients of the element.
  *   packed  [4][55] out  lower triangles of the matrices, packed by rows
  * Returns 0, or -1 if no ply is present.
  */

@@ -471,8 +471,8 @@ static int check_corners(const scene *scene, char *error)
 /* ---- numbering -------------------------------------------------------- */
 
 /*
- * Return the mesh line at a position of a folded closed direction, whose order of lines 0, n-1, 1,
- * n-2, ... keeps neighbours close.
+ * Return the mesh line at a position in the order 0, n-1, 1, n-2, ... of the n lines of a closed
+ * direction; in this order neighbouring lines are at most two positions apart.
  */
 static int folded(int position, int lines)
 {
@@ -561,7 +561,10 @@ static int list_prescribed(mesh *mesh, const double *values)
     return of_dof && mesh->prescribed_dof && mesh->prescribed_value ? 0 : -1;
 }
 
-/* Give the free dof of a node the next numbers in the order of the mesh. */
+/*
+ * Give each free dof of a node the next free number; the caller visits the nodes in the order in
+ * which their dof are to be numbered.
+ */
 static void number_node(mesh *mesh, int node)
 {
     uint16_t *dof = mesh->node_dof + (size_t)node * mesh->dof_per_node;
@@ -758,8 +761,9 @@ int mesh_build(mesh *mesh, const scene *scene, char *error)
 }
 
 /*
- * Refuse a general quadrilateral mesh that is too large for the tables, that branches, or whose
- * element formulation needs lines of curvature.
+ * Refuse a general quadrilateral mesh with more nodes or elements than the tables of the library
+ * can number, with an element formulation that needs lines of curvature, or with a side that
+ * belongs to more than two elements or that two elements run along in the same direction.
  */
 static int check_quads(const scene *scene, const quad_mesh *quads, char *error)
 {

@@ -4,7 +4,8 @@
  *
  * The numbers of nodes on mesh lines increase fastest along theta2. The free dof are numbered so
  * that the factor of the stiffness matrix has a small envelope: fastest along the direction that
- * gives the narrower band, and folded along a closed slow direction.
+ * gives the narrower band; along the other direction, if it is closed, in the order of lines 0,
+ * n-1, 1, n-2 and so on.
  */
 #ifndef MESH_H
 #define MESH_H
@@ -36,8 +37,8 @@ typedef struct mesh {
     const scene *scene;
     const quad_mesh *quads; /* general quadrilateral mesh that the mesh was built from; NULL for a
                                mesh along lines of curvature */
-    bool accept_irregular;  /* true: elements that are too thin for an irregular mesh are reported;
-                               false: they are refused */
+    bool accept_irregular;  /* true: elements that are too thin for an irregular mesh, so that their
+                               bending is far too stiff, are reported; false: they are refused */
     quad_report quad_report;
     laminate laminate;
     int lines[2]; /* number of node lines along theta1 and theta2, in which a closed direction has
@@ -84,7 +85,8 @@ void mesh_free(mesh *mesh);
 
 /*
  * Rotate the triads of the nodes of supports that give a direction, on a mesh of mesh lines, and
- * refuse supports that need another triad there. Returns 0, or -1 with error filled.
+ * refuse other supports and loads that need another triad at these nodes. Returns 0, or -1 with
+ * error filled.
  */
 int mesh_turn_axes(mesh *mesh, char *error);
 

@@ -25,16 +25,16 @@
 int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irregularity);
 
 /*
- * Thinness and irregularity of an element, and the modifications of its formulation that follow
- * from them.
+ * Thinness and irregularity of an element, and the factors by which its formulation is adapted to
+ * them.
  */
 typedef struct quad_rule {
     double thinness;     /* largest product of curvature and squared length of the element over the
                             thickness of the laminate (1) */
     double irregularity; /* larger one of the sum of the element's absolute skew coefficients and of
                             the largest irregularity of its nodes (1) */
-    double bubble_share; /* part of the element option rho that is used: 1/(1 + (irregularity
-                            thinness/3)^2) */
+    double bubble_share; /* fraction of the added transverse shear flexibility (element option rho)
+                            that is used: 1/(1 + (irregularity thinness/3)^2) */
     double lock; /* factor by which bending would have to be stiffened to keep stresses smooth:
                     [thinness clip((irregularity - 0.2)/0.1, 0, 1)/70]^2. Nothing is stiffened; a
                     mesh with a factor above QUAD_LOCK is refused unless the scene accepts irregular
@@ -47,8 +47,8 @@ typedef struct quad_rule {
 #define QUAD_LOCK 1.5
 
 /*
- * Return the rule of an element from its geometry, the thickness of the laminate (m) and the
- * largest irregularity of its four nodes (quad_irregularity).
+ * Return the thinness, irregularity and factors of an element from its geometry, the thickness of
+ * the laminate (m) and the largest irregularity of its four nodes (quad_irregularity).
  */
 quad_rule quad_rule_of(const quad_geometry *geometry, double thickness, double irregularity);
 

@@ -21,13 +21,14 @@ typedef struct quad_report {
     int coarse;  /* number of thin, irregular elements that are curved over their length: their
                     bending is too stiff, as if the shear flexibility of coarse meshes were missing
                   */
-    int strips;  /* number of distorted elements along the straight lines of a thin twisted strip */
+    int strips;  /* number of distorted elements on thin twisted strips whose sides run along the
+                    straight lines of the strip (asymptotic lines of the surface) */
     int narrow;  /* number of elements with an obtuse corner: the area per unit of the natural
                     coordinates is below 0.3 of that at the centre */
     double thinness;     /* largest thinness (curvature times squared length over thickness) of the
-                            locking and coarse elements */
-    double irregularity; /* largest irregularity of the locking and coarse elements
-                            (quad_regularity.h) */
+                            elements that are counted in `locking` or `coarse` */
+    double irregularity; /* largest irregularity (quad_regularity.h) of the elements that are
+                            counted in `locking` or `coarse` */
     double jacobian; /* smallest area per unit of the natural coordinates at a corner relative to
                         the centre, over all elements */
 } quad_report;

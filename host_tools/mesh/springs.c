@@ -44,8 +44,8 @@ static int fault_of_memory(const spring_builder *builder)
 /* ---- one row ------------------------------------------------------------ */
 
 /*
- * Add a value to the entry of one dof of a node in the row of a spring; constrained dof have no
- * entry.
+ * Add a value to the entry of one dof of a node in the sparse row of a spring; a constrained dof
+ * has no entry.
  */
 static void add_entry(const mesh *mesh, int node, int i, double value, spring_row *row)
 {

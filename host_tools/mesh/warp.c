@@ -6,14 +6,16 @@
 #include <string.h>
 
 /*
- * Unknowns of the linear system of warp.h are the eight factors of the rows (ROWS); its equations
- * are the tilts of four directors about two axes (TILTS).
+ * Size of the linear system for the warping correction (warp.h): ROWS is its number of unknowns,
+ * one factor for each of eight strains; TILTS is its number of equations, one for the tilt of each
+ * of four directors about each of two axes.
  */
 enum { ROWS = 8, TILTS = 8 };
 
 /*
- * Linear system a c = y for the eight factors c of warp.h: column k of a is the strain of row k
- * under each tilt of a director, and y is the difference of the shear strain 12 under each tilt.
+ * Linear system a c = y for the eight factors c of the warping correction (warp.h): entry (i, k) of
+ * a is the value of strain k under tilt i of a director, and y_i is the difference of the shear
+ * strain 12 between the faces under this tilt.
  */
 typedef struct tilt_system {
     double a[TILTS][ROWS], y[TILTS];
@@ -21,12 +23,15 @@ typedef struct tilt_system {
 
 static const int neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
 
-/* Natural coordinates xi2 and xi1 of the corners: the signs of the strain modes 01 and 10. */
+/*
+ * Natural coordinates xi2 and xi1 of the corners, which are the values of the strain modes 01 and
+ * 10 there.
+ */
 static const double xi2[4] = {-1, -1, 1, 1}, xi1[4] = {-1, 1, 1, -1};
 
 /*
- * Compute the derivative along a direction of the element, at a corner, of a unit tilt of one
- * node's director along the axis e1 (j = 0) or e2 (j = 1).
+ * Compute how the director changes at a corner along a direction of the element if the director of
+ * one node is tilted by a unit along the axis e1 (j = 0) or e2 (j = 1).
  */
 static void tilt_derivative(const pzs_element_type *type, int corner, int direction, int node,
                             int j, double out[3])
@@ -39,9 +44,9 @@ static void tilt_derivative(const pzs_element_type *type, int corner, int direct
 }
 
 /*
- * Add the strains at a corner under a unit tilt of one node's director along e1 (j = 0) or e2 (j =
- * 1), each with the sign of its strain mode, to `row` [8], and the difference of the shear strain
- * 12 to *shear.
+ * Add the eight strains at a corner under a unit tilt of one node's director along e1 (j = 0) or e2
+ * (j = 1), each multiplied by the value of its strain mode there, to `row` [8], and add the
+ * difference of the shear strain 12 between the faces to *shear.
  */
 static void add_corner(const pzs_element_type *type, int corner, int node, int j, double row[ROWS],
                        double *shear)
@@ -73,8 +78,9 @@ static void fill_system(const pzs_element_type *type, tilt_system *equations)
 }
 
 /*
- * Divide every column of the matrix by its largest entry, which becomes scale [8]: strains of
- * bending contain the thickness, those of transverse shear do not.
+ * Divide every column of the matrix by its largest absolute entry, which is stored in scale [8],
+ * because the columns differ in size: strains of bending contain the thickness, those of transverse
+ * shear do not.
  */
 static void scale_columns(tilt_system *equations, double scale[ROWS])
 {

@@ -104,12 +104,15 @@ static int mean_directors(const quad_mesh *mesh, const quad_origin *origin)
 /* ---- sharp edges ------------------------------------------------------- */
 
 /*
- * State of a node's director: inside a smooth sheet, on a free edge, on a sharp edge, or on a free
- * edge and continued from inside.
+ * State of a node's director: the node lies inside a smooth sheet, on a free edge or on a sharp
+ * edge, or it lies on a free edge and its director has been extrapolated from the nodes inside.
  */
 typedef enum node_state { INSIDE, ON_FREE_EDGE, ON_SHARP_EDGE, CONTINUED } node_state;
 
-/* Give both nodes of a side of an element a state; the state of a node on a sharp edge is kept. */
+/*
+ * Mark both nodes of a side of an element as nodes of a free or a sharp edge; a node that is marked
+ * as on a sharp edge keeps this mark.
+ */
 static void mark_edge(const quad_mesh *mesh, size_t element, int side, node_state state,
                       node_state *states)
 {
@@ -342,9 +345,9 @@ static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *
 }
 
 /*
- * Continue the directors of neighbours to the nodes on free edges. Each solution is scaled to
+ * Extrapolate the directors of neighbours to the nodes on free edges. Each solution is scaled to
  * length 1 and the equations are solved again, because they hold for unit vectors; the change of
- * the last repetition is below rounding. Returns how many directors were continued.
+ * the last repetition is below rounding. Returns the number of extrapolated directors.
  */
 static size_t continue_round(const quad_mesh *mesh, node_state *states, slopes *sums)
 {
@@ -366,8 +369,8 @@ static size_t continue_round(const quad_mesh *mesh, node_state *states, slopes *
 }
 
 /*
- * Continue the directors from inside to all nodes on free edges; three rounds also reach the
- * corners of a mesh.
+ * Extrapolate the directors from the nodes inside to all nodes on free edges; three rounds also
+ * reach the corners of a mesh.
  */
 static void continue_directors(const quad_mesh *mesh, node_state *states, slopes *sums)
 {

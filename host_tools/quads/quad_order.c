@@ -35,9 +35,7 @@ static uint32_t valence(const star *star, uint32_t node)
     return star->start[node + 1] - star->start[node];
 }
 
-/*
- * Move the last entry of a list of nodes forward until no node before it belongs to more elements.
- */
+/* Move the last node of a list forward until no node before it belongs to more elements. */
 static void sift(const star *star, uint32_t *list, size_t count)
 {
     for (size_t i = count - 1; i > 0; i--) {
@@ -50,8 +48,9 @@ static void sift(const star *star, uint32_t *list, size_t count)
 }
 
 /*
- * List all nodes level by level, beginning with the first `count` nodes of the order. Among the
- * neighbours of a node, those with fewer elements come first.
+ * List all nodes in levels: level 0 consists of the first `count` nodes of the order, and each
+ * further level of the new neighbours of the level before. Among the neighbours of a node, those
+ * with fewer elements come first.
  *   order  [nodes] in/out  the first `count` nodes in, all nodes out
  *   level  [nodes] work
  * Returns the number of levels.

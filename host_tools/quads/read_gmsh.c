@@ -104,8 +104,9 @@ static int find_entity(const gmsh *gmsh, int dimension, int tag)
 }
 
 /*
- * Return the index of the entity that stands for a physical group in a file of version 2.2; group 0
- * is no group. Returns -1 after writing the error message of the mesh file.
+ * Return the index of the geometric entity that stands for a physical group in a file of version
+ * 2.2, where the group number 0 means no group. Returns -1 for no group, and -2 after writing the
+ * error message of the mesh file.
  */
 static int group_of(gmsh *gmsh, int dimension, int physical)
 {

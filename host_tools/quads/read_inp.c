@@ -17,7 +17,7 @@ typedef struct run {
     size_t at;
 } run;
 
-/* Set as the file lists it, before its numbers are looked up. */
+/* Set as the file lists it, before its numbers of nodes or elements are replaced by indices. */
 typedef struct listed_set {
     char name[64];
     bool is_elements;
@@ -34,7 +34,7 @@ typedef struct inp {
     int corners;    /* number of corners of the elements that are being read (mode ELEMENTS) */
     bool generates; /* whether the lines contain first, last and step instead of single numbers
                        (mode SET_MEMBERS) */
-    int set;        /* index of the set that the present lines of the file belong to, or -1 */
+    int set;        /* index of the set to which the lines that are being read belong, or -1 */
     bool has_part;  /* whether the keyword *PART was read before */
     size_t sets, room;
     listed_set *list;

@@ -34,8 +34,8 @@ int report_solve(const report_job *job, const analysis *analysis, const double *
                  const double *output);
 
 /*
- * Write the report of `pzs shape`: the reached shape, the misfit and the voltages of each result, a
- * table of their errors, and the modes of the target.
+ * Write the report of `pzs shape`: the reached shape, the misfit (reached minus target values) and
+ * the voltages of each result, a table of their errors, and the errors of the target's modes.
  *   result [results]  in  sets of voltages
  */
 int report_shape(const report_job *job, const analysis *analysis, const voltages *result,

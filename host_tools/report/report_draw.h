@@ -22,7 +22,10 @@ void draw_begin(FILE *file, draw_type type, double width, double height, const c
                 const char *description);
 void draw_end(FILE *file, draw_type type);
 
-/* Write the style sheet of a page or of a picture alone, for light and for dark display. */
+/*
+ * Write the style sheet of an HTML page, or of an SVG picture in a file of its own, for light and
+ * for dark display.
+ */
 void draw_page_style(FILE *file);
 void draw_picture_style(FILE *file);
 
@@ -46,14 +49,17 @@ void draw_disc(FILE *file, const char *style, const double at[2], double radius)
  */
 enum { DRAW_LEVELS = 33, DRAW_LEGEND_WIDTH = 330 };
 
-/* A colour scale: from -most to most if is_signed, else from 0 to most, in the given unit. */
+/*
+ * A colour scale in the given unit. Its values range from -most to most if is_signed is true, else
+ * from 0 to most.
+ */
 typedef struct draw_scale {
     bool is_signed;
     double most;
     const char *unit;
 } draw_scale;
 
-/* Extend a colour scale to contain a value. */
+/* Extend the range of a colour scale to contain a value. */
 void draw_extend(draw_scale *scale, double value);
 
 /*
@@ -65,10 +71,16 @@ int draw_level(const draw_scale *scale, double value);
 const char *draw_class(const draw_scale *scale, int level);
 const char *draw_colour(const draw_scale *scale, double value);
 
-/* Style class of a text on the colour of a value: "strong" at the ends of a scale, or "mild". */
+/*
+ * Style class of a text that is written on the colour of a value: "strong" on the colours at the
+ * ends of the scale, "mild" on the others.
+ */
 const char *draw_tone(const draw_scale *scale, double value);
 
-/* Draw a colour scale with its numbers inside a picture, 30 pixels high, or beside pictures. */
+/*
+ * Draw the legend of a colour scale with its numbers, 30 pixels high: draw_legend_at inside a
+ * picture at x, y (pixels), draw_legend as a picture of its own.
+ */
 void draw_legend_at(FILE *file, const draw_scale *scale, double x, double y);
 void draw_legend(FILE *file, const draw_scale *scale);
 
@@ -76,17 +88,23 @@ typedef struct draw_axis {
     double low, high; /* values at both ends of the axis */
     double from, to;  /* pixel coordinates of both ends */
     bool is_log;
-    const char *format; /* format of a value in the unit, as the function put takes it */
+    const char *format; /* format of the numbers on the axis, with directives of the function put */
     put_unit unit;
 } draw_axis;
 
 /* Pixel coordinate of a value on an axis. */
 double draw_on(const draw_axis *axis, double value);
 
-/* Widen an axis to contain values; a logarithmic axis ignores those that are not positive. */
+/*
+ * Widen the range of an axis to contain values; a logarithmic axis ignores those that are not
+ * positive.
+ */
 void draw_widen(draw_axis *axis, const double *value, int count);
 
-/* Draw a curve through `count` points with values on both axes; along NULL: 0.5, 1.5, 2.5 ... */
+/*
+ * Draw a curve through `count` points: along [count] are their values on axis x, value [count]
+ * those on axis y. If along is NULL, the values on axis x are 0.5, 1.5, 2.5 and so on.
+ */
 void draw_curve(FILE *file, const char *style, const draw_axis *x, const double *along,
                 const draw_axis *y, const double *value, int count);
 

@@ -11,7 +11,10 @@
 /* Height of the lines of text below a map, in pixels. */
 enum { FOOT = 25 };
 
-/* Write the coordinates of a map with their ranges, or the direction in which the map is seen. */
+/*
+ * Write the range of each coordinate below a map, or for a mesh from a file the direction from
+ * which the map is seen.
+ */
 static void write_ranges(const shell *map)
 {
     static const char *const names[2][2] = {{"x to the right", "y upwards"},
@@ -46,7 +49,10 @@ void shell_map(const shell *map, const double *value, const draw_scale *scale, c
     draw_end(map->file, DRAW_IMAGE);
 }
 
-/* Whether patches of two actuators overlap. Outlines on one layer may share an element. */
+/*
+ * Whether patches of two actuators overlap. Patches on the same layer do not overlap if one of them
+ * has an arbitrary outline, even if both lie in the same element.
+ */
 static bool do_overlap(const mesh *mesh, const scene_actuator *one, const scene_actuator *other)
 {
     const scene_patches *patches = mesh->scene->patches;
@@ -76,18 +82,23 @@ void shell_find_plans(const mesh *mesh, int *plan)
     }
 }
 
-/* An electrode on a map: a patch of whole elements, or an electrode of any outline. */
+/*
+ * An electrode on a map: a patch that consists of whole elements, or an electrode of arbitrary
+ * outline.
+ */
 typedef struct electrode {
     const shell *map;
-    shell part; /* map of the elements of a patch alone */
+    shell part; /* copy of the map with only the elements of a patch */
     const scene_patches *patches;
     int index;                    /* number of the electrode in `patches` */
-    double low[2], high[2], area; /* bounding box and area in the picture, once it is drawn */
+    double low[2], high[2], area; /* bounding box (pixels) and area (pixels squared) in the picture,
+                                     known after drawing */
 } electrode;
 
 /*
- * Draw a piece of an electrode in an element, as outline_pieces calls it: an area, or a line.
- *   natural [count][2]  in  natural coordinates of the element, from -1 to 1
+ * Draw the part of an electrode that lies in one element, as an area or as a line; outline_pieces
+ * calls this function.
+ *   natural [count][2]  in  corners of the part in natural coordinates of the element, -1 to 1
  */
 static void draw_piece(void *context, int element, const double (*natural)[2], size_t count)
 {
@@ -111,7 +122,10 @@ static void draw_piece(void *context, int element, const double (*natural)[2], s
     electrode->area += fabs(twice) / 2;
 }
 
-/* Find the elements of a patch of whole elements; another electrode gets no part. */
+/*
+ * Prepare the drawing of an electrode: find the elements of a patch that consists of whole
+ * elements. An electrode of arbitrary outline gets no list of elements.
+ */
 static electrode open_electrode(const shell *map, const scene_patches *patches, int index)
 {
     electrode electrode = {.map = map, .part = *map, .patches = patches, .index = index};
@@ -160,12 +174,16 @@ static void draw_border(electrode *electrode, const char *style)
     draw_path_end(electrode->map->file);
 }
 
-/* Where a voltage is written, in pixels. */
+/* Space for the text of a voltage in the picture: middle, width and height in pixels. */
 typedef struct text_room {
     double middle[2], width, height;
 } text_room;
 
-/* The room of an electrode is its mean width and height around its middle; in a ring an element. */
+/*
+ * Return the space for text in an electrode: its mean width and height, around the middle of its
+ * bounding box. If that middle lies outside the electrode, as for a ring, the space is around the
+ * middle of the nearest element.
+ */
 static text_room room_of(const electrode *electrode)
 {
     static const double half[2] = {0.5, 0.5};
@@ -186,12 +204,17 @@ static text_room room_of(const electrode *electrode)
     return room;
 }
 
-/* Write a voltage as large as it fits; one at a limit is always written, the others if readable. */
+/*
+ * Write a voltage in the largest font that fits into its space. A voltage at a limit is written in
+ * any case, another one only if its font is large enough to be read.
+ */
 static void write_voltage(FILE *file, const draw_scale *scale, const text_room *room,
                           double voltage, bool is_marked)
 {
-    const double digit = 0.6;                                /* width over font size */
-    const double smallest = 4.5, readable = 9, largest = 14; /* font sizes in pixels */
+    const double digit = 0.6; /* width of a digit relative to the font size */
+    const double smallest = 4.5, readable = 9, largest = 14; /* font sizes: smallest one used,
+                                                                smallest readable one, largest one
+                                                                used (pixels) */
     const int decimals = (scale->most < 100) + (scale->most < 10);
     char text[40];
     snprintf(text, sizeof text, "%.*f", decimals, voltage);
@@ -217,10 +240,16 @@ static void begin_amplifier(FILE *file, const scene *scene, const shell_voltage_
         words[set->mark[amplifier]]);
 }
 
-/* Style class of the outline of a voltage for each shell_mark. */
+/*
+ * Style class of the outline that marks a voltage, for each value of shell_mark: no mark, limit
+ * active, beyond the limits.
+ */
 static const char *const mark_style[] = {"patch", "limit", "beyond"};
 
-/* Draw an electrode with the voltage of its amplifier, and a mark inside its border at a limit. */
+/*
+ * Draw an electrode with the voltage of its amplifier, and with a second outline inside its border
+ * if the voltage is at or beyond a limit.
+ */
 static void draw_electrode(electrode *electrode, const shell_voltage_set *set, int amplifier)
 {
     FILE *file = electrode->map->file;

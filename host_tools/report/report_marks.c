@@ -97,7 +97,11 @@ void shell_directions(const shell *shell)
     }
 }
 
-/* Gap between a point and the rigid body in its position. normal [3] out: gradient of the gap. */
+/*
+ * Return the distance between a point in space and the rigid body of a contact, after the
+ * displacement of the body at the present load factor; negative inside the body.
+ *   normal [3] out  gradient of the distance at the point
+ */
 static double gap_at(const equilibrium *equilibrium, const double place[3], double normal[3])
 {
     const double *move = equilibrium->design->scene->contact.move;
@@ -107,7 +111,11 @@ static double gap_at(const equilibrium *equilibrium, const double place[3], doub
     return equilibrium->body.gap(&equilibrium->body, from, normal, hessian);
 }
 
-/* Move a point onto the rigid body in a few steps. normal [3] out: normal of the body there. */
+/*
+ * Project a point onto the surface of the rigid body of a contact, in four steps along the gradient
+ * of the distance.
+ *   normal [3] out  outward normal of the body there
+ */
 static void pull_to_body(const equilibrium *equilibrium, double place[3], double normal[3])
 {
     for (int k = 0; k < 4; k++) {
@@ -117,7 +125,7 @@ static void pull_to_body(const equilibrium *equilibrium, double place[3], double
     }
 }
 
-/* Project the node that is nearest to the body onto the body. */
+/* Find the node that is nearest to the rigid body of a contact, and project it onto the body. */
 static void find_foot(const equilibrium *equilibrium, const shell *shell, double foot[3],
                       double normal[3])
 {

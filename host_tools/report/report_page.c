@@ -49,7 +49,10 @@ static void write_command(const report_job *job)
     }
 }
 
-/* Result of a check of the solution; NAN for a negative value: the check was not made. */
+/*
+ * Result of a numerical check for display. A negative value means that the check was not made, and
+ * becomes NAN.
+ */
 static double checked(double value)
 {
     return value < 0 ? (double)NAN : value;
@@ -106,7 +109,10 @@ static void write_facts(const page *page, double residual)
     put(page->file, FACT("Scene", "%s") "</dl>\n", hash);
 }
 
-/* Write the warnings on implausible numbers, and the warning of the last load step. */
+/*
+ * Write the warnings on implausible numbers of the scene, and the warning that the shell lies
+ * behind the rigid body at the last load step, if there is one.
+ */
 static void write_warnings(const page *page)
 {
     static const char *const item = "<li><b class=\"warn\">%t</b>: %t</li>\n";

@@ -7,8 +7,9 @@
 #include "report_shell.h"
 
 /*
- * A page, or a picture in a file of its own. The displacements and values are those of the shape
- * that is drawn at present. Lengths are in the length unit of the scene.
+ * A report page in HTML, or its main picture in an SVG file. The members vector, wanted, value,
+ * largest and misfit belong to the shape that is drawn at present. Lengths are in the length unit
+ * of the scene.
  */
 typedef struct page {
     const report_job *job;
@@ -18,17 +19,22 @@ typedef struct page {
     const mesh *mesh;
     const scene *scene;
     shell space, map;
-    draw_scale scale; /* colours of the values on the surface in space, in all pictures */
-    double *vector;   /* [nodes][3] displacement, which is that of `space` */
-    double *wanted;   /* [nodes][3] displacement with the target's component replaced by its target
-                         value, NAN outside the target */
-    double *value;    /* [nodes] values that are shown in colours; of a shape its misfit, reached
-                         minus target value of the target's component, NAN outside the target */
-    double largest;   /* largest absolute value of the displacement */
-    double misfit;    /* largest absolute value of the misfit */
+    draw_scale scale; /* colour scale of the values on the surface, common to all pictures in space
+                         of the page */
+    double *vector; /* [nodes][3] displacement of the nodes in the shape that is drawn at present */
+    double *wanted; /* [nodes][3] displacement of the drawn shape in which the component that the
+                       target prescribes has its target value; NAN at nodes outside the target */
+    double *value;  /* [nodes] values that are shown in colours; for a reached shape its misfit,
+                       which is the reached minus the target value of the target's displacement
+                       component, NAN outside the target */
+    double largest; /* largest absolute value of the displacement */
+    double misfit;  /* largest absolute value of the misfit */
 } page;
 
-/* Prepare a page. Returns 0, or -1: out of memory. page_close may be called in both cases. */
+/*
+ * Prepare a page. page_open returns 0, or -1 if memory runs out; page_close is called in both
+ * cases.
+ */
 int page_open(page *page, const report_job *job, const analysis *analysis);
 void page_close(page *page);
 
@@ -44,7 +50,10 @@ void page_end(const page *page);
 void page_begin_picture(const page *page, const char *title, double width, double height);
 void page_end_picture(const page *page, double width, double height);
 
-/* End a figure with a caption (a format of put) and the legend of a scale that is not NULL. */
+/*
+ * End a figure with a caption, whose text has the format of the function put, and with the legend
+ * of a colour scale unless scale is NULL.
+ */
 void page_caption(const page *page, const draw_scale *scale, const char *format, ...);
 
 /* Draw a figure with the map of value [nodes], and a caption as page_caption writes it. */
@@ -57,14 +66,21 @@ void page_structure(const page *page);
 /* Write the table of the voltages: a row for each amplifier, a column for each result. */
 void page_voltages(const page *page, const voltages *result, int results);
 
-/* Write a section for each pair of voltage limits with the shape error of every mode, if any. */
+/*
+ * Write a section for each pair of voltage limits with the shape error of every mode of the target;
+ * nothing is written if the scene has no such modes.
+ */
 void page_modes(const page *page, const modes *modes);
 
-/* Make a displacement vector u [dof] the shape of the page, and its size the values of the page. */
+/*
+ * Make the displacement vector u [dof] the shape that the page draws, coloured by the length of the
+ * displacement at each node.
+ */
 void page_displace(page *page, const double *u);
 
 /*
- * Make a shape that was reached for a target the shape that the page draws.
+ * Make a shape that the voltages reach for a target the shape that the page draws, coloured by its
+ * misfit.
  *   u       [dof]      in  displacement vector
  *   reached [targets]  in  reached values of the target's component
  *   target  [targets]  in  target values of the same component

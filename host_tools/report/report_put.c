@@ -161,7 +161,10 @@ static void put_directive(FILE *file, char directive, va_list *more)
     }
 }
 
-/* Write the opening tag of an aligned table cell. Returns the format behind the alignment. */
+/*
+ * Write the opening tag of a table cell, whose text `at` may begin with a character for alignment
+ * ('<' or '~'). Returns the text behind that character.
+ */
 static const char *open_cell(FILE *file, const char *tag, const char *at)
 {
     static const char *const style[] = {"", " class=\"word\"", " class=\"note\""};

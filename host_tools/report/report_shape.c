@@ -4,16 +4,21 @@
 #include <stdlib.h>
 #include "report_page.h"
 
-/* The colours of the misfit, the same for all results, are those of the page. */
+/*
+ * Page of `pzs shape`. All results of the page have the same colour scale of the misfit,
+ * page.scale.
+ */
 typedef struct shape_page {
     page page;
-    const voltages *result; /* [results] */
+    const voltages *result; /* [results] sets of voltages */
     int results;
-    int *plan;          /* [actuators] plan on which the actuator is drawn, see shell_find_plans */
-    int plans;          /* number of plans */
+    int *plan; /* [actuators] number of the plan (map with voltages) on which each actuator is
+                  drawn, from shell_find_plans */
+    int plans; /* number of plans: maps on which no patches overlap */
     draw_scale voltage; /* colours of the voltages, the same for all results */
-    shell_mark *mark;   /* [amplifiers] marks of the result that is drawn at present */
-    double *limit;      /* [2][amplifiers] lowest and highest voltages of this result */
+    shell_mark *mark; /* [amplifiers] marks (limit active, beyond the limits, none) of the voltages
+                         in the result that is drawn at present */
+    double *limit;    /* [2][amplifiers] lowest and highest voltages of this result */
 } shape_page;
 
 static bool is_limited(const voltages *result)
@@ -41,7 +46,10 @@ static double largest_voltage(const voltages *result)
     return largest;
 }
 
-/* Mark the amplifiers at an active limit, except held ones, and those beyond the scene's limits. */
+/*
+ * Mark the amplifiers whose voltage is at an active limit or beyond the scene's limits; held
+ * amplifiers do not count as at a limit.
+ */
 static void find_marks(const shape_page *shape, const voltages *result)
 {
     const design *design = shape->page.design;
@@ -59,13 +67,16 @@ static void find_marks(const shape_page *shape, const voltages *result)
     }
 }
 
-/* Take the shape of a result into the page, with its misfit. */
+/* Make the shape of a result, with its misfit, the shape that the page draws. */
 static void take_shape(shape_page *shape, const voltages *result)
 {
     page_shape(&shape->page, result->u, result->shape, result->aligned_target);
 }
 
-/* Choose the colour scales, the magnification and the view that all results share. */
+/*
+ * Choose the colour scales, the magnification of displacements and the view in space, which are the
+ * same for all results.
+ */
 static void fit_page(shape_page *shape)
 {
     page *page = &shape->page;
@@ -91,7 +102,10 @@ static void fit_page(shape_page *shape)
     view_fit(&page->space.view, 420, 420, 180);
 }
 
-/* The result shown first: the first one within limits, or the first one if none has limits. */
+/*
+ * Return the result that the page shows first: the first one with voltage limits, or the first one
+ * if none has limits.
+ */
 static const voltages *main_result(const shape_page *shape)
 {
     for (int k = 0; k < shape->results; k++)
@@ -100,7 +114,7 @@ static const voltages *main_result(const shape_page *shape)
     return shape->result;
 }
 
-/* Write the error of the main result. */
+/* Write the shape error and the number of active limits of the main result in one sentence. */
 static void write_verdict(const shape_page *shape)
 {
     const voltages *best = main_result(shape);
@@ -143,7 +157,10 @@ static void write_table(const shape_page *shape)
     put_table_end(shape->page.file);
 }
 
-/* Write notes on narrower limits, on target rows that cannot move, and on free functions. */
+/*
+ * Write notes on amplifiers with narrower limits, on target rows that no voltage moves, and on the
+ * free functions of the target (shapes that may be added to the target at no cost).
+ */
 static void write_notes(const shape_page *shape)
 {
     FILE *file = shape->page.file;

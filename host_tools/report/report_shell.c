@@ -7,8 +7,10 @@
 #include "../quads/vector.h"
 
 /*
- * Most cells of a picture whose inner lines are drawn, and most pieces of different colour that all
- * cells together and that one side of a cell are divided into.
+ * Largest numbers of pieces in a picture. FINE: largest number of cells (quadrilaterals) whose
+ * sides are drawn. SPACE_PIECES and MAP_PIECES: largest number of differently coloured pieces of
+ * all cells together, in space and on a map. SIDE_PIECES: largest number of such pieces along a
+ * side of a cell.
  */
 enum { FINE = 3000, SPACE_PIECES = 3000, MAP_PIECES = 6000, SIDE_PIECES = 12 };
 
@@ -41,7 +43,10 @@ static void fill_from_parameters(shell *shell)
     }
 }
 
-/* Mark the supported nodes, except those of a support of all nodes. node [nodes] work */
+/*
+ * Mark the supported nodes, except those of a support that includes all nodes.
+ *   node [nodes] work
+ */
 static void find_supports(shell *shell, int *node)
 {
     const scene *scene = shell->mesh->scene;
@@ -139,7 +144,10 @@ void shell_inside(const shell *shell, int cell, const double share[2], double at
     }
 }
 
-/* Append a part of a cell to a path: a polygon between two opposite corners of the part. */
+/*
+ * Append a rectangular part of a cell to the SVG path; `from` and `to` are opposite corners of the
+ * part, from 0 to 1 along the sides of the cell.
+ */
 static void draw_part(const shell *shell, int cell, const double from[2], const double to[2])
 {
     const double share[4][2] = {
@@ -209,7 +217,10 @@ static void sort_cells(const shell *shell)
     qsort(shell->order, (size_t)shell->cells, sizeof *shell->order, farther_first);
 }
 
-/* Values at the corners of a cell. Returns whether all of them are finite. */
+/*
+ * Read the values [nodes] at the four corners of a cell (own [4] out). Returns whether all of them
+ * are finite.
+ */
 static bool corner_values(const shell *shell, int cell, const double *value, double own[4])
 {
     for (int r = 0; r < 4; r++)
@@ -228,7 +239,10 @@ static int level_inside(const double own[4], const draw_scale *scale, double fir
     return draw_level(scale, value);
 }
 
-/* Draw a cell in pieces of the colour of their middle; equal neighbours are one piece. */
+/*
+ * Draw a cell in pieces, each in the colour of the value at its middle; neighbouring pieces in one
+ * row with the same colour are drawn as one.
+ */
 static void paint_cell(const shell *shell, int cell, const double *value, const draw_scale *scale,
                        int pieces)
 {
@@ -261,7 +275,10 @@ static void draw_frame(const shell *shell, int cell)
             shell_node(shell, single.cell[0][r], "pin", 2.5);
 }
 
-/* Draw the values at the points as coloured discs; of very many points not every one. */
+/*
+ * Draw the values at the points as coloured discs; if there are more than about 2500 points, only
+ * at some of them.
+ */
 static void draw_points(const shell *shell, const double *value, const draw_scale *scale)
 {
     enum { MOST_DOTS = 2500 };

@@ -11,7 +11,10 @@
 /* Width of a map in pixels. */
 enum { SHELL_MAP_WIDTH = 320 };
 
-/* A cell with its depth, the sum of the distances of its corners towards the viewer. */
+/*
+ * A cell (quadrilateral of a picture) with its depth, by which cells are sorted: the sum of its
+ * four corners' coordinates towards the viewer.
+ */
 typedef struct shell_depth {
     double depth;
     int cell;
@@ -29,18 +32,21 @@ typedef struct shell {
     view view;
     bool is_map;
     int points, cells;
-    int *node;            /* [points] mesh node of each point */
-    double (*place)[3];   /* [points] coordinates of the undeformed mesh, as the view takes them */
-    int (*cell)[4];       /* [cells] points at the corners, in order around the cell; [cells] work
-                             follow */
-    bool *is_held;        /* [nodes] whether a support includes the node; in space only */
-    shell_depth *order;   /* [cells] work */
-    quad_side *side;      /* [cells][4] work */
+    int *node;          /* [points] mesh node of each point */
+    double (*place)[3]; /* [points] coordinates of the undeformed mesh, as the view takes them */
+    int (*cell)[4]; /* [cells] points at the corners of each cell, in order around the cell; memory
+                       for as many cells follows, for a part of the mesh */
+    bool *is_held;  /* [nodes] whether a support includes the node; in space only */
+    shell_depth *order;   /* [cells] work: cells sorted by depth */
+    quad_side *side;      /* [cells][4] work: sides of the cells */
     const double *vector; /* [nodes][3] displacement in space, or NULL: none */
     double factor;        /* magnification of the displacement */
 } shell;
 
-/* Prepare a picture without displacement. Returns 0, or -1: out of memory; close in both cases. */
+/*
+ * Prepare a picture of a mesh without displacement. shell_open returns 0, or -1 if memory runs out;
+ * shell_close is called in both cases.
+ */
 int shell_open(shell *shell, FILE *file, const mesh *mesh, bool is_map);
 void shell_close(shell *shell);
 
@@ -95,7 +101,10 @@ typedef struct shell_body {
 /* Find the rigid body in its position at the last equilibrium, and include it in the view. */
 void shell_find_body(shell_body *body, const analysis *analysis, shell *shell);
 
-/* Draw the rigid body if it lies in front of the shell, or only if it lies behind the shell. */
+/*
+ * Draw the rigid body of a contact if it lies on the given side of the shell: in front of the shell
+ * for is_in_front, behind it otherwise.
+ */
 void shell_draw_body(const shell *shell, const shell_body *body, bool is_in_front);
 
 /* Draw a whole picture: the map of value [nodes] with frame, mesh lines and ranges. */
@@ -105,8 +114,9 @@ typedef enum shell_mark { SHELL_FREE, SHELL_AT_LIMIT, SHELL_BEYOND } shell_mark;
 
 /* Voltages of all amplifiers, as pictures show them. */
 typedef struct shell_voltage_set {
-    const double *voltage;  /* [amplifiers] */
-    const shell_mark *mark; /* [amplifiers] whether a limit is active */
+    const double *voltage;  /* [amplifiers] voltages (in the voltage unit of the scene) */
+    const shell_mark *mark; /* [amplifiers] whether the voltage is at an active limit, beyond the
+                               limits, or neither */
     const draw_scale *scale;
 } shell_voltage_set;
 

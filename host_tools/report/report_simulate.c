@@ -12,10 +12,13 @@ typedef struct simulate_page {
     const simulate_record *record;
     double *aim;         /* [targets] target values of the last shape, corrected by the free
                             functions of the target */
-    draw_axis time, bin; /* horizontal axis in ticks, and in bins of the record */
+    draw_axis time, bin; /* horizontal axes of the diagrams over time: in ticks of the control loop,
+                            and in bins (equal time intervals) of the record */
 } simulate_page;
 
-/* Write how far the controller's error ends above its optimum, in the phase where it is farthest.
+/*
+ * Write by how much the error of the controller at the end of a phase exceeds that of the best
+ * possible shape, for the phase with the largest excess.
  */
 static void write_verdict(const simulate_page *self)
 {
@@ -104,7 +107,10 @@ static void write_plant(const simulate_page *self)
         simulate->at_target ? "nonlinear optimum of its model" : "undeformed shell");
 }
 
-/* Write the effect of vibrations on the control loop, as far as densities are known. */
+/*
+ * Write whether the plant has inertia, its first natural frequency, and the certificate of the
+ * control loop with vibrations; without densities in the scene, why vibrations are unknown.
+ */
 static void write_certificate(const simulate_page *self)
 {
     FILE *file = self->page.file;
@@ -125,7 +131,9 @@ static void write_certificate(const simulate_page *self)
         put(file, "Vibration is not known: %t</p>\n", certificate->reason);
 }
 
-/* Places of a diagram over time in its picture, in pixels. */
+/*
+ * Edges of the diagrams over time in their pictures, and height FOOT of the text below, in pixels.
+ */
 enum { TOP = 8, BOTTOM = 250, FOOT = 34, LEFT = 64, RIGHT = 1150 };
 
 /* Draw a frame with the time axis, and a vertical line at the beginning of each phase. */
@@ -151,7 +159,7 @@ static void draw_errors(const simulate_page *self)
     const simulate_record *record = self->record;
     const struct {
         const char *style;
-        const double *value; /* [bins] */
+        const double *value; /* [bins] values of the curve in each time bin of the record */
         int bins;
     } curve[] = {{"rest bold", record->error[LAW_CLAMP], record->bins},
                  {"wire bold", record->error[LAW_CONTROLLER], record->bins},
@@ -194,7 +202,7 @@ static void write_errors(const simulate_page *self)
         (record->ticks + record->bins - 1) / record->bins);
 }
 
-/* Whether a limit of an amplifier is active in a bin. */
+/* Whether a voltage limit of an amplifier is active in a time bin of the record. */
 static bool is_active(const simulate_record *record, int amplifier, int bin)
 {
     const double voltage = record->voltage[bin * record->amplifiers + amplifier];

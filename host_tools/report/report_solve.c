@@ -6,7 +6,10 @@
 #include "../text/words.h"
 #include "report_page.h"
 
-/* The values of the page are the size of the displacement, and then those of its maps. */
+/*
+ * Page of `pzs solve`. The values that the page colours are first the length of the displacement,
+ * later those of each map.
+ */
 typedef struct solve_page {
     page page;
     const double *output; /* [output rows] values of the outputs */
@@ -19,13 +22,13 @@ typedef struct spread {
     char unit[WORDS_UNIT];
 } spread;
 
-/* The i-th value of output k. */
+/* Value number i of output k of the scene. */
 static double value_of(const solve_page *solve, int k, int i)
 {
     return analysis_output(solve->page.analysis, k, i, solve->output);
 }
 
-/* Range, mean and unit of the values of a named output, at one or at several places. */
+/* Range, mean and unit of the values of output k, which has one value for each of its places. */
 static spread spread_of(const solve_page *solve, int k)
 {
     const scene *scene = solve->page.scene;
@@ -121,7 +124,8 @@ static void draw_lines(const solve_page *solve, int along)
     for (int k = 0; k < scene->outputs; k++) {
         const int count = list_values(solve, k, along, page->wanted, page->value);
         draw_curve(page->file, "wire", &x, page->wanted, &y, page->value, count);
-        const int named = (4 - k % 4) * (count - 1) / 4; /* point that carries the name */
+        const int named = (4 - k % 4) * (count - 1) / 4; /* index of the curve's point beside which
+                                                            the name is written */
         if (count > 0)
             put(page->file, "<text class=\"tag\" x=\"%f\" y=\"%f\">%t</text>\n",
                 draw_on(&x, page->wanted[named]) + 4, draw_on(&y, page->value[named]) + 4,
@@ -133,7 +137,10 @@ static void draw_lines(const solve_page *solve, int along)
     fputs("</section>\n", page->file);
 }
 
-/* Choose scale and view of the deformed shape; a nonlinear displacement is not magnified. */
+/*
+ * Choose the colour scale and the view of the deformed shape; a displacement from a nonlinear
+ * analysis is not magnified.
+ */
 static void fit_deformed(solve_page *solve)
 {
     page *page = &solve->page;

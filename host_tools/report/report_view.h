@@ -28,7 +28,10 @@ typedef struct view {
 /* Whether the map of a mesh is its parameter plane. */
 bool view_has_parameters(const mesh *mesh);
 
-/* Begin a view without points: of the outer side of a shell in space, or of the shell's map. */
+/*
+ * Begin a view that includes no points yet: a view in space of the outer side of a shell, or the
+ * map of the shell.
+ */
 void view_begin(view *view, const mesh *mesh, bool is_map);
 
 /* Make a point visible in the view. */
@@ -40,7 +43,10 @@ void view_fit(view *view, double width, double height, double least);
 /* Compute the pixel coordinates of a point. */
 void view_project(const view *view, const double point[3], double at[2]);
 
-/* Round magnification that draws the displacement `most` at about a share of the size. */
+/*
+ * Magnification, a round number, with which the displacement `most` is drawn as about the fraction
+ * `share` of the largest dimension of the mesh.
+ */
 double view_magnification(const mesh *mesh, double most, double share);
 
 #endif

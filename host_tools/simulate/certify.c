@@ -38,8 +38,8 @@ static const double storm_gain[PLANTS] = {1, 0.8, 0.8, 1.33, 1.33},
                     storm_frequency[PLANTS] = {1, 0.9, 1.1, 0.9, 1.1};
 
 /*
- * Share of the ticks that are missed in those storms (simulations with fast target jumps) that use
- * the last sequence of targets.
+ * Fraction of the ticks that are missed in the storms (simulations with fast target jumps) with the
+ * last of the random sequences of targets.
  */
 static const double missed_share = 0.05;
 
@@ -56,9 +56,10 @@ static const double gains[3] = {0.8, 1, 1.33}, frequencies[3] = {0.9, 1, 1.1};
 static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
 
 /*
- * Settings of the control tick that damps vibration to choose from, the fastest first: damping per
- * radian, part of the deviation that is computed from the velocity, change of the loads in a tick,
- * number of ticks by which the readings are assumed to be older than the scene states.
+ * Settings of the control tick that damps vibration, from which one is chosen, the fastest first:
+ * damping per radian; part (0 to 1) of the deviation that is computed from the velocity; assumed
+ * change of the loads in a tick, relative to the sensors' noise; number of ticks by which the
+ * readings are assumed to be older than the scene states.
  */
 static const struct {
     double damping, mix, drift;
@@ -68,8 +69,9 @@ static const struct {
 enum { CHOICES = sizeof choices / sizeof *choices };
 
 /*
- * Largest acceptable ratio of settling times after fast target jumps: settings that tolerate a
- * larger error of the readings' age are preferred to the fastest settings up to this ratio.
+ * Largest acceptable ratio of the settling time after fast target jumps to that of the fastest
+ * settings. Up to this ratio, settings that tolerate a larger error of the readings' age are
+ * preferred to faster ones.
  */
 static const double slowest = 1.25;
 
@@ -171,15 +173,16 @@ static int measure_growth(const trial *trial, certificate_loop *loop, bool *is_s
 /* ---- storms ----------------------------------------------------------- */
 
 /*
- * Share by which the ceramic has less hysteresis than the tables of its compensation say, in the
- * second sequence of targets: a compensation that is too strong raises the gain of small moves.
+ * Fraction (0 to 1) by which the ceramic has less hysteresis than the tables of the controller's
+ * compensation say, in storms with the second sequence of targets: a compensation that is too
+ * strong raises the gain of small voltage changes.
  */
 static const double less_hysteresis = 0.25;
 
 /*
- * Structure, step limits and targets of the i-th storm (simulation with fast jumps of the target),
- * with readings that are `older` ticks older than the scene states. In the last sequence of targets
- * some ticks are missed, and the loop is not informed of them.
+ * Return the structure, the step limits and the targets of the i-th storm (simulation with fast
+ * jumps of the target), with readings that are `older` ticks older than the scene states. In storms
+ * with the last sequence of targets some ticks are missed, and the loop is not informed of them.
  */
 static storm_plant plant_of(int i, int older)
 {
@@ -196,7 +199,7 @@ static storm_plant plant_of(int i, int older)
 
 /*
  * Run storms (simulations with fast jumps of the target) until all have settled, or until so many
- * have not settled that further ones are useless. Returns 0, or -1 with error filled.
+ * have failed to settle that the loop is rejected. Returns 0, or -1 with error filled.
  */
 static int run_storms(const trial *trial, certificate_loop *loop, char *error)
 {
@@ -292,9 +295,9 @@ static int try_choice(trial *trial, int choice, damper_options *options, certifi
 }
 
 /*
- * Measure of how well a loop tolerates an error of one tick in the readings' age: 2 for older
- * readings plus 1 for newer ones. Older readings count more, because filters and queues outside the
- * model increase the age.
+ * Return a score for the tolerance of a loop to an error of one tick in the readings' age: 2 if it
+ * tolerates older readings, plus 1 if it tolerates newer ones. Older readings count more, because
+ * filters and queues outside the model increase the age.
  */
 static int tolerance_of(const certificate_loop *loop)
 {
@@ -302,8 +305,8 @@ static int tolerance_of(const certificate_loop *loop)
 }
 
 /*
- * Whether no choice of settings can tolerate more errors of the readings' age than this loop;
- * readings cannot be newer than those of the present tick.
+ * Whether this loop has the best possible score of tolerance_of, so that no further settings need
+ * to be tried; if the scene states readings without delay, they cannot be newer.
  */
 static bool tolerates_all(const certificate_loop *loop)
 {
@@ -311,10 +314,11 @@ static bool tolerates_all(const certificate_loop *loop)
 }
 
 /*
- * Whether a choice of settings is better than the best so far: first by the number of storms
- * (simulations with fast jumps of the target) that settle, then by the tolerated error of the
- * readings' age, unless the choice is much slower.
- *   fastest in  mean number of ticks of a storm with the fastest choice that passes
+ * Whether a loop with other settings is better than the best loop so far. A loop that passes all
+ * tests is better than one that does not. Among loops that fail, the one with fewer storms
+ * (simulations with fast jumps of the target) that do not settle is better; among loops that pass,
+ * the one that tolerates more errors of the readings' age, unless it is much slower.
+ *   fastest in  mean number of ticks of a storm with the fastest settings that pass
  */
 static bool is_better(const certificate_loop *loop, const certificate_loop *best, double fastest)
 {
@@ -465,8 +469,9 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
 }
 
 /*
- * Find the last stable tick rate beyond a stable one: by steps with the factor 2 or 1/2, then one
- * bisection. Returns 0, or -1 with error filled.
+ * Find the last stable tick rate when the rate is changed from a stable one: by steps with the
+ * given factor 2 or 1/2, then by one bisection between the last stable and the first unstable rate.
+ * Returns 0, or -1 with error filled.
  */
 static int find_rate(trial *trial, double from, double factor, double *rate, char *error)
 {

@@ -19,9 +19,9 @@
 #include "../model/analysis.h"
 
 /*
- * Choose the settings of the control tick that damps vibration and certify the loop, where the
- * scene's loop needs a vibration model. Otherwise, and for a loop that is certified already, do
- * nothing. A loop that does not settle after fast jumps of the target is not an error of this
+ * Choose the settings of the control tick that damps vibration and certify the loop, if the control
+ * loop of the scene needs a vibration model. Otherwise, and for a loop that is certified already,
+ * do nothing. A loop that does not settle after fast jumps of the target is not an error of this
  * function.
  *   analysis in/out  after certificate_make and simulate_tables; `certificate.loop` and the
  *       settings are filled

@@ -105,8 +105,9 @@ static double through_play(electrode *electrode, double voltage, double half_ran
 }
 
 /*
- * Apply the hysteresis model to the voltages. After a full cycle the mean of the play operators has
- * a loop width of 5/16 of the range; the factor 16/5 scales this width to the scene's hysteresis.
+ * Apply the hysteresis model to the voltages. After a full cycle the mean output of the play
+ * operators has a loop width of 5/16 of the voltage range; the factor 16/5 scales this width to the
+ * hysteresis that the scene states.
  */
 static void apply_hysteresis(const imperfections *on, double *voltage, double interval)
 {

@@ -31,9 +31,10 @@ typedef struct electrode {
     double output;        /* output of the amplifier's first-order lag (V) */
     double play[PLAYS];   /* output of each play operator of the hysteresis model (V) */
     double creep[CREEPS]; /* output of each first-order lag of the creep model (V) */
-    int failed_at;        /* tick in which the latest fault of the electrode began */
-    int announced_at, repaired_at; /* tick in which the fault is announced to the controller; tick
-                                      in which the fault ends by itself; -1: never */
+    int failed_at;        /* number of the tick in which the latest fault of the electrode began */
+    int announced_at, repaired_at; /* number of the tick in which the fault is announced to the
+                                      controller; number of that in which the fault ends by itself;
+                                      -1: never */
     int is_held; /* 1: the controller treats the electrode as held, because the fault was announced
                     or detected */
 } electrode;

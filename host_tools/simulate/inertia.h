@@ -40,8 +40,8 @@ void inertia_close(inertia *inertia);
 void inertia_rest(inertia *inertia, const double *input);
 
 /*
- * Let the inputs jump to given values.
- *   input [inputs] in
+ * Apply an impulse of one input: the input has the value 1 during `seconds`, a time so short that
+ * the displacements do not change meanwhile.
  */
 void inertia_jump(inertia *inertia, const double *input);
 

@@ -27,8 +27,8 @@ typedef struct law {
 
 /*
  * Prepare a control law for a voltage problem, which is copied. The value `regularisation` (m2/V2)
- * is added to the problem's regularisation. Returns whether memory sufficed; call law_close in
- * either case. The law must not be moved in memory afterwards.
+ * is added to the problem's regularisation. law_open returns whether memory sufficed; law_close is
+ * called in either case. The law must not be moved in memory between both calls.
  */
 bool law_open(law *law, const pzs_problem *problem, double regularisation);
 void law_close(law *law);

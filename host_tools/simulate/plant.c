@@ -179,8 +179,8 @@ void plant_close(plant *plant)
 /* ---- loads ------------------------------------------------------------ */
 
 /*
- * Index of the input that belongs to a load. Follower loads are extra inputs, in the order of the
- * loads.
+ * Index of the input that belongs to a load. On a nonlinear structure each follower load (load that
+ * turns with the surface) has its own input behind those of all loads, in the order of the loads.
  */
 static int input_of(const plant *plant, int load)
 {

@@ -18,15 +18,18 @@
 typedef struct plant {
     scene scene; /* copy of the scene with the constants of the plant */
     analysis analysis;
-    double *input; /* [inputs] voltages, loads, temperature change and body inputs for the next
-                      shape */
+    double *input; /* [inputs] inputs for the next shape: voltages, loads, temperature change, and
+                      on a nonlinear structure the prescribed displacements and the motion of a
+                      contact's rigid body */
     double *computed_input; /* [inputs] inputs of the latest computed shape */
-    double *scene_input;    /* [inputs] loads and support displacements as given in the scene */
-    double *value;          /* [output rows] output values of the latest shape */
-    int temperature;        /* index of the temperature input, or -1 where the plant has none */
-    int has_shape;          /* 1: at least one shape of the plant has been computed */
-    bool is_at_rest;    /* true: no time has passed since plant_rest has set the plant to rest */
-    long linear_solves; /* number of linear solves of the nonlinear equilibrium solver */
+    double *scene_input; /* [inputs] values of all inputs at full load, as given in the scene, such
+                            as loads and support displacements */
+    double *value;       /* [output rows] output values of the latest shape */
+    int temperature;     /* index of the temperature input, or -1 where the plant has none */
+    int has_shape;       /* 1: at least one shape of the plant has been computed */
+    bool is_at_rest;     /* true: plant_rest has just set the plant to rest, and no time has passed
+                            since */
+    long linear_solves;  /* number of linear solves of the nonlinear equilibrium solver */
     bool has_inertia;
     char reason[SCENE_ERROR]; /* the reason why a plant has no inertia */
     vibration vibration;      /* natural frequencies and mode shapes of a plant with inertia */

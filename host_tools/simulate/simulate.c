@@ -110,8 +110,8 @@ static int check_readings(const design *design, char *error)
 }
 
 /*
- * Compute the influence matrix at the optimal shape of the nonlinear nominal structure. Returns 0,
- * or -1 with error filled.
+ * Where the scene asks for it, replace the influence matrix of the controller's model by that at
+ * the optimal shape of the nonlinear structure. Returns 0, or -1 with error filled.
  */
 int simulate_tables(analysis *nominal, char *error)
 {
@@ -444,8 +444,9 @@ static void finish_course(course_log *record, const loop *loop, simulate_course 
 }
 
 /*
- * Store the target, loads and stroke of the electrodes at the end of a phase, for the optimum of
- * the phase. Returns whether memory was available.
+ * Store the target, the loads and the stroke of the electrodes (voltages that can act on the
+ * ceramic) at the end of a phase, from which the best possible shape is computed later. Returns
+ * whether memory was available.
  */
 static bool keep_conditions(loop *loop, simulate_phase *phase)
 {

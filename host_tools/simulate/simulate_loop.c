@@ -81,7 +81,10 @@ static void fail_sensors(loop *loop, const scene_event *event, int tick)
     }
 }
 
-/* Begin a disturbance of the ticks that lasts until a later tick. */
+/*
+ * Begin a temporary disturbance of the ticks, such as late voltages or readings, which lasts for
+ * the number of ticks that its event states.
+ */
 static void begin_disturbance(disturbance *disturbance, const scene_event *event, int tick)
 {
     *disturbance = (struct disturbance){event->amount, tick + event->ticks};
@@ -409,7 +412,10 @@ static void count_detections(loop *loop, int tick)
     }
 }
 
-/* Copy the voltages that the firmware on the board has computed into the controller on the host. */
+/*
+ * Copy the voltages that the firmware on the board has computed into the control state of the
+ * library on the host.
+ */
 static void copy_board_voltages(loop *loop)
 {
     pzs_control *control = loop->controller.info.control;

@@ -17,7 +17,10 @@ typedef struct wave {
     int until;                   /* tick at which the sinusoidal part of the load ends */
 } wave;
 
-/* Disturbance of the time or the readings of a tick: its size, and the tick at which it ends. */
+/*
+ * Temporary disturbance of the ticks, such as late voltages, varying intervals or late readings:
+ * its size, and the tick at which it ends.
+ */
 typedef struct disturbance {
     double size;
     int until;
@@ -34,7 +37,8 @@ typedef struct law_tables {
 } law_tables;
 
 typedef struct loop {
-    const design *design; /* nominal design from which the controller is made */
+    const design *design; /* design of the nominal structure (without the plant's differences), from
+                             which the controller is made */
     simulation *simulation;
     simulate_law law;
     bool is_damped;   /* true: the controller has a block that damps vibration */
@@ -53,8 +57,9 @@ typedef struct loop {
     int is_silent;      /* 1: the board did not answer in the last tick */
     uint64_t random;    /* state of the random number generator */
     int next_event, missed_until;
-    double factor, scheduled_factor; /* factor of the target: present value, and value by the
-                                        schedule alone, without random events */
+    double factor, scheduled_factor; /* factor by which the target is multiplied (1): present value,
+                                        and value that the scene's schedule alone would give,
+                                        without random events */
     double *memory; /* one allocation that holds all vectors from `goal` to `last_voltage` */
     double *goal;   /* [targets] displacements of the scene's target or of the schedule, before they
                        are multiplied by the factor of the target */
@@ -72,9 +77,10 @@ typedef struct loop {
                                 change (V) */
     double time;             /* time since the start of the simulation (s) */
     wave *wave;              /* [loads] sinusoidal part of each load */
-    disturbance late, jitter, delay; /* temporary disturbances: voltages that are set late and
-                                        intervals of varying length (as fractions of the tick
-                                        interval), readings that arrive later (ticks) */
+    disturbance late, jitter, delay; /* temporary disturbances: late: voltages are set later than
+                                        the tick (fraction of the tick interval); jitter: the
+                                        interval between ticks varies (fraction of the tick
+                                        interval); delay: readings arrive later (ticks) */
     double vibration; /* weighted norm of the deviation from the static equilibrium relative to that
                          of the scene's target; 0 for a quasi-static plant */
     double *twin_command, *last_voltage; /* [amplifiers] voltages of the board's twin (the
@@ -87,7 +93,8 @@ typedef struct loop {
     double *sense_memory; /* one allocation that holds all vectors from `noise` to `next_load` */
     double *noise;     /* [sensors] standard deviation of the noise, in the unit of the reading */
     double *reading;   /* [sensors] latest readings, with noise and faults */
-    double *sensed;    /* [sensors] readings passed to the controller, as late as they are */
+    double *sensed;    /* [sensors] readings passed to the controller, delayed as the scene and its
+                          events state */
     int history_ticks; /* number of ticks whose readings are stored: the delay, plus
                           the largest additional delay of an event, plus 1 */
     double *late_reading; /* [history_ticks][sensors] noise-free readings of the last ticks */
@@ -103,8 +110,9 @@ typedef struct loop {
                                     and of the board's twin (the firmware's C code on this computer)
                                   */
     void *controller_memory;     /* memory that the library's control loop works in */
-    double error;                /* relative shape error at the start of the last tick */
-    pzs_status status;           /* status of the controller in the last tick */
+    double error;      /* relative shape error at the start of the last tick: weighted norm of shape
+                          minus wanted shape over that of the scene's target */
+    pzs_status status; /* status of the controller in the last tick */
     int iterations;
     int twin_agrees; /* 1: the board and its twin (the firmware's C code on this computer) gave
                         bit-identical results in the last tick */

@@ -91,8 +91,8 @@ typedef struct simulate_phase {
 
 /* Sums over all ticks of one control law. */
 typedef struct simulate_count {
-    long beyond_limits; /* number of commanded or output voltages beyond a voltage limit or the step
-                           limit */
+    long beyond_limits; /* number of voltages, commanded by the controller or put out by the
+                           amplifiers, that violate a voltage limit or the step limit */
     long not_finite;    /* number of commanded or output voltages that are not finite */
     long iterations;    /* number of iterations of the optimiser in all ticks */
     int iterations_most;
@@ -110,8 +110,8 @@ typedef struct simulation {
     const analysis *nominal;
     plant plant;
     const pzs_problem *problem; /* tables of the controller, made from the nominal design */
-    struct loop_blocks *blocks; /* block list of the controller, identical to that of a firmware of
-                                   the scene */
+    struct loop_blocks *blocks; /* list of the control blocks of the controller; the firmware of the
+                                   scene has the same list */
     estimator estimator; /* gains of the estimator and feed-forward tables; empty unless `estimates`
                             or `feeds` is set */
     damper damper; /* tables of the control tick that damps vibration; unused for a quasi-static

@@ -17,7 +17,8 @@ enum {
     EVERY_LEAST = 10,  /* fewest and most ticks between two jumps of the target */
     EVERY_MOST = 1200,
     REST_LEAST = 1200, /* fewest ticks during which the last target stays: six time constants of the
-                          low-pass filter of what the modes do not explain */
+                          low-pass filter of the residual readings, the part of the readings that
+                          the modes do not explain */
     REST_MOST = 20000,
     END_LEAST = 20, /* fewest and most ticks that count as the end of the simulation */
     END_MOST = 500
@@ -26,8 +27,8 @@ enum {
 static const double two_pi = 6.283185307179586;
 
 /*
- * Standard deviation of the sensors' noise relative to the largest displacement of the best shape
- * that the limits allow.
+ * Standard deviation of the sensors' noise, relative to the largest displacement in the best shape
+ * that the voltage limits allow.
  */
 static const double noise_share = 1e-4;
 
@@ -82,7 +83,8 @@ static void fill_static(storm_rig *rig)
 }
 
 /*
- * Set the limits within which random voltages are drawn; an amplifier without limits stays at 0 V.
+ * Set the voltage limits within which random voltages for targets are drawn; an amplifier without
+ * finite limits stays at 0 V.
  */
 static void fill_limits(storm_rig *rig)
 {
@@ -153,7 +155,8 @@ void storm_close(storm_rig *rig)
 typedef struct storm {
     const storm_rig *rig;
     const storm_plant *plant;
-    pzs_problem problem; /* voltage problem with the step limits of the simulation */
+    pzs_problem problem; /* voltage problem of the loop with the voltage and step limits of the
+                            simulation in place of the scene's */
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
     pzs_loop loop;
@@ -161,9 +164,9 @@ typedef struct storm {
     inertia inertia;
     uint64_t random;
     int tick, history_ticks; /* present tick; number of ticks whose readings are stored */
-    int missed_ticks;        /* number of ticks missed since the last tick that ran */
-    double noise;            /* standard deviation of the noise of a reading */
-    double *memory;          /* one allocation that holds the arrays from `limits` on */
+    int missed_ticks; /* number of missed ticks since the last tick in which the control loop ran */
+    double noise;     /* standard deviation of the noise of a reading, in the unit of the reading */
+    double *memory;   /* one allocation that holds the arrays from `limits` on */
     double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
                        the simulation (V) */
     double *voltage; /* [amplifiers] voltages in the present tick (V) */
@@ -171,9 +174,10 @@ typedef struct storm {
                         hysteresis and creep (V) */
     double *stroke; /* [2][amplifiers] stroke of the electrodes: voltages that act on the ceramic at
                        the lower and at the upper voltage limits (V) */
-    double *play; /* [amplifiers][plays] positions of the play operators of the hysteresis model (V)
-                   */
-    double *creep; /* [amplifiers][creeps] outputs of the first-order lags of the creep model (V) */
+    double *play;   /* [amplifiers][PZS_PLAY_LIMIT] outputs of the play operators of the hysteresis
+                       model (V) */
+    double *creep;  /* [amplifiers][PZS_CREEP_LIMIT] outputs of the first-order lags of the creep
+                       model (V) */
     const pzs_hysteresis *hysteresis; /* tables with which the controller compensates hysteresis;
                                          NULL where the loop has no such compensation */
     double *previous_voltage;         /* [amplifiers] voltages before the last control tick (V) */
@@ -252,8 +256,9 @@ static void set_limits(storm *storm)
 /* ---- ceramic ---------------------------------------------------------- */
 
 /*
- * State of the ceramic of electrode k (play operators and creep), for a ceramic that follows the
- * tables of the controller's compensation.
+ * State of the ceramic of electrode k, which is the outputs of its play operators (hysteresis) and
+ * of its lags (creep); used for a ceramic that behaves as the tables of the controller's
+ * compensation describe.
  */
 static hysteresis_memory memory_of(const storm *storm, size_t k)
 {
@@ -290,8 +295,8 @@ static void start_ceramic(storm *storm)
 }
 
 /*
- * Effect (V) that the voltage of electrode k would have on a ceramic without hysteresis whose
- * stroke is as large as that of the tables.
+ * Effect (V) that the voltage of electrode k would have on a ceramic without hysteresis: linear in
+ * the voltage, and equal to the stroke of the electrode at both voltage limits.
  */
 static double straight_effect(const storm *storm, size_t k)
 {
@@ -326,8 +331,9 @@ static void advance_ceramic(storm *storm)
 
 /*
  * Append a block of the control tick to the blocks of the simulation. The step block (the block
- * that computes the voltages) gets tables with the limits of the simulation. A control law for
- * comparison keeps its memory beside its problem, so its problem is replaced in place.
+ * that computes the voltages) gets tables with the limits of the simulation. The tables of a
+ * control law for comparison contain its memory besides the voltage problem, so that the problem is
+ * replaced inside these tables.
  */
 static void append_block(storm *storm, const pzs_block *given)
 {
@@ -509,7 +515,10 @@ static void sense_readings(storm *storm)
             shown[i] + (storm->noise > 0 ? storm->noise * random_noise(&storm->random) : 0);
 }
 
-/* Whether the present tick is missed, by a random number. */
+/*
+ * Decide by a random number whether the present tick is missed, with the probability that the
+ * simulation states.
+ */
 static bool misses(storm *storm)
 {
     return storm->plant->missed_share > 0 &&

@@ -55,7 +55,10 @@ typedef struct storm_plant {
     bool is_uninformed;     /* true: the loop is not informed of missed ticks by pzs_loop_skip */
 } storm_plant;
 
-/* Data that all storms (simulations with fast target jumps) of one control loop share. */
+/*
+ * Data that all storms (simulations with fast target jumps) of one control loop share: structure,
+ * sensors, and the blocks of the control tick.
+ */
 typedef struct storm_rig {
     const analysis *analysis;
     const estimator *estimator; /* estimator of the controller; NULL: the target rows are measured
@@ -80,16 +83,16 @@ typedef struct storm_result {
                     relative to the norm of the target */
     double peak; /* largest distance from the best shape that the limits allow, at any time,
                     relative to the norm of the target */
-    double growth; /* growth factor per tick of the distance from the best shape, mean over the
-                      second half; only for simulations without limits */
+    double growth; /* growth factor per tick of the amplitude of the vibration, mean over the second
+                      half of the simulation; only for simulations without limits */
     int ticks;
     bool passed;
 } storm_result;
 
 /*
- * Prepare the storms (simulations with fast target jumps) of an analysis.
+ * Prepare the data that all storms (simulations with fast target jumps) of an analysis share.
  *   analysis  in  after analysis_influence, with a target and all densities
- *   estimator in  NULL where every target row is measured
+ *   estimator in  NULL: every target row is measured
  * Returns 0, or -1 with error filled; call storm_close in either case.
  */
 int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estimator, char *error);
