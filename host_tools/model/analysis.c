@@ -208,8 +208,8 @@ int analysis_outputs(const analysis *analysis, int k)
     const scene_output *output = &analysis->design.scene->output[k];
     if (output->electric != ELECTRIC_NONE)
         return output->count;
-    return places > 0 ? places : 1; /* an output of the whole contact has one value although it has
-                                       no node */
+    return places > 0 ? places : 1; /* force and number of nodes of the whole contact: one value
+                                       each, although they belong to no node */
 }
 
 int analysis_output_node(const analysis *analysis, int k, int i)
@@ -453,10 +453,10 @@ double analysis_capacitance(const analysis *analysis, int k, int is_free)
 }
 
 /*
- * Twice the work of the loads on the linear displacement that they cause, temperature loads
- * excluded.
+ * Twice the work that the scene's loads, without temperature loads, do on the linear displacement
+ * that they cause. Returns NAN where it cannot be computed.
  *   value [inputs]  in   zeros
- *                   out  1 for each load
+ *                   out  load factors: 1 for each load except temperature loads
  */
 static double work_of_loads(analysis *analysis, double *value)
 {
@@ -476,9 +476,10 @@ static double work_of_loads(analysis *analysis, double *value)
 }
 
 /*
- * Ratio of the stiffness with open electrodes to that with short-circuited electrodes, as a ratio
- * of works of the same forces: open electrodes reduce the work by the sum of their voltages times
- * the charges that they would carry if short-circuited.
+ * Ratio of the stiffness with open electrodes to the stiffness with short-circuited electrodes,
+ * computed as the inverse ratio of the works that the same loads do. Opening the electrodes reduces
+ * the work by the sum over the electrodes of open voltage times charge, where the charge is that
+ * under the same loads when short-circuited.
  */
 double analysis_stiffening(analysis *analysis)
 {
@@ -487,8 +488,8 @@ double analysis_stiffening(analysis *analysis)
     double *value = calloc(design->structure.input.count + 1u, sizeof *value),
            *charge = calloc(tables->count + 1u, sizeof *charge);
     double work = (double)NAN, released = 0;
-    const pzs_model kept = analysis->model; /* copy of the model, to restore its data on the last
-                                               linear solve */
+    const pzs_model kept = analysis->model; /* the linear solves below overwrite data in the model,
+                                               which are restored from this copy */
     if (value && charge && !analysis->nonlinear && tables->count > 0 &&
         pzs_electrode_open_count(tables) > 0 && design->loads > 0) {
         work = work_of_loads(analysis, value);

@@ -143,7 +143,8 @@ static void invert(spectrum *spectrum, double ratio)
 
 /*
  * Most likely variance of the measurement noise for a given ratio q of the variances of noise and
- * model error: the mean over all residuals R of q R'(V V' + q I)^-1 R, with the voltages V.
+ * model error: trace(q R'(V V' + q I)^-1 R) / (pokes x outputs), with residuals R [pokes][outputs]
+ * and voltages V [pokes][actuators] of all measured shapes.
  */
 static double likely_variance(const spectrum *spectrum, double ratio)
 {
@@ -211,7 +212,8 @@ static void fill_influence(calibration *result, spectrum *spectrum, const pokes 
         result->influence[i] = model ? model[i] : 0;
     for (size_t index = 0; index < count; index++)
         for (size_t k = 0; k < actuators; k++) {
-            double along = 0; /* entry of the transposed voltages times the eigenvectors */
+            double along = 0; /* scalar product of the voltages of actuator k in all pokes with
+                                 eigenvector `index` of V V' */
             for (size_t poke = 0; poke < count; poke++)
                 along +=
                     pokes->voltage[poke * actuators + k] * spectrum->vector[poke * count + index];

@@ -29,8 +29,8 @@ typedef struct calibration {
     double *influence; /* [outputs][actuators] computed influence matrix (unit of the outputs per
                           volt) */
     double *error;     /* [actuators] standard error of the entries of each column of the influence
-                          matrix; the part that comes from the model alone, or NAN without a model,
-                          where the noise is not known */
+                          matrix. Without a model it is NAN where the measured shapes are too few to
+                          determine the noise */
     double noise; /* standard deviation of the noise of the measured shapes; NAN where there are too
                      few pokes to separate the noise from errors of the matrix */
     double spread; /* standard deviation by which the model's entries differ from the true influence
@@ -66,10 +66,11 @@ typedef struct wiring_fault {
 enum { WIRING_FAULTS = 16 };
 
 /*
- * Find faults of electrodes and cables that explain the difference between pokes and model. Swapped
- * cables are searched first: a swap counts if undoing it lowers the sum of the squared differences
- * by at least the fraction WIRING_GAIN. Dead electrodes and reversed wires follow. Faults are
- * numbered by electrode.
+ * Find faults of electrodes and cables that explain the difference between the measured shapes and
+ * those of a model. Pairs of exchanged cables are searched first: a pair counts as exchanged if
+ * exchanging it back lowers the sum of the squared differences by at least the fraction
+ * WIRING_GAIN. Electrodes that do not act, and electrodes that act with the opposite sign, are
+ * searched next. Each fault contains the index of its electrode.
  *   model [outputs][actuators] in  influence matrix of the model
  * Returns the number of faults, or -1 where memory runs out.
  */

@@ -109,7 +109,8 @@ typedef struct fit {
     double *shape;  /* [entries] shapes that the model predicts for the measured voltages */
     double *slope; /* [factors][entries] derivative of the predicted shapes by the logarithm of each
                       factor */
-    double *influence; /* [outputs][actuators] influence matrix with one changed factor */
+    double *influence; /* [outputs][actuators] influence matrix of the scene with one material
+                          factor changed by the step of the finite differences */
     double *normal; /* [factors][factors] matrix of the normal equations for the material factors */
     double *change; /* [factors] right-hand side of the normal equations, then change of the
                        logarithms */

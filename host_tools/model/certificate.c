@@ -21,14 +21,18 @@ static const double decayed = 20;
 /* ---- the loop --------------------------------------------------------- */
 
 /*
- * Transition matrix of the loop over one tick. Its states are, for each mode just before the tick,
- * the deviation e of the modal coordinate from its equilibrium and the velocity p over the angular
- * frequency, then the deviations measured 1 to `delay` ticks before. With loop matrix L and
- * propagator r of a mode, a tick sets the equilibrium to eq' = -L e(t - delay), while the present
- * one is eq = -L e(t - delay - 1), so that delay + 1 deviations of the past are kept:
+ * Fill the transition matrix of the control loop over one tick. Its states are, for each mode just
+ * before the tick, the deviation e of the modal coordinate from its static equilibrium and the
+ * modal velocity p divided by the angular frequency, then the deviations e of past ticks. L is the
+ * loop matrix (see `loop`), and r[0] to r[3] are the entries 11, 12, 21 and 22 of the matrix that
+ * advances e and p of one mode by the free vibration of one tick. The tick at time t changes the
+ * equilibrium from eq = -L e(t - delay - 1) to eq' = -L e(t - delay), so that delay + 1 past
+ * deviations are needed:
  *   e' = r[0] (e + eq - eq') + r[1] p
  *   p' = r[2] (e + eq - eq') + r[3] p
- *   loop [modes][stride] in  loop matrix L, of which the first `modes` columns are used
+ *   loop [modes][stride] in  loop matrix L; the first `modes` columns are used. Entry (i, j) is the
+ *       static coordinate of mode i under the voltages that the controller subtracts per unit of
+ *       mode j
  */
 static void fill_loop(const double *loop, int stride, const double *square, int modes,
                       const double *damping, int delay, double interval, double *matrix)
@@ -190,7 +194,10 @@ static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT]
                 loop->storms - loop->failed, loop->storms, loop->worst, CERTIFICATE_TOLERANCE);
 }
 
-/* Append the sentences on the error of the readings' age that a stable loop tolerates. */
+/*
+ * Append the sentences that say by how many ticks the readings may be older or newer than the scene
+ * states while the loop stays stable.
+ */
 static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     append_text(
@@ -205,7 +212,10 @@ static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
         append_text(text, "\nREADINGS ONE TICK OLDER CAN MAKE THE LOOP SWING WITHOUT END.");
 }
 
-/* Append the sentences on the margins and stable tick rates of a loop with a vibration model. */
+/*
+ * Append the sentences that say with which static response, natural frequencies and tick rates a
+ * loop with a vibration model stays stable.
+ */
 static void margin_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     if (loop->has_margins)

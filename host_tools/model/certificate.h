@@ -28,9 +28,10 @@ enum { CERTIFICATE_TEXT = 2000 }; /* length of the text that describes a certifi
 #define CERTIFICATE_TOLERANCE 0.05
 
 /*
- * Certificate of a loop with a vibration model, from simulations of the loop with structures that
- * differ from the model: growth of small vibrations, storms (fast jumps of the target), margins
- * (simulate/certify.h).
+ * Certificate of a loop with a vibration model (simulate/certify.h). The loop is simulated with
+ * structures that differ from the model. The members describe the growth of small vibrations, the
+ * result of storms (simulations with fast jumps of the target), and the largest deviations from the
+ * model with which the loop is stable.
  */
 typedef struct certificate_loop {
     bool is_made;
@@ -63,7 +64,8 @@ typedef struct certificate_loop {
     bool has_margins;
     double margin_gain; /* largest static response of the structure to voltages, relative to the
                            model, with which the loop is stable */
-    bool ends_at_most;  /* true where `older` is the largest number of ticks that was tried */
+    bool ends_at_most; /* true where the loop is stable with the oldest readings that were tried, so
+                          that the member `older` could be larger */
     double margin_slow, margin_fast; /* lowest and highest natural frequencies, relative to the
                                         model, with which the loop is stable */
     double rate_from, rate_to; /* range of stable tick rates around the scene's (1/s), with tables
@@ -107,13 +109,15 @@ bool certificate_refuses(const certificate *certificate);
 double certificate_first(const certificate *certificate);
 
 /*
- * Spectral radius of the loop of modes and control step.
- *   loop    [modes][modes] in  static modal coordinates caused by the controller's voltages per
- *       unit of each mode
+ * Spectral radius of the control loop on the modes of a structure.
+ *   loop    [modes][modes] in  loop matrix: entry (i, j) is the static coordinate of mode i under
+ *       the voltages that the controller subtracts per unit of mode j
  *   square  [modes]        in  squares of the angular frequencies (rad^2/s^2)
  *   damping [modes]        in  damping ratios
  *   delay                  in  delay of the measurements (ticks)
  *   interval               in  time between ticks (s)
+ *   squarings              in  number of matrix squarings from which the spectral radius is
+ *       computed
  * Returns NAN where memory runs out.
  */
 double certificate_radius(const double *loop, const double *square, int modes,

@@ -23,15 +23,16 @@ enum {
     RATE_LIMIT = 2000, /* largest number of scanned tick rates */
     PHASES = 8, /* number of intervals between ticks that are tried within one period of the first
                    mode */
-    STARTS = 4  /* number of tick rates at which a first stable one is searched */
+    STARTS = 4  /* largest number of tick rates, each a quarter of the one before, that are tried to
+                   find a stable one */
 };
 
 static const double two_pi = 6.283185307179586;
 
 /*
- * Range of the scanned tick rates: the first rate over damping ratio times angular frequency of the
- * first mode, the ratio of neighbouring rates, and the last rate over the highest frequency of the
- * loop.
+ * Range of the scanned tick rates. Lowest rate (1/s): scan_from times damping ratio times angular
+ * frequency of the first mode (rad/s). Highest rate (1/s): scan_to times natural frequency of the
+ * last mode of the loop (Hz). Each rate is scan_step times the rate before.
  */
 static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 
@@ -83,8 +84,8 @@ static void cholesky_solve(const double *l, size_t n, double *x)
 }
 
 /*
- * Intermediate results for the loop matrix: the change of each modal coordinate's equilibrium by
- * the voltages with which the controller reacts to each mode.
+ * Intermediate results for the loop matrix, which says how the controller's reaction to one mode
+ * displaces the static equilibrium of every mode.
  */
 typedef struct gains {
     const analysis *analysis;
@@ -97,8 +98,8 @@ typedef struct gains {
     double *gradient; /* [moving] right-hand side of the normal equations of the voltage problem for
                          one mode, then the voltages that solve them */
     double *modal_response; /* [modes][moving] static modal coordinate per volt of each amplifier */
-    double *loop; /* [modes][modes] loop matrix: static modal coordinates caused by the controller's
-                     voltages per unit of each mode */
+    double *loop; /* [modes][modes] loop matrix: entry (i, j) is the static coordinate of mode i
+                     under the voltages that the controller subtracts per unit of mode j */
     bool assumes_measured; /* true where the loop is assessed as if every target node were measured
                             */
 } gains;
@@ -168,8 +169,8 @@ static void estimated_shape(const gains *gains, const estimator *estimator,
 }
 
 /*
- * Compute the column of the loop matrix that belongs to one mode: the reaction of the controller's
- * voltages to this mode, and the modal coordinates that they cause.
+ * Compute the column of the loop matrix that belongs to one mode: the static coordinates of all
+ * modes under the voltages that the controller subtracts per unit of this mode.
  */
 static void fill_column(gains *gains, const estimator *estimator, size_t mode)
 {

@@ -17,8 +17,8 @@ typedef struct clipped {
     const design *design;
     const double *lower, *upper; /* [amplifiers] lowest and highest allowed voltage (V) */
     const double *wanted;        /* [targets] displacements that the voltages are to cause */
-    pzs_problem problem; /* voltage problem in the library's format; held amplifiers have columns of
-                            zeros */
+    pzs_problem problem; /* voltage problem (least squares with voltage limits) in the library's
+                            format; held amplifiers have columns of zeros */
     double scale;      /* unit of the regularisation parameter lambda: trace(B'W^2 B) divided by the
                           number of amplifiers (m2/V2), with influence matrix B and weights W */
     double *arrays;    /* one allocation that holds the arrays influence, required and shape */

@@ -13,7 +13,10 @@ static void copy(double *to, const scene_short_list *from)
     memcpy(to, from->value, (size_t)from->count * sizeof *to);
 }
 
-/* Set the pointers of the tables to the arrays of the compensation. */
+/*
+ * Make the pointers in compensation->tables point to the arrays in the other members of
+ * *compensation.
+ */
 static void point(compensation *compensation)
 {
     pzs_hysteresis *tables = &compensation->tables;
@@ -29,8 +32,8 @@ static void point(compensation *compensation)
 }
 
 /*
- * Offset of the voltages (V) with which an electrode that has always been at 0 V has no effect on
- * the structure.
+ * Constant (V) that is added to the modelled effect of an electrode, so that an electrode that has
+ * always been at 0 V has the effect 0.
  */
 static double offset_of(const pzs_hysteresis *tables)
 {

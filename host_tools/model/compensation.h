@@ -10,8 +10,8 @@
 #include "pzs.h"
 
 /*
- * Tables of the blocks pzs_effect_block and pzs_inverse_block, with one set of numbers for all
- * amplifiers.
+ * Hysteresis tables for the library's blocks pzs_effect_block (effects of the present voltages) and
+ * pzs_inverse_block (voltages with given effects). All amplifiers use the same numbers.
  */
 typedef struct compensation {
     bool is_used; /* true where the scene has a section `hysteresis`; otherwise all other members

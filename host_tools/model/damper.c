@@ -23,8 +23,8 @@ enum { MODE_LIMIT = 200 };
 static const double visible = 1e-3;
 
 /*
- * Largest gain of the low-pass filter without observed modes, and ratio of this gain to damping
- * ratio times angle per tick of the first mode.
+ * Gain of the low-pass filter where no mode is observed: its largest value, and its ratio to the
+ * damping ratio of the first mode times the phase angle of that mode in a tick (rad).
  */
 static const double slow_limit = 0.02, slow_part = 0.5;
 
@@ -44,10 +44,13 @@ typedef struct builder {
     size_t *mode; /* [modes] index of each observed mode in `vibration` */
     double *angle, *ratio, *overlap, *lift, *square, *precision; /* arrays of the modal model
                                                                     (damper_model), and inverse
-                                                                    variance of each sensor */
+                                                                    noise variance of each
+                                                                    sensor */
     double *column; /* [targets] work vector for one mode shape at the target nodes */
-    double *shape, *reading, *modal; /* mode shapes at the outputs, readings of the sensors in each
-                                        mode, and static modal coordinate per volt */
+    double *shape, *reading, *modal; /* shape [targets][modes]: mode shapes at the outputs; reading
+                                        [sensors][modes]: reading of each sensor per unit of each
+                                        mode; modal [modes][amplifiers]: static modal coordinate per
+                                        volt */
     damper_gains gains;
 } builder;
 
@@ -109,7 +112,10 @@ static size_t list_modes(builder *builder)
     return listed;
 }
 
-/* Whether modes beyond the computed ones may have to be observed. */
+/*
+ * Whether more modes must be computed: the list of observed modes is not full yet, and even the
+ * highest computed mode is slow enough to be observed.
+ */
 static bool needs_more(const builder *builder, size_t found)
 {
     const int count = builder->vibration->count;
@@ -144,7 +150,7 @@ static int choose_modes(builder *builder, char *error)
 
 /* ---- arrays ----------------------------------------------------------- */
 
-/* One array of the tables: the address of its pointer and its number of entries. */
+/* One array to be allocated: the address of the pointer to it, and its number of entries. */
 typedef struct array {
     double **at;
     size_t count;
@@ -191,8 +197,9 @@ static double damping_ratio(const builder *builder, size_t mode)
 }
 
 /*
- * Compute the readings of the sensors in a mode of unit modal mass, and store them as column `k` of
- * the table of readings.
+ * Compute the readings of the sensors per unit of one mode, and store them as column `k` of
+ * builder->reading [sensors][modes].
+ *   scale in  modal coordinate, at unit modal mass, that counts as one unit
  */
 static void fill_readings(builder *builder, size_t mode, size_t k, double scale)
 {
@@ -210,8 +217,9 @@ static void fill_readings(builder *builder, size_t mode, size_t k, double scale)
 }
 
 /*
- * Compute shapes, readings and static coordinates of all observed modes, scaled to a root mean
- * square displacement of the outputs of 1.
+ * Compute the mode shapes at the outputs, the readings of the sensors and the static modal
+ * coordinates per volt for all observed modes. A unit of a modal coordinate displaces the outputs
+ * by a root mean square of 1.
  */
 static void fill_modes(builder *builder)
 {
@@ -251,9 +259,10 @@ static void fill_noise(const builder *builder, double *noise)
 }
 
 /*
- * Compute the inverse variance of each reading, scaled so that the weighted readings of a mode have
- * a root mean square of about 1. Where the target has free functions (shapes that may be added at
- * no cost), its rows count by their weight, so that the free functions do not appear in any mode.
+ * Compute the weight of each sensor, the inverse variance of its noise, for the fit of modes to
+ * readings. Where every target node is measured, the weights are 1, or the squared target weights
+ * if the target has free functions (shapes that may be added at no cost). All weights are scaled so
+ * that the weighted readings of a mode have a root mean square of about 1.
  */
 static void fill_precision(builder *builder)
 {
@@ -278,8 +287,9 @@ static void fill_precision(builder *builder)
 }
 
 /*
- * Compute the products of the mode shapes with each other and with the influence columns, and the
- * products of the readings.
+ * Compute three weighted sums of products: of the readings of each two modes (over the sensors), of
+ * each mode shape with itself, and of each mode shape with each column of the influence matrix
+ * (over the targets).
  */
 static void fill_products(builder *builder)
 {

@@ -17,12 +17,15 @@ enum { DOUBLINGS = 60 };
  */
 static const double converged = 1e-14;
 
-/* Variance of the position noise of a mode in a tick; it keeps the Riccati equation regular. */
+/*
+ * Variance of the process noise that the Kalman filter assumes for the position of a mode in one
+ * tick; it keeps the Riccati equation regular.
+ */
 static const double position_noise = 1e-12;
 
 /*
- * Regularisation of the least-squares fit of modes to readings, relative to the mean diagonal
- * entry: the resolution of single precision.
+ * Regularisation of the least-squares fit of modal coordinates to readings, relative to the mean
+ * diagonal entry of the normal matrix: the resolution of single precision.
  */
 static const double ridge = 1e-7;
 
@@ -260,8 +263,8 @@ static int solve_observer(damper_gains *gains, const damper_model *model,
 }
 
 /*
- * Compute the slightly regularised inverse of the products of the modes' readings, which fits modal
- * coordinates to readings.
+ * Compute the matrix that fits modal coordinates to readings by least squares: the inverse of the
+ * slightly regularised normal matrix model->overlap.
  *   explain [modes][modes] out
  */
 static int fill_explain(double *explain, const damper_model *model)
@@ -283,9 +286,9 @@ static int fill_explain(double *explain, const damper_model *model)
 /* ---- damping ---------------------------------------------------------- */
 
 /*
- * Part of a mode's deviation by which a control tick that damps vibration moves the equilibrium of
- * the mode.
- *   angle in  angle by which the mode turns in a tick (rad)
+ * Change of a mode's static equilibrium that the control tick commands to damp the mode, per unit
+ * of the mode's deviation from its equilibrium.
+ *   angle in  phase angle of the mode in a tick, angular frequency times tick interval (rad)
  */
 static double damping_of(double angle, const damper_settings *settings)
 {

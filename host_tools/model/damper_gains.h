@@ -25,26 +25,28 @@
  * times the tick interval.
  */
 typedef struct damper_settings {
-    double damping; /* damping per radian: in a tick, the equilibrium of a mode moves by `damping`
-                       times angle times deviation */
-    double cut; /* angle of a mode in a tick up to which modes are damped in full (rad); modes with
-                   more than twice this angle are not damped */
-    double observed; /* largest angle by which an observed mode may turn in a tick (rad) */
-    double follow;   /* part of the way to the static optimum that a tick makes, per radian of the
-                        first mode's angle */
-    double follow_limit; /* largest part of the way to the static optimum that one tick may make */
-    double mix;  /* part of the deviation of a mode that is computed from the change of its velocity
-                  */
-    double kick; /* root mean square change of the first mode's velocity in a tick, relative to the
-                    noise of one sensor */
-    double drift; /* root mean square change of the load on the first mode in a tick, relative to
-                     the noise of one sensor */
-    double slow;  /* gain of the low-pass filter of the part of the readings that the modes do not
-                     explain */
+    double damping; /* damping per radian: in a tick, the voltages move the static equilibrium of a
+                       mode by `damping` times the phase angle of the mode in a tick (rad) times the
+                       mode's deviation from its equilibrium */
+    double cut; /* phase angle of a mode in a tick (rad) up to which modes are damped in full; modes
+                   with more than twice this angle are not damped */
+    double observed;     /* largest phase angle of an observed mode in a tick (rad) */
+    double follow;       /* fraction of the distance to the statically optimal voltages that a tick
+                            covers, per radian of the first mode's phase angle in a tick */
+    double follow_limit; /* upper limit of the fraction of the distance to the statically optimal
+                            voltages that a tick covers */
+    double mix;   /* weight, 0 to 1, of the deviation of a mode computed from the change of its
+                     velocity; the deviation computed from its position has the weight 1 - mix */
+    double kick;  /* process noise of the observer: root mean square random change of the first
+                     mode's velocity in a tick, relative to the noise of one sensor */
+    double drift; /* process noise of the observer: root mean square random change of the load on
+                     the first mode in a tick, relative to the noise of one sensor */
+    double slow;  /* gain, 0 to 1, of the low-pass filter for the residual readings: readings minus
+                     those of the observed modes */
     int later;    /* number of ticks by which the readings are assumed to be older than the scene
                      states; the observer tolerates newer readings better than older ones */
-    bool is_gradient; /* true: damp with a gradient that reduces the energy of the vibration even
-                         where voltages are at their limits; false: damp with the gradient of the
+    bool is_gradient; /* true: damp along the gradient of the vibration energy, which decreases even
+                         where voltages are at their limits; false: damp along the gradient of the
                          squared error of the shape */
 } damper_settings;
 

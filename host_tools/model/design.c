@@ -290,8 +290,8 @@ static void scatter(const mesh *mesh, int element, double factor, const double *
 }
 
 /*
- * Add the resultants of 1 V across a ply, or of 1 K where ply < 0, multiplied by a factor, to the
- * resultants h0 [10].
+ * Add the prescribed stress resultants of one element, times its area, for 1 V across a ply (or for
+ * a temperature change of 1 K where ply < 0), multiplied by `factor`, to h0 [10].
  */
 static void add_unit_resultants(const mesh *mesh, int element, int ply, double factor,
                                 double h0[LAMINATE_STRAINS])
@@ -304,8 +304,9 @@ static void add_unit_resultants(const mesh *mesh, int element, int ply, double f
 }
 
 /*
- * Index of the patch of whole elements that contains an element, second grid index fastest, or -1
- * where no patch contains it.
+ * Index of the patch that contains an element, for patches that consist of whole elements; the
+ * patches of a grid are numbered with the second grid index fastest. Returns -1 where no patch
+ * contains the element.
  */
 static int patch_in(const mesh *mesh, int element, const scene_patches *patches)
 {
@@ -398,8 +399,9 @@ static void add_resultants(const mesh *mesh, int element, const double h0[LAMINA
 }
 
 /*
- * Append the columns of an actuator's amplifiers or of a sensor's electrodes. A column contains all
- * patches that one amplifier drives, with their factors.
+ * Append one column of nodal forces per unit of input (1 V or 1 K) for each amplifier of an
+ * actuator, or for each electrode of a sensor. The column is the sum over all patches that the
+ * amplifier drives, each times the factor of that patch.
  */
 static void patch_columns(const mesh *mesh, const scene_actuator *actuator, row_builder *columns,
                           double *dense)
@@ -415,8 +417,8 @@ static void patch_columns(const mesh *mesh, const scene_actuator *actuator, row_
 }
 
 /*
- * Append the columns of the stack actuators of an actuator: forces along the directions of their
- * springs.
+ * Append one column of nodal forces per unit of input for each piezoelectric stack of an actuator.
+ * The forces are the blocked force of the stack, along its direction.
  */
 static void stack_columns(const mesh *mesh, int actuator, row_builder *columns, double *dense)
 {
@@ -467,9 +469,10 @@ static void add_force(const mesh *mesh, const scene_load *load, int node, double
 }
 
 /*
- * Components at node `to` of a load that is given at node `from`. A pressure keeps its components,
- * because vectors interpolated along a chord lose angle^2/6 of their length. A load of fixed
- * direction keeps its vector in the Cartesian element, and its components in the published element.
+ * Components, in the local axes of node `to`, of a load that is given in the local axes of node
+ * `from`. A pressure has the same components at both nodes, because a vector interpolated along a
+ * chord would lose angle^2/6 of its length. A load of fixed direction keeps its vector in the
+ * Cartesian element formulation, and its components in the published one.
  */
 static void carry(const mesh *mesh, const scene_load *load, int from, int to,
                   const double direction[3], double out[3])
@@ -519,8 +522,9 @@ static void add_lean(const mesh *mesh, const scene_load *load, int element, int 
 }
 
 /*
- * Share of a distributed load at node `column` in the consistent force on node `row` of an edge
- * (count = 2) or an element (count = 4).
+ * Weight of the load value at node `column` in the consistent nodal force on node `row`, for a
+ * distributed load on an element (count = 4; in 1/36 of the area) or on an edge (count = 2; in 1/6
+ * of the length).
  */
 static double consistent_weight(int count, int row, int column)
 {

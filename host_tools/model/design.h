@@ -57,8 +57,8 @@ typedef struct design {
     double *weight;   /* [targets] weight of each target row in the error; 0 for rows on constrained
                          dof */
     int fixed_rows;   /* number of target rows on constrained dof */
-    double *fixed_weight; /* [targets] weights that rows on constrained dof would have if they could
-                             move; 0 for the other rows */
+    double *fixed_weight; /* [targets] for rows on constrained dof, the weight that the row had
+                             before its entry in `weight` was set to 0; 0 for the other rows */
     int free_functions; /* number of free functions of the target: shapes that may be added to it at
                            no cost */
     double *free_value; /* [free_functions][targets] free functions of the target (shapes that may
@@ -122,8 +122,9 @@ int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell,
                      double h0[LAMINATE_STRAINS]);
 
 /*
- * Temperatures of the inner and outer face under a temperature load (first function), and the
- * resultants of that load in one element, times the area of the element (second function).
+ * design_temperatures returns the temperatures of the inner and outer face under a temperature
+ * load; design_temperature_resultants computes the stress resultants of this load in one element,
+ * times the area of the element.
  *   h0 [10] out
  */
 laminate_field design_temperatures(const scene_load *load);
@@ -150,8 +151,9 @@ int design_patches_in(const mesh *mesh, int element, const scene_patches *patche
                       design_part *list);
 
 /*
- * Index of a target row in lists of values. For a measured influence matrix this is the row in the
- * file, which may have rows that are ignored.
+ * Index of the value that belongs to a target row, in lists of values that the scene gives. For a
+ * measured influence matrix this is the index of the row in the matrix file, in which other rows
+ * may be ignored.
  */
 int design_row(const design *design, int target);
 
@@ -247,9 +249,9 @@ void design_influence_free(const design *design, const double *influence, size_t
 int design_target_rows(design *design, char *error);
 
 /*
- * Reallocate a growing array to `count` items of `size` bytes; where memory runs out, the old array
- * is returned and *full is set. design_release frees an array that the library's tables declare
- * const.
+ * design_grow reallocates an array to `count` items of `size` bytes; where memory runs out, it
+ * returns the old array and sets *full to 1. design_release frees an array that the library's
+ * tables declare const.
  */
 void *design_grow(void *old, size_t count, size_t size, int *full);
 void design_release(const void *table);

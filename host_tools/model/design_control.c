@@ -41,8 +41,8 @@ typedef struct limits {
 } limits;
 
 /*
- * Narrow the voltage limits of amplifier k by the depolarisation field of a patch that the
- * amplifier drives: the largest field against the direction of poling.
+ * Narrow the voltage limits of amplifier k so that the electric field against the poling direction,
+ * in the patches of one drive, stays below the depolarisation field of their material.
  */
 static void narrow_by_field(const limits *limits, int k, const scene_drive *drive)
 {

@@ -104,8 +104,8 @@ static double weighted_squares(const design *design, const double *shape)
 }
 
 /*
- * Rounding-error bound of the weighted norm of what a least-squares fit leaves of a vector,
- * relative to the norm of the vector.
+ * Bound of the rounding errors in the residual of a least-squares fit to a vector: weighted norm of
+ * these errors relative to the weighted norm of the vector.
  */
 static double rounding(const design *design)
 {

@@ -5,7 +5,10 @@
 #include "../../lib/model/electrode.h"
 #include "../scene/outline_common.h"
 
-/* Voltage of one input across a ply of one element, multiplied by a factor. */
+/*
+ * Voltage that one input applies across one ply of an element: `factor` times the value of the
+ * input, on the part `share` of the element's area.
+ */
 typedef struct across {
     int input, ply;
     double factor;
@@ -14,7 +17,7 @@ typedef struct across {
     int patch;
 } across;
 
-/* List of the voltages of all inputs across the plies of one element. */
+/* List of the voltages that all inputs apply across the plies of one element. */
 typedef struct across_list {
     across *entry;
     design_part *part; /* work array for the patches of one actuator or sensor in the element */
@@ -35,9 +38,9 @@ static void make_room(across_list *list, int more)
 }
 
 /*
- * Append the voltages of one actuator or sensor across the plies of an element to a list. Several
- * drives of an actuator may name one ply.
- *   first in  first input of the actuator or sensor
+ * Append to a list the voltages that one actuator or sensor applies across the plies of an element.
+ * Several drives of an actuator may act on the same ply.
+ *   first in  index of the first input of the actuator or sensor
  */
 static void append_across(const mesh *mesh, const scene_actuator *actuator, int first, int element,
                           across_list *list)

@@ -25,8 +25,8 @@ typedef struct resultant_builder {
 } resultant_builder;
 
 /*
- * Index of the row of the builder's table that equals the resultants h0 [10]; a missing row is
- * appended.
+ * Index of the row of builder->value that is equal to the stress resultants h0 [10]. Where no row
+ * is equal, h0 is appended.
  */
 static size_t row_of_resultants(resultant_builder *builder, const double h0[LAMINATE_STRAINS])
 {
@@ -124,8 +124,8 @@ static void set_corner(const mesh *mesh, int element, int corner, const pzs_foll
 }
 
 /*
- * Set the shares of a corner's pressure in the forces on that corner, on a neighbouring corner and
- * on the opposite corner.
+ * Set the fractions of pressure at a corner times area of the element that act as forces on that
+ * corner, on each neighbouring corner and on the opposite corner.
  */
 static void set_shares(pzs_follower *follower, int is_cartesian)
 {
@@ -365,8 +365,8 @@ void equilibrium_save(const equilibrium *equilibrium, void *state)
 }
 
 /*
- * Restore the state of the solver (equilibrium.h). The model keeps its factor, which belongs to
- * another shape; the next equilibrium computes the factor of its own shape.
+ * Restore the state of the solver (equilibrium.h). The factor of the stiffness matrix in the model
+ * is not restored, because it belongs to another shape; the next equilibrium computes its own.
  */
 void equilibrium_restore(equilibrium *equilibrium, const void *state)
 {
@@ -382,8 +382,9 @@ void equilibrium_restore(equilibrium *equilibrium, const void *state)
 /* ---- open ------------------------------------------------------------- */
 
 /*
- * Set the input values of the scene at full load: load factors and applied voltages. The value of a
- * follower load is the value of its extra input.
+ * Set full_input, the input values of the scene at full load: applied voltages (V), and load
+ * factors of 1. The load factor of a follower load stands at its extra input; the load's own input
+ * is 0.
  */
 static void set_full(equilibrium *equilibrium)
 {

@@ -40,7 +40,8 @@ pzs_status equilibrium_open(equilibrium *equilibrium, const design *design, pzs_
 void equilibrium_close(equilibrium *equilibrium);
 
 /*
- * Size in bytes of the state of a solver, and functions that save and restore this state.
+ * equilibrium_state_bytes returns the size of the solver's state in bytes, equilibrium_save copies
+ * the state into a buffer, equilibrium_restore sets the solver to a saved state.
  *   state [equilibrium_state_bytes] out for save, in for restore
  */
 size_t equilibrium_state_bytes(const equilibrium *equilibrium);

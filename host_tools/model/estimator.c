@@ -103,7 +103,10 @@ static void find_sizes(estimation *estimation)
             settings->voltages >= 0 ? settings->voltages : default_deviation(design, i - loads);
 }
 
-/* Voltage or charge of the i-th electrode of an output. */
+/*
+ * Reading of the i-th electrode of an output: its voltage (V) from the input values `value`
+ * [inputs], or its charge (C) from `charge` [electrodes].
+ */
 static double electric_reading(const design *design, const scene_output *output, int i,
                                const double *value, const double *charge)
 {
@@ -114,8 +117,9 @@ static double electric_reading(const design *design, const scene_output *output,
 }
 
 /*
- * Compute the readings of all sensors per unit of one input: displacements from the influence
- * matrix, voltages and charges with the voltages of open electrodes computed.
+ * Compute the readings of all sensors per unit of one input. Displacements are taken from the
+ * influence matrix; for voltages and charges, the voltages of the open electrodes under this input
+ * are computed first.
  */
 static int fill_sensitivity(estimation *estimation, size_t input, double *value, double *charge)
 {
@@ -256,8 +260,10 @@ static void make_gains(estimation *estimation, estimator *estimator)
 }
 
 /*
- * Subtract from a combination of disturbances the part that the sensors determine.
- *   left [disturbances] in/out
+ * Subtract from a combination x of disturbances the part that the estimator infers from the
+ * readings: x - C'(1 + C C')^-1 C x with C = scaled_reading [sensors][disturbances].
+ *   left [disturbances] in   x
+ *                       out  part of x that is not known
  */
 static void remove_observed_part(estimation *estimation, double *left)
 {
@@ -301,8 +307,8 @@ static double length(const double *vector, size_t count)
 }
 
 /*
- * Compute the expected size of the shape under the disturbances and of the error of its estimate,
- * as square roots of the traces of both covariances.
+ * Compute the expected norm of the weighted shape under the disturbances, and that of the weighted
+ * error of its estimate, as square roots of the traces of their covariances.
  */
 static void measure_errors(estimation *estimation, estimator *estimator)
 {

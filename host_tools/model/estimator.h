@@ -22,8 +22,9 @@ typedef struct estimator {
     double disturbed; /* expected root mean square of the weighted shape under the disturbances,
                          before estimation */
     double remaining; /* expected root mean square of the weighted error of the estimated shape */
-    double worst_disturbed; /* expected root mean square of the weighted shape along the direction
-                               of the largest error of the estimate */
+    double worst_disturbed; /* expected root mean square, under the disturbances, of the component
+                               of the weighted shape along the unit vector along which the error of
+                               the estimate is largest */
     double worst_remaining;
     double *worst;    /* [targets] shape in which the error of the estimate is largest, scaled to a
                          largest entry of 1 */

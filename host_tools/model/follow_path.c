@@ -29,12 +29,12 @@ typedef struct arc_search {
     double *start;  /* [free_dof] displacement at the last converged point of the load path */
     double *direction;   /* [free_dof] increment of the displacement in the last converged step */
     double *increment;   /* [free_dof] displacement since the last converged point */
-    double *by_residual; /* [free_dof] inverse tangent stiffness times (load minus internal force)
-                          */
-    double *by_load;    /* [free_dof] inverse tangent stiffness times the force per unit of the load
-                           factor */
-    double *unit;       /* [free_dof] nodal forces per unit of one input */
-    double load_factor; /* load factor at the present point of the load path */
+    double *by_residual; /* [free_dof] change of displacement by the residual forces: inverse
+                            tangent stiffness times (load minus internal force) */
+    double *by_load;     /* [free_dof] change of displacement per unit of the load factor: inverse
+                            tangent stiffness times force per unit of the load factor */
+    double *unit;        /* [free_dof] nodal forces per unit of one input */
+    double load_factor;  /* load factor at the present point of the load path */
     double start_factor; /* load factor at the last converged point of the load path */
     int iterations;
 } arc_search;
@@ -132,10 +132,10 @@ static bool solve_both(arc_search *arc_search)
 /* ---- one step --------------------------------------------------------- */
 
 /*
- * Change of the load factor that keeps the length of the increment of the displacement at `arc`.
- * The vectors by_residual and by_load are the changes of displacement by the residual forces and
- * per unit of the load factor; of the two solutions of |increment + by_residual + change by_load|^2
- * = arc^2, the one that turns the increment less is returned, or NAN where there is none.
+ * Change c of the load factor with which the corrected increment of the displacement, increment +
+ * by_residual + c by_load, has the length `arc`. The vectors by_residual and by_load are the
+ * changes of displacement by the residual forces and per unit of the load factor. Of the two
+ * solutions, the one that turns the increment less is returned; NAN where there is none.
  */
 static double constrained_change(const arc_search *arc_search, double arc)
 {
@@ -289,9 +289,10 @@ static void add_event(load_path *path, load_path_event_type type, double load_fa
 }
 
 /*
- * Add the critical points within a step of length `arc` that has just converged to the path. A
- * limit point changes the sign of one pivot; further sign changes are bifurcations. Returns whether
- * the end of the step could be restored.
+ * Find the critical points within a step of length `arc` that has just converged, and append them
+ * to the path. At a limit point one pivot of the tangent stiffness changes its sign; further sign
+ * changes are bifurcations. Returns whether the solver could return to the end of the step after
+ * the search.
  */
 static bool find_events(arc_search *arc_search, load_path *path, double arc, signature before)
 {

@@ -19,8 +19,9 @@ enum { SLOPES = PZS_HYSTERESIS_SEGMENTS, CREEPS = 3, LEAST_SAMPLES = 100, MOST_S
 static const double creep_time[CREEPS] = {0.1, 1, 10};
 
 /*
- * Slack of the last play operator relative to half of the voltage range, and exponent with which
- * the slacks of the play operators grow.
+ * Slacks of the play operators, whose positions follow the voltage with a backlash: largest slack
+ * relative to half of the voltage range, and exponent of the power of the operator's number with
+ * which the slack grows.
  */
 static const double widest_slack = 0.95, slack_power = 1.3;
 
@@ -31,16 +32,18 @@ static const double widest_slack = 0.95, slack_power = 1.3;
 static const double least_slope = 0.1;
 
 /*
- * Weight of the rows that make numbers alike, relative to the rows of the samples: both weights of
- * a play operator, and the creeps of neighbouring time constants. A small value suffices to keep
- * those numbers equal that the sweep cannot distinguish.
+ * Weight of the rows that penalise differences between unknowns, relative to the rows of the
+ * samples: between both weights of a play operator, and between the creep amplitudes of
+ * neighbouring time constants. A small value suffices to equalise unknowns that the sweep cannot
+ * distinguish.
  */
 static const double likeness = 0.05;
 
 /*
- * Bounded least-squares problem with one row for each sample, one for each play operator and one
- * for each pair of neighbouring creeps. The unknowns are the slopes, the weights of the play
- * operators for positive and for negative values, the creep, and a constant.
+ * Bounded least-squares problem. There is one row for each sample, one for each play operator and
+ * one for each pair of neighbouring time constants of the creep. The unknowns are the slopes, the
+ * weights of the play operators for positions above the middle of the voltage range, those for
+ * positions below, the creep amplitude of each time constant, and a constant.
  */
 typedef struct fit {
     const sweep *sweep;
@@ -144,8 +147,8 @@ static void close_fit(fit *fit)
 }
 
 /*
- * Parts of a voltage, counted from the middle of the range, that lie in each quarter of the voltage
- * range.
+ * Parts of the interval from 0 to s that lie in each quarter of the voltage range (V, negative for
+ * s < 0), where s is a voltage minus the middle of the range.
  *   row [SLOPES] out
  */
 static void fill_slopes(const fit *fit, double s, double *row)
@@ -157,7 +160,10 @@ static void fill_slopes(const fit *fit, double s, double *row)
     }
 }
 
-/* Fill the rows of the samples: the effects that each unknown would have with the value 1. */
+/*
+ * Fill the matrix row of each sample: entry j is the effect (V) at the time of the sample if
+ * unknown j were 1 and all others 0.
+ */
 static void fill_samples(fit *fit)
 {
     const size_t plays = fit->plays;
@@ -197,7 +203,7 @@ static void fill_samples(fit *fit)
     }
 }
 
-/* Fill row i, which makes two unknowns equal. */
+/* Fill row i of the least-squares problem, which penalises the difference of two unknowns. */
 static void make_alike(fit *fit, size_t i, size_t one, size_t other)
 {
     double *row = fit->matrix + i * fit->unknowns;
@@ -207,8 +213,9 @@ static void make_alike(fit *fit, size_t i, size_t one, size_t other)
 }
 
 /*
- * Fill the rows that make the two weights of each play operator equal, and the creeps of all time
- * constants: a time constant that is longer than the sweep gets the creep of the one before.
+ * Fill the rows that penalise the difference of the two weights of each play operator, and the
+ * difference of the creep amplitudes of neighbouring time constants. A time constant that is too
+ * long to be seen in the sweep thus gets the creep amplitude of its shorter neighbour.
  */
 static void fill_likeness(fit *fit)
 {
@@ -221,8 +228,8 @@ static void fill_likeness(fit *fit)
 }
 
 /*
- * Set the bounds of the unknowns: slopes not below the smallest slope, the constant free, all
- * others not negative.
+ * Set the bounds of the unknowns: at least least_slope for the slopes, none for the constant, at
+ * least 0 for all others.
  */
 static void fill_bounds(fit *fit)
 {
@@ -267,8 +274,9 @@ static int solve(fit *fit, char *error)
 /* ---- result ----------------------------------------------------------- */
 
 /*
- * Effect per volt of a change from the lowest to the highest voltage, without creep; each play
- * operator follows the change except for twice its slack.
+ * Change of the effect per volt when the voltage goes from its lowest to its highest value, without
+ * creep. The position of each play operator changes by the range of the voltages minus twice its
+ * slack.
  */
 static double swing_gain(const fit *fit)
 {
@@ -290,8 +298,8 @@ static void take_list(scene_short_list *list, const double *value, size_t count,
 }
 
 /*
- * Effect of the fitted model at 0 V before any other voltage was applied, in units of the
- * least-squares problem (V).
+ * Effect of the fitted model at 0 V before any other voltage was applied (V), in which the slopes
+ * and weights are relative to fit->unit.
  */
 static double effect_at_start(const fit *fit)
 {
