@@ -67,8 +67,8 @@ static double area_of(const polygon *shape)
 }
 
 /*
- * Copy the part of a convex polygon where normal . x <= limit to another polygon; it has at most
- * one corner more.
+ * Copy the part of a convex polygon that lies in the half-plane normal . x <= limit to another
+ * polygon; it has at most one corner more.
  */
 static void cut(const polygon *from, const double normal[2], double limit, polygon *to)
 {
@@ -139,7 +139,10 @@ static double cell_area(const point *points, size_t count, size_t own, const pol
     return area_of(cell) / sharing;
 }
 
-/* Compute the lengths that belong to points on a line: half of the distances to both neighbours. */
+/*
+ * Compute the lengths that belong to points on a line: half of the sum of the distances to both
+ * neighbours.
+ */
 static void lengths(const point *sorted, size_t count, double *area)
 {
     for (size_t i = 0; i < count; i++)

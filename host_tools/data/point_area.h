@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Areas that belong to scattered points: weights of an integral over the points. */
+/*
+ * Areas that belong to scattered points. With these areas as weights, a sum over the points
+ * approximates an integral over the area that they cover.
+ */
 #ifndef POINT_AREA_H
 #define POINT_AREA_H
 

@@ -86,15 +86,17 @@ size_t polygon_clip(const double (*point)[2], size_t count, const double (*quad)
 /* ---- area in common --------------------------------------------------- */
 
 /*
- * Side of a polygon, directed from left to right, and the sign with which the area below it counts.
+ * Side of a polygon, directed from left to right, and the sign (1 or -1) with which the area
+ * between the side and a horizontal line below the polygon counts in the area of the polygon.
  */
 typedef struct side {
     double x[2], y[2], sign;
 } side;
 
 /*
- * List the sides of a counterclockwise polygon. The area below a side counts as positive if the
- * polygon runs along it to the left. Returns their number.
+ * List the sides of a counterclockwise polygon that are not vertical. The area between a side and a
+ * horizontal line below the polygon counts as positive if the polygon runs along this side to the
+ * left. Returns the number of listed sides.
  */
 static size_t list_sides(const double (*point)[2], size_t count, side *list)
 {
@@ -121,7 +123,7 @@ static double height_at(const side *line, double x)
     return line->y[0] + part * (line->y[1] - line->y[0]);
 }
 
-/* Return the area that lies above the level `base` and below both of two sides. */
+/* Return the area of the region above the horizontal line y = base and below both of two sides. */
 static double area_below(const side *one, const side *other, double base)
 {
     const double from = fmax(one->x[0], other->x[0]), to = fmin(one->x[1], other->x[1]);
@@ -145,8 +147,8 @@ static double area_below(const side *one, const side *other, double base)
 }
 
 /*
- * Return the sum, over all pairs of sides of two polygons, of the areas below both sides with their
- * signs.
+ * Return a sum over all pairs of a side of one polygon and a side of the other: the area of the
+ * region below both sides, times the signs of both sides.
  *   one, other  work  memory for the sides of each polygon
  */
 static double sum_pairs(const double (*one_points)[2], size_t a_count, side *one,
@@ -163,8 +165,9 @@ static double sum_pairs(const double (*one_points)[2], size_t a_count, side *one
 }
 
 /*
- * The area of a polygon is the sum of the signed areas below its sides. The same sum over all pairs
- * of sides of two polygons is the area of their intersection. Both polygons are first clipped to
+ * The area of a polygon is the sum, with signs, of the areas between its sides and a horizontal
+ * line below it. The same sum over all pairs of a side of one polygon and a side of the other, with
+ * the area below both sides, is the area of their intersection. Both polygons are first clipped to
  * the rectangle that their bounding boxes have in common.
  */
 double polygon_common_area(const polygon *one, const polygon *other)

@@ -49,7 +49,7 @@ static int compare(const void *left, const void *right)
     return (first > second) - (first < second);
 }
 
-/* Sort the numbers of the points in `source` so that they form a k-d tree. */
+/* Sort the numbers of the points in `source` into the order of a k-d tree. */
 static void build(scatter *scatter, const double *point)
 {
     tree_range stack[DEPTH] = {{0, scatter->count, 0}};
@@ -136,7 +136,10 @@ static double square_distance(const double *first, const double *second)
     return sum;
 }
 
-/* Range of the tree that is searched unless it is farther away than all points found so far. */
+/*
+ * Range of the k-d tree that is still to be searched; it is skipped if it is farther from the place
+ * than the nearest points found so far.
+ */
 typedef struct search_range {
     tree_range range;
     double beyond; /* square of a lower bound of the distance to any point of the range */

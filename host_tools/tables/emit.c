@@ -22,7 +22,10 @@ uint32_t emit_crc_reals(uint32_t crc, const double *value, size_t count)
 
 /* ---- comments --------------------------------------------------------- */
 
-/* Write a text into a comment, with a blank inside of marks that begin or end a comment. */
+/*
+ * Write a text into a C comment. A blank is inserted into each mark in the text that would begin or
+ * end a comment.
+ */
 static void write_text(FILE *file, const char *text)
 {
     for (char before = ' '; *text; before = *text++) {

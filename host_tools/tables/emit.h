@@ -9,7 +9,7 @@
 typedef struct emitter {
     FILE *file;
     const char *prefix;
-    char upper[64]; /* the prefix of all names in capital letters, for macros */
+    char upper[64]; /* `prefix` in capital letters, with which the names of macros begin */
     uint32_t crc32; /* checksum of the data written so far, with reals rounded to single precision
                      */
     size_t reals, bytes; /* size of the data written so far: number of reals, and bytes of other
@@ -42,8 +42,8 @@ void emit_comment_end(const emitter *emitter);
 void emit_comment_lines(const emitter *emitter, const char *text);
 
 /*
- * Write `static const ... PREFIX_NAME[count]`, preceded by its meaning as a comment. An array
- * without entries gets one entry of 0.
+ * Write the definition `static const TYPE PREFIX_NAME[count]` of an array, preceded by a comment
+ * with the meaning of the array. An array without entries gets one entry of 0.
  */
 void emit_reals(emitter *emitter, const char *name, const double *value, size_t count,
                 const char *meaning);
@@ -59,7 +59,8 @@ void emit_limits(emitter *emitter, const char *name, const double *value, size_t
                  const char *meaning);
 
 /*
- * Write an array PREFIX_NAME[count] of blocks of reals.
+ * Write an array PREFIX_NAME[count] whose entries are blocks of reals, such as matrices, all of the
+ * same dimensions.
  *   length [depth] in  dimensions of one block
  */
 void emit_blocks(emitter *emitter, const char *name, const double *value, size_t count,

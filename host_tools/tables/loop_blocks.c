@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Blocks of the control tick that a scene needs, with their conditions and tables (loop_blocks.h).
+ * Blocks of the control loop that a scene needs, with the conditions for them and their tables
+ * (loop_blocks.h). A block does one task in every tick of the loop, such as estimating the shape.
  */
 #include "loop_blocks.h"
 #include <ctype.h>
@@ -9,8 +10,8 @@
 #include "../../lib/core/guard.h"
 
 /*
- * Fraction of the step limits (largest voltage change in a tick) that the governor of the target
- * uses; the rest is left for the damping of vibration.
+ * Part of the step limits (largest voltage changes of the amplifiers in one tick) that the motion
+ * of the target to a new shape may use; the rest is left for the damping of vibration.
  */
 static const double governor_part = 0.5;
 
@@ -48,8 +49,8 @@ static bool has_feed_forward(const loop_blocks *blocks)
 }
 
 /*
- * Whether the scene needs the block that estimates the shape. The damper replaces this block,
- * because it estimates the shape itself.
+ * Whether the scene needs the block that estimates the shape from the readings of sensors. The
+ * block that damps vibration replaces it, because that block estimates the shape itself.
  */
 static bool has_estimator(const loop_blocks *blocks)
 {
@@ -150,7 +151,10 @@ static const void *detection_tables(loop_blocks *blocks)
     return &blocks->detection;
 }
 
-/* Root mean square of the displacements that the voltages must cause (m). */
+/*
+ * Root mean square, over the target nodes, of the displacements that the voltages must cause to
+ * reach the target shape (m).
+ */
 static double target_rms(const design *design)
 {
     double sum = 0;
@@ -160,10 +164,12 @@ static double target_rms(const design *design)
 }
 
 /*
- * Tables of the supervisor. The divergence monitor allows for a sudden load that causes 0.3 of the
- * target, and for noise of at least 0.005 of the target. A change of the target explains a
- * deviation that decays by a factor of e in two periods of the first mode, or in 50 ticks where
- * there is no vibration model. The alarm waits for one period, at least 20 ticks.
+ * Tables of the supervisor, the block that monitors the control loop. A tick is implausible if the
+ * shape deviates from the target by more than three causes explain: a sudden load that changes the
+ * shape by 0.3 of the root mean square target; noise of at least 0.005 of it; and changes of the
+ * target, whose effect decays by a factor of e in two periods of the first mode (in 50 ticks
+ * without a vibration model). The alarm threshold of the counter of implausible ticks is one
+ * period, at least 20 ticks.
  */
 static const void *supervision_tables(loop_blocks *blocks)
 {
@@ -193,7 +199,8 @@ static const void *supervision_tables(loop_blocks *blocks)
 /* ---- tables as source ------------------------------------------------- */
 
 /*
- * Write the name of an array that several blocks share, or NULL where the scene has no estimator.
+ * Write the name of an array that several blocks of the control loop use, or NULL where the scene
+ * has no estimator of the shape.
  */
 static void write_shared(const emitter *emitter, const void *table, const char *name)
 {
@@ -416,7 +423,8 @@ BLOCK_BYTES(supervisor, PZS_SUPERVISOR_BLOCK_BYTES(of->outputs))
 /* ---- the table -------------------------------------------------------- */
 
 /*
- * Types of blocks of the control tick. In the generated header, the tables of a block are named
+ * Types of blocks of the control loop: condition for the block in a scene, functions that fill and
+ * write its tables, names, and memory. In the generated header, the tables of a block are named
  * PREFIX_ followed by `tables_name`. The members `bytes` and `bytes_macro` are defined by
  * BLOCK_BYTES.
  */
@@ -495,7 +503,8 @@ size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single)
 /* ---- source ----------------------------------------------------------- */
 
 /*
- * Write the text of a macro for the generated header, with PREFIX_NAME in place of each `of->name`.
+ * Write the text of a macro for the generated header. Each expression `of->name` in the text is
+ * replaced by the macro PREFIX_NAME.
  */
 static void write_macro(const emitter *emitter, const char *text)
 {
@@ -549,8 +558,8 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
 /* ---- names ------------------------------------------------------------ */
 
 /*
- * Write a macro PREFIX_KIND_name with an index as its value. A name that is not a C identifier gets
- * the index as a suffix, so that different names stay different.
+ * Write an enumeration constant PREFIX_KIND_name whose value is an index. A name that is not a C
+ * identifier gets the index as a suffix, so that different names stay different.
  */
 static void write_index(const emitter *emitter, const char *kind, const char *name, int index)
 {
@@ -579,8 +588,8 @@ static void write_amplifiers(const emitter *emitter, const design *design)
 }
 
 /*
- * Write the indices of the estimator's readings as macros: NAME, or NAME_1, NAME_2 and so on where
- * an output has several values.
+ * Write the indices of the estimator's readings as enumeration constants: NAME for an output with
+ * one value, or NAME_1, NAME_2 and so on for an output with several values.
  */
 static void write_sensors(const emitter *emitter, const analysis *analysis)
 {

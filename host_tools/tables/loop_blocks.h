@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Blocks of the control tick that a scene needs: for the loop on the host, and as C source for a
- * firmware. The table in loop_blocks.c is the only list of block types.
+ * Blocks of the control loop that a scene needs, each of which does one task in every tick of the
+ * loop: with tables for the simulated loop on the host, and as C source for a firmware. The list in
+ * loop_blocks.c is the only list of block types.
  */
 #ifndef LOOP_BLOCKS_H
 #define LOOP_BLOCKS_H
@@ -30,8 +31,9 @@ typedef struct loop_blocks {
 } loop_blocks;
 
 /*
- * Whether a scene's controller has an estimator of the shape, feed-forward of known loads, and
- * amplifiers with a resolution or a dead band.
+ * Whether the controller of a scene estimates the shape from the readings of sensors
+ * (loop_estimates), compensates known loads by feed-forward (loop_feeds), and has amplifiers with a
+ * voltage resolution or a dead band (loop_quantises).
  */
 int loop_estimates(const scene *scene);
 int loop_feeds(const scene *scene);
@@ -49,8 +51,9 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
                       const damper *damper);
 
 /*
- * Write the tables of the blocks, PREFIX_blocks and PREFIX_LOOP_BYTES, after the tables of
- * estimator, feed-forward and voltage problem.
+ * Write the tables of the blocks, the list PREFIX_blocks and the macro PREFIX_LOOP_BYTES (memory of
+ * the loop) as C source. The tables of the estimator, the feed-forward and the voltage problem must
+ * be written before.
  */
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 
@@ -62,8 +65,8 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single);
 
 /*
- * Write the names that a firmware needs: PREFIX_TICK_RATE, the indices of amplifiers and sensors,
- * and the outputs as a comment.
+ * Write the names that the source of a firmware uses: the macro PREFIX_TICK_RATE, constants for the
+ * indices of amplifiers and sensors, and a comment that describes the outputs.
  */
 void loop_names_write(emitter *emitter, const analysis *analysis);
 

@@ -34,7 +34,8 @@ static void write_elements(emitter *emitter, const mesh *mesh)
 }
 
 /*
- * Write the corner tables of every element type, member by member in the order of pzs_element_type.
+ * Write the element types: constants at the four corners of an element, member by member in the
+ * order of pzs_element_type.
  */
 static void write_element_types(emitter *emitter, const mesh *mesh)
 {
@@ -93,8 +94,8 @@ static void name_rows(const emitter *emitter, const char *name, uint16_t count)
 }
 
 /*
- * Number of entries of the factor of the stiffness matrix, padded for a tile of rows by the rule of
- * linalg.h.
+ * Number of entries that the factor of the stiffness matrix takes in memory if `tile` rows form a
+ * panel (linalg.h), with the padding of the panels.
  */
 static size_t padded_entries(const mesh *mesh, int tile)
 {
@@ -110,8 +111,8 @@ static size_t padded_entries(const mesh *mesh, int tile)
 }
 
 /*
- * The structure with only those inputs and outputs that the controller uses: amplifiers and target
- * nodes.
+ * Return the structure with only those inputs and outputs that the controller uses: the voltages of
+ * the amplifiers and the displacements of the target nodes.
  */
 static pzs_structure controlled(const analysis *analysis)
 {
@@ -177,8 +178,9 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
 /* ---- electrodes ------------------------------------------------------- */
 
 /*
- * Write the electrodes, and the sizes of their workspaces in the reference state and at an
- * equilibrium. Nothing is written where the scene has no sensors and asks for no charge.
+ * Write the tables of the electrodes, and the sizes of the workspaces that compute their charges in
+ * the undeformed state and at an equilibrium. Nothing is written where the scene has no sensors and
+ * asks for no charge.
  */
 static void write_electrodes(emitter *emitter, const analysis *analysis)
 {
@@ -226,7 +228,10 @@ static int write_nonlinear(emitter *emitter, const analysis *analysis)
 
 /* ---- voltage problem -------------------------------------------------- */
 
-/* Write PREFIX_name to `text`, or NULL where the array is not part of the tables. */
+/*
+ * Write the name PREFIX_name of an array to `text`, or NULL where the tables do not contain this
+ * array.
+ */
 static void name_or_null(const emitter *emitter, int is_written, const char *name, char text[128])
 {
     if (is_written)
@@ -357,8 +362,8 @@ static void write_estimator(emitter *emitter, const estimator *estimator)
 }
 
 /*
- * Write a feed-forward table: the shape, or the readings of the sensors, under each load of the
- * scene.
+ * Write a feed-forward table: the shape, or the readings of the sensors, that each load of the
+ * scene causes.
  */
 static void write_feed_forward(emitter *emitter, const char *what,
                                const pzs_feed_forward_table *table, const char *meaning)
@@ -374,7 +379,11 @@ static void write_feed_forward(emitter *emitter, const char *what,
             emitter->prefix, array);
 }
 
-/* Write the results of the certificate of a loop with a vibration model as macros. */
+/*
+ * Write the results of the stability certificate of a control loop with a vibration model as
+ * macros: how the simulations with fast jumps of the target end, and how small vibrations grow or
+ * decay.
+ */
 static void write_verdict(const emitter *emitter, const certificate_loop *loop)
 {
     const char *prefix = emitter->upper;
@@ -403,9 +412,9 @@ static void write_verdict(const emitter *emitter, const certificate_loop *loop)
 }
 
 /*
- * Write what is known of the vibration of the control loop as a comment: the modes that the tick
- * damps, or the certificate of a tick without a vibration model. Where that tick is unstable, also
- * write the macro PREFIX_QUASI_STATIC.
+ * Write what is known of the vibration of the control loop as a comment: the modes that the loop
+ * damps, or the stability certificate of a loop without a vibration model. Where the certificate
+ * finds such a loop unstable, also write the macro PREFIX_QUASI_STATIC.
  */
 static void write_stability(const emitter *emitter, const certificate *certificate,
                             const damper *damper)
@@ -427,9 +436,10 @@ static void write_stability(const emitter *emitter, const certificate *certifica
 }
 
 /*
- * Write the tables of all blocks of the control tick and the names for the firmware.
+ * Write the tables of all blocks of the control loop, and the names that the source of a firmware
+ * uses.
  *   size  out  memory of the loop
- * Returns 0, or -1 where tables cannot be made.
+ * Returns 0, or -1 where the estimator or the damping of vibration cannot be set up.
  */
 static int write_blocks(emitter *emitter, const analysis *analysis, tables_size *size)
 {

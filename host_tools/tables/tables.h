@@ -15,8 +15,9 @@ typedef enum tables_image {
 extern const char *const tables_image_name[TABLES_IMAGES];
 
 /*
- * Largest condition number of the scaled stiffness matrix with which an equilibrium solver in
- * single precision is allowed, because that solver has no iterative refinement.
+ * Largest condition number of the scaled stiffness matrix with which a firmware may compute
+ * equilibria in single precision, because its solver does not refine the solutions of linear
+ * equations.
  */
 #define TABLES_FLOAT_CONDITION 1e7
 int tables_allow_float(const analysis *analysis);
@@ -31,8 +32,8 @@ typedef struct tables_size {
 /*
  * Bytes of workspace and of stack that a firmware needs on a device, in single precision [0] and in
  * double precision [1]. The workspace is that of the control loop with all its blocks, of the model
- * and of the solver, as far as the image has them. The stack is that of the library alone, which
- * `make test` verifies.
+ * and of the equilibrium solver, as far as the firmware contains them. The stack is that of the
+ * library alone, which `make test` verifies.
  *   size in  filled by tables_write
  */
 typedef struct tables_memory {

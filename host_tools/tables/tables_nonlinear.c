@@ -6,7 +6,8 @@
 #include "../../lib/nonlinear/nonlinear.h"
 
 /*
- * Write the prescribed resultants of actuation and temperature, and the prescribed displacements.
+ * Write the stress resultants that actuators and temperatures prescribe, and the prescribed
+ * displacements.
  */
 static void write_resultants(emitter *emitter, const pzs_nonlinear *tables, uint16_t inputs)
 {

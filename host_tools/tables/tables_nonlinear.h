@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Tables of the equilibrium solver: prescribed resultants, follower loads, contact, settings, and
- * the equilibrium that the host computed.
+ * Generated C tables of the equilibrium solver: stress resultants that actuators and temperatures
+ * prescribe, follower loads, contact, settings, and the equilibrium that the host computed.
  */
 #ifndef TABLES_NONLINEAR_H
 #define TABLES_NONLINEAR_H

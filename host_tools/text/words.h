@@ -35,13 +35,14 @@ const char *words_unit(const scene *scene, words_quantity quantity, char text[WO
 bool words_unitless(const scene *scene);
 
 /*
- * Return the quantity of the surface coordinate theta1 (direction 0) or theta2 (direction 1): a
- * length or an angle.
+ * Return the physical quantity that the surface coordinate theta1 (direction 0) or theta2
+ * (direction 1) measures: a length or an angle.
  */
 words_quantity words_of_theta(const scene *scene, int direction);
 
 /*
- * Return the quantity of a load's value (words_of_load) or of an output's values (words_of_output).
+ * Return the physical quantity, such as force or voltage, that the value of a load (words_of_load)
+ * or the values of an output (words_of_output) measure.
  */
 words_quantity words_of_load(const scene_load *load);
 words_quantity words_of_output(const scene_output *output);

@@ -82,7 +82,10 @@ bool pzs_guard_rows_fit(const pzs_rows *rows, uint32_t dof)
     return rows->start == NULL || rows->start[rows->count] <= (uint32_t)rows->count * dof;
 }
 
-/* The number of entries of sparse rows is the last entry of `start`, so `start` is hashed first. */
+/*
+ * The last entry of `start` is the number of entries of the sparse rows. Therefore the checksum
+ * covers `start` before the arrays of entries.
+ */
 uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof)
 {
     if (rows->start == NULL)

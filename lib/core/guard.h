@@ -68,8 +68,9 @@ static inline uint32_t guard_add(uint32_t sum, pzs_real number)
 }
 
 /*
- * Return whether the number of entries of sparse rows is possible for rows over `dof` columns.
- * Otherwise neither a checksum nor a check of indices may read the entries.
+ * Return whether the number of entries of sparse rows is at most the number of rows times `dof`
+ * columns. A larger number is damaged: neither a checksum nor a check of indices may then read the
+ * entries.
  */
 bool pzs_guard_rows_fit(const pzs_rows *rows, uint32_t dof);
 

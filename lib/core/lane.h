@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Vector types of gcc and clang for builds with wide tiles. Each entry is computed like a single
- * number, so that the bits of a result do not depend on the vector width.
+ * Vector types of gcc and clang, for builds that compute more than four matrix entries side by side
+ * (PZS_TILE). Each entry of a vector is computed like a single number, so that the bits of a result
+ * do not depend on the vector width.
  */
 #ifndef PZS_LIB_LANE_H
 #define PZS_LIB_LANE_H
@@ -11,8 +12,8 @@
 #if PZS_TILE > 4
 
 /*
- * LANE_BYTES: bytes of a vector, the smaller of a vector register and a row of a tile. IN_LANE:
- * reals in a vector. IN_TILE: vectors in a tile row.
+ * LANE_BYTES: bytes of a vector, the smaller of a processor register and PZS_TILE reals. IN_LANE:
+ * reals in a vector. IN_TILE: vectors that hold PZS_TILE reals.
  */
 #if defined(__AVX512F__)
 #define REGISTER 64u

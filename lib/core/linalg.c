@@ -13,8 +13,8 @@
 #define REAL_MOST PZS_BY_BITS(FLT_MAX, DBL_MAX)
 
 /*
- * Number of columns of a tile that are computed together, so that their STRIP x PZS_TILE sums fit
- * into the registers. The number affects only the speed.
+ * Number of columns of a tile (PZS_TILE x PZS_TILE matrix entries) that are computed together, so
+ * that their STRIP x PZS_TILE sums fit into the registers. The number affects only the speed.
  */
 #define STRIP PZS_BY_TILE(4, 8, 8)
 

@@ -9,8 +9,9 @@
 #include "unrolled.h"
 
 /*
- * Numbers of matrix columns that one loop over the rows processes, chosen so that the partial sums
- * fit into the registers: FOURS and FEW count groups of four columns, MANY and SOME count tiles.
+ * Number of matrix columns that one loop over the rows processes, chosen so that the partial sums
+ * fit into the registers: as groups of four columns (FOURS, and FEW for the remaining columns), or
+ * as tiles of PZS_TILE columns (MANY, and SOME for the remaining columns).
  */
 #define FOURS PZS_BY_BITS(7, 3)
 #define FEW PZS_BY_BITS(3, 2)
@@ -21,15 +22,14 @@
 /* ---- table times vector ----------------------------------------------------- */
 
 /*
- * Whether column k of a group of COUNT columns exists. All but the last three certainly do, so that
- * the compiler tests only those.
+ * Whether column k of a group of COUNT columns exists. Only the last three columns of a group can
+ * be missing, so the compiler compares only these with the number of columns `cols`.
  */
 #define IS_COLUMN(k, COUNT) ((k) < (COUNT)-3u || (k) < cols)
 
 /*
- * Define a function that computes, for each row i, product_i = from_i plus row i of the table times
- * the vector, over at most COUNT columns. It keeps the vector in registers; `from` advances by
- * `step` from row to row.
+ * Define a function that computes product = from + table times vector for a table of at most COUNT
+ * columns, with the vector in registers. `from` advances by `step` (0 or 1) from row to row.
  */
 #define MULTIPLY(name, COUNT)                                                                      \
     static void name(pzs_real *product, const pzs_real *from, size_t step, const pzs_real *table,  \
@@ -54,8 +54,8 @@ MULTIPLY(multiply_some, 4u * FEW)
 MULTIPLY(multiply_four, 4u)
 
 /*
- * Compute product = from + table times vector, column group by column group; `from` advances by
- * `step` (0 or 1) from row to row.
+ * Compute product [rows] = from + table [rows][cols] times vector [cols], one group of columns
+ * after the other. `from` is one number for all rows (step = 0) or has [rows] entries (step = 1).
  */
 static void multiply(pzs_real *product, const pzs_real *from, size_t step, const pzs_real *table,
                      const pzs_real *vector, size_t rows, size_t cols)
@@ -109,8 +109,8 @@ void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
 #if PZS_TILE == 4
 
 /*
- * Define a function that computes the sum over the rows of vector_i times row i of the table, for
- * `cols` columns in COUNT tiles; only the last tile may be incomplete.
+ * Define a function that computes product [cols] = sum over the rows i of vector_i times row i of
+ * the table, for COUNT tiles of four columns; only the last tile may be incomplete.
  */
 #define SUM_TILES(name, COUNT)                                                                     \
     static void name(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,    \
@@ -136,15 +136,16 @@ void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
 #else
 
 /*
- * First column of vector register k among those of COUNT tiles. The last tile ends with the last
- * column; where two tiles overlap, both compute the same sums.
+ * First column whose sums vector register k holds, for COUNT tiles of PZS_TILE columns. The last
+ * tile ends with the last column, so it may overlap the tile before it; both then compute the same
+ * sums.
  */
 #define LANE_AT(k, COUNT)                                                                          \
     ((k) / IN_TILE + 1u < (COUNT) ? (k)*IN_LANE : last + (k) % IN_TILE * IN_LANE)
 
 /*
- * Define a function that computes the sum over the rows of vector_i times row i of the table, for
- * `cols` columns in COUNT tiles, by vector registers.
+ * Define a function that computes product [cols] = sum over the rows i of vector_i times row i of
+ * the table in vector registers, for `cols` columns in COUNT tiles of PZS_TILE columns.
  */
 #define SUM_TILES(name, COUNT)                                                                     \
     static void name(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,    \
@@ -172,8 +173,8 @@ SUM_TILES(sum_some, SOME)
 SUM_TILES(sum_one, 1)
 
 /*
- * Compute the sum over the rows of vector_i times row i of the table, for fewer columns than a
- * tile.
+ * Compute product [cols] = sum over the rows i of vector_i times row i of the table, for fewer than
+ * PZS_TILE columns.
  */
 static void sum_few(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
                     const pzs_real *restrict vector, size_t rows, size_t cols)

@@ -29,9 +29,9 @@ void pzs_product_sum_rows(pzs_real *restrict product, const pzs_real *restrict t
                           const pzs_real *restrict vector, size_t rows, size_t cols);
 
 /*
- * pzs_product_energy returns the sum of the squares of weight_i vector_i. pzs_product_weigh sets
- * weighted_difference_i = weight_i^2 (left_i - right_i) and returns the sum of the squares of
- * weight_i (left_i - right_i).
+ * pzs_product_energy returns the sum over i of (weight_i vector_i)^2. pzs_product_weigh sets
+ * weighted_difference_i = weight_i^2 (left_i - right_i) and returns the sum over i of (weight_i
+ * (left_i - right_i))^2.
  */
 pzs_real pzs_product_energy(const pzs_real *weight, const pzs_real *vector, size_t count);
 pzs_real pzs_product_weigh(pzs_real *restrict weighted_difference, const pzs_real *restrict weight,

@@ -134,8 +134,8 @@ pzs_status pzs_electric_init(pzs_electric *electric, pzs_model *model, const pzs
 }
 
 /*
- * Return the address of the charge of one electrode per unit of one input (C/V, C/K or C/N) in the
- * matrix of all of them.
+ * Return the address of the charge of one electrode per unit of one input (C/V, C/K or C/N), in the
+ * matrix [electrodes][inputs] of these charges.
  */
 static pzs_real *sensitivity(const pzs_electric *electric, uint32_t electrode, uint32_t input)
 {
@@ -168,7 +168,8 @@ static pzs_status charge_row(const pzs_electric *electric, uint32_t k)
 }
 
 /*
- * Factor the matrix of the charges of the open electrodes per volt on each other. Returns the first
+ * Compute and factor a matrix with a row and a column for each open electrode: the charge of the
+ * electrode in the row per volt on the electrode in the column. Returns the index of the first
  * electrode without capacitance, or -1.
  */
 static int32_t factor_open(pzs_electric *electric)
@@ -257,9 +258,10 @@ pzs_status pzs_charges(const pzs_electric *electric, const pzs_real *value, pzs_
 }
 
 /*
- * In each row of the influence matrix, the entries of the open electrodes, solved with the charge
- * matrix, become entries per unit of charge. The entries of the other inputs are then reduced by
- * the new entries times the charges of these inputs.
+ * On open electrodes the charge is prescribed, not the voltage. In each row of the influence
+ * matrix, solving with the charge matrix turns the entries of the open electrodes into entries per
+ * unit of charge. From the entry of any other input, these entries are subtracted, each times the
+ * charge that the input causes on the open electrode.
  */
 pzs_status pzs_influence_open(const pzs_electric *electric, pzs_real *influence)
 {

@@ -462,8 +462,8 @@ static pzs_real scale_force(const pzs_model *model, pzs_real *force)
 }
 
 /*
- * Solve for the force in the first row of the work array, with refinement where the structure has
- * element types.
+ * Solve for the displacement under the force in the first row of the work array of the model. The
+ * solution is refined where the structure has element types, from which the strains are computed.
  *   displacement [free_dof] out  solution
  */
 static void solve_scaled(pzs_model *model, pzs_real *displacement)

@@ -23,8 +23,8 @@ uint32_t pzs_structure_crc(const pzs_structure *structure);
 bool pzs_structure_rows_fit(const pzs_structure *structure);
 
 /*
- * Return the stiffness factor of the type of an element, as passed to pzs_assemble; 1 without
- * factors.
+ * Return the factor by which the stiffness of an element is multiplied, that of its element type,
+ * as passed to pzs_assemble; 1 where no factors were passed.
  */
 pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element);
 
@@ -60,8 +60,8 @@ void pzs_model_scatter(const pzs_model *model, const uint16_t *node, unsigned co
 void pzs_model_backsolve(const pzs_model *model, const pzs_real *force, pzs_real *displacement);
 
 /*
- * Return the squared norm of a force [free_dof] in scaled rows, in which all rows have the same
- * weight.
+ * Return the squared norm of a force [free_dof] whose entries are multiplied by the scale factors
+ * of the rows of the stiffness matrix, so that all rows have the same weight.
  */
 pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *force);
 

@@ -99,9 +99,11 @@ static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * First variation of the ten strains at a corner with the base vectors `base`, for derivatives that
- * change by `change`. The strain e_aa = g.lambda + lambda.lambda/2 of each face has the variation
- * (g + lambda).d lambda. Written in means and differences of the faces, no terms cancel.
+ * First variation of the ten strains at a corner with the base vectors `base`, for derivatives of
+ * the displacement that change by `change`. On each face, the strain e_aa = g.lambda +
+ * lambda.lambda/2 in direction a, with the base vector g and the derivative lambda of the
+ * displacement, has the variation (g + lambda).d lambda. Written in means and differences of the
+ * faces, no terms cancel.
  */
 static void corner_strains(const shape *base, const shell_corner *change, pzs_real thickness,
                            pzs_real strain[10])
@@ -160,8 +162,8 @@ static void corner_stresses(const shape *base, const pzs_real stress[10], pzs_re
 }
 
 /*
- * Add the strains of one corner to the strain modes 00, 01, 10, 11: each mode is the mean over the
- * corners of the strains times the sign of the mode.
+ * Add the strains of one corner to the strain modes 00, 01, 10, 11. Each mode is the mean over the
+ * corners of the strains, multiplied by the sign (1 or -1) that the mode has at the corner.
  */
 static void add_modes(pzs_real modes[4][10], const pzs_real strain[10], int corner)
 {
@@ -181,8 +183,8 @@ static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real st
 }
 
 /*
- * List of the strains that each mode keeps: all in mode 00; those of 11, 33 and 13 in mode 01;
- * those of 22, 33 and 23 in mode 10; those of 33 in mode 11.
+ * List of the strain components that each mode keeps; the others are left out: all in mode 00;
+ * those of 11, 33 and 13 in mode 01; those of 22, 33 and 23 in mode 10; those of 33 in mode 11.
  */
 static const uint8_t kept_strains[4] = {10, 5, 5, 2};
 static const uint8_t kept_strain[4][10] = {
@@ -213,8 +215,8 @@ static void multiply_mode(const pzs_real *stiffness, int mode, pzs_real strain[1
 }
 
 /*
- * Add the effect of warp to the mean strain 12 of mode 00: a linear combination of other strains,
- * with the factors pzs_element_type.warp.
+ * Correct the mean strain 12 of mode 00 for the warp of the element: add a linear combination of
+ * other strains, with the factors pzs_element_type.warp.
  */
 static void add_warp(const pzs_element_type *type, pzs_real strain[4][10])
 {
@@ -338,7 +340,7 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
 
 #if PZS_NONLINEAR
 
-/* Convert base vectors at a deformed corner from shell_corner to shape. */
+/* Return the base vectors at a deformed corner, stored in a shell_corner, as a struct `shape`. */
 static shape shape_of(const shell_corner *corner)
 {
     const shape base = {corner->mean, corner->diff, corner->beta, corner->q};
@@ -346,8 +348,8 @@ static shape shape_of(const shell_corner *corner)
 }
 
 /*
- * Base vectors at one corner, deformed by the factor `part` times the derivatives of a
- * displacement.
+ * Base vectors at one corner after a displacement whose derivatives are `part` times the given
+ * derivatives.
  */
 static shell_corner deformed_corner(const pzs_element_type *type, const shell_corner *derivative,
                                     pzs_real part, int at_corner)

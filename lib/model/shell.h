@@ -63,8 +63,9 @@ typedef struct shell_corner {
 #if PZS_NONLINEAR
 /*
  * Number of stress resultants of an element at a displacement. They belong to the kept strains of
- * each mode (00, 01, 10, 11, in this order) and are multiplied by area/3^(r1+r2) (N m). The strains
- * are exact to second order in the displacement, so their second variation is constant.
+ * each mode (00, 01, 10, 11, in this order). Those of the mode xi1^r1 xi2^r2 are multiplied by
+ * area/3^(r1+r2) (N m). The strains are exact to second order in the displacement, so their second
+ * variation is constant.
  */
 enum { SHELL_RESULTANTS = 22 };
 

@@ -30,7 +30,10 @@ bool pzs_springs_in_range(const pzs_structure *structure)
     return true;
 }
 
-/* Coefficient of an entry in the elongation of its spring; 0 at a constrained degree of freedom. */
+/*
+ * Factor of one degree of freedom in the elongation of a spring, given the index of its entry in
+ * the sparse rows of the springs; 0 at a constrained degree of freedom.
+ */
 static pzs_real weight(const pzs_model *model, uint32_t entry)
 {
     const pzs_rows *rows = &model->state.structure->spring;

@@ -19,8 +19,9 @@ bool pzs_springs_in_range(const pzs_structure *structure);
 void pzs_model_add_springs(pzs_model *model);
 
 /*
- * Add the forces that displace the springs by a displacement [free_dof], times a factor, to a force
- * [free_dof], except at constrained degrees of freedom.
+ * Add `factor` times the forces k n (n . u) that elongate the springs at a displacement u
+ * [free_dof] to a force [free_dof], except at constrained degrees of freedom. k is the stiffness of
+ * a spring and n its row.
  */
 void pzs_model_add_spring_force(const pzs_model *model, pzs_real factor,
                                 const pzs_real *displacement, pzs_real *force);

@@ -22,15 +22,16 @@
 #if PZS_NONLINEAR
 
 /*
- * A node stays in contact while its contact pressure exceeds this factor times its gap times the
- * stiffness of the structure there.
+ * A node stays in contact while its contact pressure (N/m2) exceeds this factor times its gap (m)
+ * times the stiffness of the structure at the node, per area (N/m3).
  */
 #define PRESSURE_SCALE ((pzs_real)1e-5)
 /* Largest penalty stiffness, relative to the stiffness of the structure. */
 #define LARGEST_STIFFNESS ((pzs_real)100)
 /*
- * A load step that starts with the active set of the last equilibrium keeps this set while its
- * relative increment is above this bound.
+ * A load step that starts with the active set of the last equilibrium keeps this set while the last
+ * increment of the displacement, relative to the displacement of the load step, is above this
+ * bound.
  */
 #define ACTIVE_SET_INCREMENT ((pzs_real)0.2)
 
@@ -196,8 +197,8 @@ static pzs_real contact_stiffness(const pzs_contact *contact, const pzs_solver *
 /* ---- active set ------------------------------------------------------- */
 
 /*
- * Compute state.facing [nodes]: outward normal of the deformed face times normal of the body,
- * summed over the elements of each node.
+ * Compute state.facing [nodes]: for each node, the sum over its elements of the scalar product of
+ * the outward normal of the deformed face and the normal of the body.
  */
 static void find_facing(pzs_contact *contact, const pzs_solver *solver)
 {
@@ -416,8 +417,9 @@ static void after_solve(pzs_solver_option *option, pzs_solver *solver, const pzs
 }
 
 /*
- * Force per unit of the motion of the body: the gap falls by the component of the motion along the
- * normal, and the normal turns as the second derivatives of the gap tell.
+ * Add the contact forces per unit of the input that moves the body. The motion closes the gap by
+ * its component along the normal, and turns the normal by the second derivatives of the gap times
+ * the motion.
  */
 static void add_unit_force(pzs_solver_option *option, pzs_solver *solver, uint32_t input,
                            pzs_real *out)
@@ -489,9 +491,10 @@ static bool is_fixed(const pzs_solver *solver, uint16_t dof)
 }
 
 /*
- * Add one constrained degree of freedom to a Gram matrix [6][6]. Its row is the effect on the
- * degree of freedom k (0 to 5) of a node of the six rigid motions: translations, and rotations
- * times the size of the mesh.
+ * Add one constrained degree of freedom to a Gram matrix [6][6], the sum of r' r over the rows r
+ * [6] of all constrained degrees of freedom. A row holds what the six rigid motions of the shell
+ * (three translations, and three rotations times the size of the mesh) cause in the degree of
+ * freedom k (0 to 5) of a node.
  */
 static void add_support(const pzs_contact *contact, pzs_real height, uint16_t node, int k,
                         pzs_real gram[6][6])
@@ -514,8 +517,8 @@ static void add_support(const pzs_contact *contact, pzs_real height, uint16_t no
 
 /*
  * Whether the supports allow the shell to move as a rigid body, found by elimination on the Gram
- * matrix of the constrained degrees of freedom, whose rows have the size 1. A pivot counts as
- * positive only above the rounding error of its sum and above 1e-6.
+ * matrix of the constrained degrees of freedom (add_support). A pivot counts as positive only above
+ * the rounding error of its sum and above 1e-6; the entries of the rows are about 1.
  */
 static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)
 {

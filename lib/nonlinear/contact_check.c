@@ -17,8 +17,8 @@ enum { SIDE_BISECTIONS = 8 };
  */
 enum { MOTION_BISECTIONS = 24, MOTION_STEPS = 32 };
 /*
- * Largest depth of a flat element in the body that is accepted, relative to the radius of curvature
- * of the body.
+ * Largest accepted depth to which a flat element enters a curved body, relative to the radius of
+ * curvature of the body.
  */
 #define SAG_LIMIT ((pzs_real)0.2)
 
@@ -163,8 +163,9 @@ typedef struct penetration {
 } penetration;
 
 /*
- * Search for penetration of one element, taken as a flat facet: its corners at the last equilibrium
- * (0) and at the present displacement (1), and the result.
+ * Search for points where the body penetrates one element, which is taken as a flat facet: corners
+ * of the facet at the last equilibrium (0) and at the present displacement (1), and result of the
+ * search.
  */
 typedef struct facet_search {
     pzs_contact *contact;
@@ -318,8 +319,9 @@ static bool is_faulty(facet_search *search, pzs_real along, pzs_real across)
 }
 
 /*
- * Search the line of constant first coordinate of a facet by bisection of the slope towards the
- * smallest gap. Returns whether a point has penetrated or passed through the body.
+ * Search a line of constant first coordinate on a facet for the smallest gap to the body, by
+ * bisection for the point where the derivative of the gap along the line is zero. Returns whether a
+ * point has penetrated or passed through the body.
  */
 static bool search_line(facet_search *search, pzs_real along)
 {
@@ -337,9 +339,10 @@ static bool search_line(facet_search *search, pzs_real along)
 }
 
 /*
- * Search a facet for its smallest gap by bisection of the slope over the lines of constant first
- * coordinate. On a flat facet this is the smallest gap of all points, because the gap is a convex
- * function. Returns whether a point has penetrated or passed through the body.
+ * Search a facet for its smallest gap to the body: bisection over the first coordinate for the
+ * point where the derivative of the gap is zero, with a search of the line of constant first
+ * coordinate in each step. On a flat facet this is the smallest gap of all points, because the gap
+ * is a convex function. Returns whether a point has penetrated or passed through the body.
  */
 static bool search_facet_points(facet_search *search)
 {

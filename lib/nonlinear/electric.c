@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Open electrodes at a deformed shape (pzs_nonlinear.h). Their voltages V are additional unknowns
- * of Newton's method:
+ * of Newton's method, whose increments du of the displacement and dV of the voltages satisfy
  *   K du - f dV = force imbalance,  f' du + C dV = prescribed charge - present charge
- * with the tangent matrix K, the capacitance C and the force f per volt, which turns with the
- * shell. A Schur complement on the factors of K eliminates dV.
+ * with the tangent matrix K, the capacitance C while the shell cannot deform, and the force f per
+ * volt, which turns with the shell; f' is the transpose of f. A Schur complement on the factors of
+ * K eliminates dV.
  */
 #include "../model/electrode.h"
 #include "../core/guard.h"
@@ -22,8 +23,9 @@ static pzs_circuit *circuit_of(pzs_solver_option *option)
 }
 
 /*
- * Return the charge of an electrode at the present displacement: minus the stress resultants of one
- * volt times the strains, plus the charge that flows while the shell cannot deform.
+ * Return the charge of an electrode at the present displacement: minus the product of the stress
+ * resultants per volt and the strains, summed over the elements, plus the charge that flows while
+ * the shell cannot deform.
  */
 static pzs_real charge_at(const pzs_solver *solver, const pzs_electrodes *tables,
                           uint32_t electrode)
@@ -76,8 +78,9 @@ static void solve_free(pzs_solver *solver, pzs_real *vector)
 }
 
 /*
- * Compute and factor the matrix of the charges of the open electrodes per volt on each other, at
- * the present displacement. Returns false if the matrix is singular.
+ * Compute and factor a matrix with a row and a column for each open electrode, at the present
+ * displacement: the charge of the electrode in the row per volt on the electrode in the column.
+ * Returns false if the matrix is singular.
  *   force, response [free_dof] out  work arrays
  */
 static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *force,
@@ -109,8 +112,9 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
 }
 
 /*
- * Return the charge that an electrode still needs: the difference to its prescribed charge (input =
- * NEWTON), or the charge per unit of an input.
+ * Return the charge that electrode k must gain: prescribed minus present charge (input = NEWTON),
+ * or the charge to gain per unit of an input. The input of an open electrode then stands for its
+ * prescribed charge.
  */
 static pzs_real charge_to_add(const pzs_circuit *circuit, const pzs_solver *solver, uint32_t k,
                               uint32_t input)

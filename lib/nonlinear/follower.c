@@ -128,8 +128,8 @@ static void pressure_force(const pzs_follower *load, const pzs_structure *struct
 }
 
 /*
- * Add `part` times a vector of one corner to the force on loaded_corner, and its derivatives to
- * slope [24][24]. slope may be NULL.
+ * Add `part` times a direction of the pressure at one corner to the force [24] on the element, in
+ * the rows of loaded_corner, and its derivatives to slope [24][24]. slope may be NULL.
  */
 static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real z_load,
                              pzs_real height, unsigned corner, unsigned loaded_corner,
@@ -150,8 +150,8 @@ static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real
 }
 
 /*
- * Index in pzs_follower.share for the pressure at `corner` that loaded_corner carries: 0 for the
- * same corner, 1 for a neighbour, 2 for the opposite corner.
+ * Index in pzs_follower.share of the part of the pressure at `corner` that acts on the node at
+ * loaded_corner: 0 for the same corner, 1 for a neighbour, 2 for the opposite corner.
  */
 static unsigned share_index(unsigned loaded_corner, unsigned corner)
 {

@@ -14,8 +14,8 @@
 
 enum {
     SKEW_ITERATIONS = 60
-}; /* Largest number of iterations, in each column of the influence matrix, for the skew-symmetric
-      part of the tangent. */
+}; /* Largest number of iterations that correct one column of the influence matrix for the
+      skew-symmetric part of the tangent matrix. */
 
 static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 {
@@ -52,7 +52,10 @@ static void add_outputs(const pzs_structure *structure, const pzs_real *displace
             pzs_model_observe_row(structure, displacement, i);
 }
 
-/* Whether an option leaves a skew-symmetric part out of the tangent matrix. */
+/*
+ * Whether an option of the solver, such as a follower load, has forces with a skew-symmetric
+ * derivative, which the tangent matrix omits.
+ */
 static bool has_skew_part(const pzs_solver *solver)
 {
     bool found = false;

@@ -307,7 +307,7 @@ void pzs_nonlinear_clear_prescribed(const pzs_solver *solver, pzs_real *internal
 
 /*
  * Apply the prescribed motion to the right-hand side [free_dof] and to the tangent matrix. Returns
- * the squared norm of the reaction forces, in scaled rows.
+ * the squared norm of the reaction forces, each multiplied by the scale factor of its matrix row.
  */
 static pzs_real prescribe_all(pzs_solver *solver, pzs_real *right_side)
 {
@@ -379,8 +379,8 @@ bool pzs_nonlinear_condense(pzs_solver *solver, uint32_t input, pzs_real *du)
 /*
  * Make one linear solve and update displacement and stress resultants.
  *   du [free_dof] out  increment of the displacement (m and 1)
- * Returns false if the tangent matrix is singular or the unknowns of an option cannot be solved
- * for.
+ * Returns false if the tangent matrix is singular, or the additional unknowns of an option
+ * (voltages of open electrodes) cannot be solved for.
  */
 static bool solve_and_update(pzs_solver *solver, bool uses_true_resultants, pzs_real *du)
 {
@@ -407,7 +407,10 @@ static bool solve_and_update(pzs_solver *solver, bool uses_true_resultants, pzs_
 
 /* ---- one load step ---------------------------------------------------- */
 
-/* Return the status of an option that has not converged at the present displacement, or PZS_OK. */
+/*
+ * Return the status of an option of the solver (follower loads, contact, open electrodes) that has
+ * not converged at the present displacement, or PZS_OK.
+ */
 static pzs_status unconverged_option(pzs_solver *solver)
 {
     pzs_status open = PZS_OK;
@@ -435,8 +438,8 @@ static void add_actuation(const pzs_solver *solver, pzs_real *vector)
 }
 
 /*
- * A force imbalance counts as a rounding error if its norm, in scaled rows, is below this part of
- * the norm of the displacement.
+ * A force imbalance counts as a rounding error if the norm of its entries, each multiplied by the
+ * scale factor of its matrix row, is below this part of the norm of the displacement.
  */
 #define IMBALANCE_ROUNDING (256 * PZS_EPSILON)
 
@@ -559,8 +562,8 @@ static void restore_equilibrium(pzs_solver *solver)
 }
 
 /*
- * Whether all options accept the converged shape. Otherwise state.refused holds the error of the
- * first option that does not.
+ * Whether all options of the solver (follower loads, contact, open electrodes) accept the converged
+ * shape. Otherwise state.refused holds the error of the first option that does not.
  */
 static bool options_accept(pzs_solver *solver)
 {
@@ -620,8 +623,8 @@ static pzs_status failure_status(const pzs_solver *solver, uint32_t negative_bef
 }
 
 /*
- * Return the largest part of the remaining way to the input values that all options allow in one
- * load step.
+ * Return the largest part (above 0, at most 1) of the remaining way to the wanted input values that
+ * all options of the solver (such as a contact) allow in one load step.
  */
 static pzs_real largest_part(const pzs_solver *solver, const pzs_real *value)
 {
@@ -635,16 +638,17 @@ static pzs_real largest_part(const pzs_solver *solver, const pzs_real *value)
 }
 
 /*
- * Progress on the way to the input values, which is divided into equal units: units in total, units
- * done, units of the next load step, and units of the longest load step.
+ * Progress of the input values from the last equilibrium to the wanted values. The way is divided
+ * into equal units: units in total, units done, units of the next load step, and units of the
+ * longest load step.
  */
 typedef struct load_progress {
     uint32_t total, done, stride, longest;
 } load_progress;
 
 /*
- * Halve the units until a load step by `part` of the remaining way can be halved as often as the
- * first load step.
+ * Halve the units into which the way to the wanted input values is divided, until a load step by
+ * `part` of the remaining way can be halved as often as the first load step.
  */
 static void refine_units(load_progress *progress, pzs_real part)
 {
@@ -659,8 +663,9 @@ static void refine_units(load_progress *progress, pzs_real part)
 }
 
 /*
- * Return the number of units of the next load step, or 0 if the options allow none. *is_short tells
- * whether an option shortens the load step.
+ * Return the number of units of the way to the wanted input values that the next load step takes,
+ * or 0 if the options of the solver (such as a contact) allow none. *is_short tells whether an
+ * option shortens the load step.
  */
 static uint32_t next_step_units(const pzs_solver *solver, load_progress *progress,
                                 const pzs_real *value, bool *is_short)

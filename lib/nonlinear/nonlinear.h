@@ -17,9 +17,9 @@ struct pzs_solver_option_calls {
     /* Called before an equilibrium: return whether the settings of the option are in range. */
     bool (*settings_in_range)(const pzs_solver_option *option);
     /*
-     * Called before each linear solve of a load step: choose the active set of the option.
-     * state.iteration counts the linear solves of the load step from 0. Returns false if no linear
-     * solve is possible.
+     * Called before each linear solve of a load step: choose the active set, the nodes that a
+     * contact holds on the body. state.iteration counts the linear solves of the load step from 0.
+     * Returns false if no linear solve is possible.
      */
     bool (*prepare_solve)(pzs_solver_option *option, pzs_solver *solver);
     /*
@@ -50,8 +50,8 @@ struct pzs_solver_option_calls {
     pzs_real (*largest_part)(pzs_solver_option *option, const pzs_solver *solver,
                              const pzs_real *value);
     /*
-     * Called after a load step has failed: return whether it failed because the option does not
-     * support the shell.
+     * Called after a load step has failed: return whether it failed because the supports leave the
+     * shell loose and the contact body does not hold it.
      */
     bool (*is_unsupported)(const pzs_solver_option *option, const pzs_solver *solver);
     /*
@@ -65,8 +65,8 @@ struct pzs_solver_option_calls {
     void (*add_unit_force)(pzs_solver_option *option, pzs_solver *solver, uint32_t input,
                            pzs_real *force);
     /*
-     * For an option with unknowns of its own: add their effect to du [free_dof], which was solved
-     * for without them.
+     * For an option with unknowns of its own (voltages of open electrodes): add the displacement
+     * that these unknowns cause to du [free_dof], which was solved for without them.
      *   input in  the input to whose unit du is the response; NEWTON: du is the response to the
      *             force imbalance; NO_INPUT: du is the response to another force
      * Returns false if the unknowns cannot be solved for. Rows three and four of the work array of
@@ -94,8 +94,8 @@ enum { SOLVER_READY = 1, SOLVER_CONVERGED = 2 };
 /* ---- tables and options ------------------------------------------------- */
 
 /*
- * Return the checksum of tables that belong to a structure, as stored in their member crc. In the
- * nonlinear tables an input has at most one entry for each element.
+ * Return the checksum of the tables of an equilibrium solver, of a follower load or of a contact
+ * face, as stored in their member crc. The tables must belong to the structure.
  */
 uint32_t pzs_nonlinear_crc(const pzs_nonlinear *tables, const pzs_structure *structure);
 uint32_t pzs_follower_crc(const pzs_follower *tables, const pzs_structure *structure);
@@ -162,8 +162,8 @@ void pzs_nonlinear_clear_prescribed(const pzs_solver *solver, pzs_real *internal
 bool pzs_nonlinear_factor(pzs_solver *solver);
 
 /*
- * Add the effect of the unknowns of all options to du [free_dof]. Returns false if the unknowns
- * cannot be solved for.
+ * Add the displacement that the additional unknowns of all options (voltages of open electrodes)
+ * cause to du [free_dof]. Returns false if the unknowns cannot be solved for.
  */
 bool pzs_nonlinear_condense(pzs_solver *solver, uint32_t input, pzs_real *du);
 

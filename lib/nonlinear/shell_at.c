@@ -39,8 +39,9 @@ static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D,
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
 /*
- * Rows of one strain mode: number of rows, number of rows to which the seventh degree of freedom q
- * contributes, first row in the array of stress rows, and strains of the rows.
+ * Rows of one strain mode in the array of stress rows (stiffness of the mode times nodal strains):
+ * number of rows, number of rows to which the seventh degree of freedom q contributes, index of the
+ * first row, and strain of each row.
  */
 typedef struct mode_rows {
     uint8_t count, with_q, start, strain[ROWS];
@@ -53,13 +54,13 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * A pair of stress rows of different modes. The rows of each node in the tangent need only the sum
- * or the difference of a pair, so these two replace the pair. Which of them a node needs depends on
- * the product of two signs of the mode `mode`: the sign at the node, and that at the node of the
- * column. In each column the sum is stored in the first row if the sign of the column is negative,
- * and else in the second. The first row then serves all nodes of negative sign, and the second all
- * nodes of positive sign. In the columns of the seventh degree of freedom q only the first
- * PAIRS_WITH_Q pairs are replaced.
+ * A pair of stress rows (stiffness of a mode times nodal strains) of two modes that contribute to
+ * the same stress. A node needs only the sum or the difference of a pair, so these two replace the
+ * pair. Which of them the node needs depends on the product of two signs of the mode `mode`: the
+ * sign at the node, and the sign at the node to which the column belongs. In each column the sum is
+ * stored in the first row if the sign of the column is negative, and else in the second. The first
+ * row then serves all nodes of negative sign, and the second all nodes of positive sign. In the
+ * columns of the seventh degree of freedom q only the first PAIRS_WITH_Q pairs are replaced.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
@@ -72,8 +73,8 @@ static const row_pair row_pairs[PAIRS] = {
 };
 
 /*
- * Rows that contain the ten stresses of each node after all pairs have been combined, in the order
- * of the rows of the nodal strain array.
+ * stress_row[p][k]: index of the stress row that contains stress k of node p after all pairs have
+ * been combined. The stresses are in the order of the rows of the nodal strain array.
  */
 static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
