@@ -101,12 +101,14 @@ typedef enum pzs_status {
      */
     PZS_W_BEHIND,
     PZS_W_UNSTABLE, /* the equilibrium is unstable: its tangent stiffness has negative pivots */
-    PZS_W_PARKED,   /* the supervisor obeys a command to park: the output is at its park voltages or
-                       on a ramp to them, and the loop is not in control */
-    PZS_W_RAMP, /* the supervisor has taken control away and ramps the output to its park voltages;
-                   the status at the end of the ramp is PZS_E_LATCHED */
-    PZS_W_OUTPUT, /* the last gate has corrected the voltage of input info.where, which was not
-                     finite or beyond a limit because working memory was damaged */
+    PZS_W_PARKED, /* the output is at its park voltages (voltages of rest, from the tables) or on a
+                     ramp to them, by command; the loop is not in control */
+    PZS_W_RAMP,   /* the supervisor has taken control away and ramps the output to its park voltages
+                     (voltages of rest, set in the tables); the status at the end of the ramp is
+                     PZS_E_LATCHED */
+    PZS_W_OUTPUT, /* the last gate, the check of all voltages at the end of a tick, has corrected
+                     the voltage of input info.where, which was not finite or beyond a limit because
+                     working memory was damaged */
 
     /* Errors have values from 64 on: the outputs of the function are untouched. */
     PZS_E_ARGUMENT = 64, /* a pointer is NULL, or a size, an index or a setting is out of range */
@@ -116,8 +118,8 @@ typedef enum pzs_status {
     PZS_E_WORKSPACE, /* the workspace is too small or misaligned; info.where is the number of bytes
                         needed */
     PZS_E_STAGE,     /* the function was called before the initialisation that it needs */
-    PZS_E_LATCHED,   /* the supervisor has taken control away and the output has reached its park
-                        voltages; only pzs_loop_init starts the loop again */
+    PZS_E_LATCHED, /* the supervisor has taken control away, and the output is at its park voltages
+                      (voltages of rest); only pzs_loop_init starts the loop again */
     PZS_E_NONFINITE, /* an input array contains NaN or infinity at index info.where */
     PZS_E_LIMITS,    /* the lower limit of input info.where exceeds its upper limit, or one of its
                         limits is not a number */
@@ -127,21 +129,21 @@ typedef enum pzs_status {
                        degree of freedom info.where */
     PZS_E_CONDITION, /* the estimated condition number of the stiffness exceeds what this precision
                         can solve */
-    PZS_E_RESIDUAL,  /* iterative refinement ended with an estimated relative error above the square
-                        root of the machine epsilon */
+    PZS_E_RESIDUAL,  /* iterative refinement ended with an estimated relative error of the
+                        displacement above the square root of the machine epsilon */
 
     /*
      * Errors of the equilibrium solver: the solver keeps the last converged equilibrium, and
-     * info.load_factor is the part of the way to the wanted input values at which this equilibrium
-     * lies.
+     * info.load_factor tells where it lies on the way from the input values before the call (0) to
+     * the wanted ones (1).
      */
     PZS_E_DIVERGED, /* no equilibrium was found beyond the last one with load steps halved down to
                        1/64, or the voltages of open electrodes did not converge */
     PZS_E_LIMIT,    /* no equilibrium was found and the tangent stiffness becomes singular: a limit
                        point or a bifurcation is near */
     /*
-     * the active set of the contact kept changing; or a shell that its supports leave loose does
-     * not touch the body at the start, is not pressed onto it, or slides along it
+     * the nodes in contact kept changing from iteration to iteration; or a shell that its supports
+     * leave loose does not touch the body at the start, is not pressed onto it, or slides along it
      */
     PZS_E_CONTACT,
     /*

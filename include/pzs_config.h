@@ -24,7 +24,7 @@
  * PZS_TILE: number of matrix rows that the factorisation processes together. 4 suits
  * microcontrollers; 8 and 16 suit the wide vector units of gcc and clang. Without floating-point
  * contraction (-ffp-contract=off, which clang needs explicitly and gcc implies by -std=c99) the
- * results have the same bits for every value.
+ * results have the same bits for every number of rows.
  */
 #ifndef PZS_TILE
 #define PZS_TILE 4

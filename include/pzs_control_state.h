@@ -28,9 +28,10 @@ struct pzs_block;
  */
 typedef struct pzs_exchange {
     uint32_t input;
-    pzs_real sign;  /* sign of the pivot: +1 or -1 */
+    pzs_real sign;  /* sign of the pivot, the diagonal entry before the exchange: +1 or -1 */
     pzs_real scale; /* 1 / square root of the absolute value of the pivot */
-    pzs_real pivot; /* diagonal entry of the exchanged input after the exchange */
+    pzs_real pivot; /* diagonal entry of the matrix that belongs to the exchanged input, after the
+                       exchange */
 } pzs_exchange;
 
 /*
@@ -45,10 +46,12 @@ typedef struct pzs_optimiser {
     uint64_t work, work_limit; /* multiply-adds used in this voltage step, and the most that are
                                   allowed */
     pzs_real *hessian;         /* [inputs][width] Hessian H of the objective (m2/V2) */
-    pzs_real *tableau; /* [inputs][width] tableau: the Hessian after a pivot exchange for each input
-                          of the free set, pending exchanges not included */
-    pzs_real *pivot;   /* [width] diagonal of the tableau, pending exchanges included */
-    pzs_real *pending; /* [PZS_PENDING][width] one vector for each pending pivot exchange */
+    pzs_real *tableau; /* [inputs][width] tableau: the Hessian after one pivot exchange for each
+                          input of the free set, without the exchanges that are still in `pending`
+                        */
+    pzs_real *pivot;   /* [width] diagonal of the tableau, with the exchanges in `pending` */
+    pzs_real *pending; /* [PZS_PENDING][width] one vector for each pivot exchange that is collected
+                          but not yet applied to the tableau: its rank-one update */
     pzs_real *waiting; /* [width] 1 for an input that is to join the free set again while the
                           tableau is recomputed, else 0 */
     pzs_real *voltage; /* [width] present voltages (V) */
@@ -60,16 +63,18 @@ typedef struct pzs_optimiser {
                                           voltages) (m2/V) */
     pzs_real *target_gradient; /* [width] B'W^2 (e - B base), with influence matrix B, output
                                   weights W and target error e (m2/V) */
-    pzs_real *model_gradient;  /* [width] Hessian times (voltages - base) plus the regularisation
-                                  gradient; after a direct iteration predicted instead of computed
-                                  (m2/V) */
+    pzs_real *model_gradient;  /* [width] Hessian times (voltages - base) plus
+                                  regularisation_gradient; after a round of iterations computed from
+                                  the Hessian, after a whole step that no bound blocks (direct
+                                  iteration) predicted by the tableau (m2/V) */
     pzs_real *gradient;        /* [width] model_gradient - target_gradient: half the gradient of the
                                   objective (m2/V) */
     pzs_real *direction; /* [width] for an input of the free set its search direction (V); for one
                             of the active set its gradient after the step (m2/V) */
     pzs_real *diagonal;  /* [width] diagonal of the Hessian (m2/V2) */
-    pzs_real *start_voltage;  /* [width] voltages at the start of a round of iterations (V) */
-    pzs_real *start_gradient; /* [width] gradient at the start of a round of iterations (m2/V) */
+    pzs_real *start_voltage;  /* [width] voltages at the start of the present round (iterations
+                                 between two computations of the gradient from the Hessian) (V) */
+    pzs_real *start_gradient; /* [width] gradient at the voltages start_voltage (m2/V) */
     /*
      * [width] voltages after a full step along the search direction (V); before the direction is
      * known, the gradient of the free set (m2/V)
@@ -86,14 +91,15 @@ typedef struct pzs_optimiser {
      * entry of the Hessian, is below this number (1)
      */
     pzs_real pivot_floor;
-    pzs_real model_rounding; /* rounding-error bound of model_gradient (m2/V) */
-    pzs_real start_rounding; /* value of model_rounding at the start of a round of iterations (m2/V)
-                              */
+    pzs_real model_rounding;  /* rounding-error bound of model_gradient (m2/V) */
+    pzs_real start_rounding;  /* rounding-error bound of start_gradient (m2/V) */
     pzs_real target_rounding; /* rounding-error bound of target_gradient (m2/V) */
     pzs_real target_energy; /* weighted squared norm of the target error, the scale of the objective
                                (m2) */
-    pzs_real kkt_violation; /* largest violation of the optimality (KKT) conditions among the inputs
-                               that were measured (m2/V) */
+    pzs_real kkt_violation; /* violation of the optimality (KKT) conditions: after a round of
+                               iterations the largest of all inputs, after a direct iteration the
+                               summed errors of the two entries of the gradient that were checked
+                               (m2/V) */
     pzs_real rounding_bound; /* bound up to which rounding errors explain kkt_violation (m2/V) */
     uint32_t active_count;   /* number of inputs in the active set */
     uint32_t checked_next; /* next input whose gradient is computed exactly to verify the tableau */
@@ -103,14 +109,16 @@ typedef struct pzs_optimiser {
                            Hessian */
     uint32_t rebuilds;  /* number of recomputations of the tableau begun in this voltage step */
     pzs_exchange exchange[PZS_PENDING];
-    bool is_rebuilding; /* inputs still wait to join the free set, so the tableau is incomplete */
-    bool is_predicted;  /* model_gradient is a prediction by the tableau; during a round of
-                           iterations: it was one at the start of the round */
-    bool is_cut;        /* the last voltage step stopped at its work limit before the optimum */
-    bool is_fresh;    /* no round of iterations has ended at the optimum since the tableau was last
-                         recomputed */
-    bool is_verified; /* the last round of iterations with the present tableau ended at the optimum
-                       */
+    bool is_rebuilding; /* the tableau is incomplete, because some inputs that are to join the free
+                           set again are not yet exchanged */
+    bool is_predicted; /* model_gradient is predicted by the tableau, not computed from the Hessian;
+                          during a round of iterations: it was predicted at the start of the round
+                        */
+    bool is_cut;       /* the last voltage step stopped at its work limit before the optimum */
+    bool is_fresh;     /* the tableau was recomputed, and no round of iterations has ended at the
+                          optimum since */
+    bool is_verified;  /* the last round of iterations with the present tableau ended at the optimum
+                        */
     bool is_optimal;
 } pzs_optimiser;
 
@@ -156,24 +164,28 @@ typedef struct pzs_control_state {
     pzs_real *disturbance;   /* [outputs] measured shape minus predicted shape (m) */
     pzs_real *measured;      /* [outputs] measured shape of the last tick (m) */
     pzs_real *step_limit;    /* [inputs] largest change of a voltage in one step (V) */
-    pzs_real *weighted; /* [2][outputs] first row: squared weights times the difference of wanted
-                           and shown shape; second row: the measurements to expect (m) */
-    uint8_t *repeats;   /* [outputs] number of ticks in which a measurement stayed constant although
-                           its output should have moved */
-    uint8_t *faulty;    /* [inputs] 1: the fault detector holds the input because its effect did not
-                           follow its voltage; else 0 */
-    const pzs_real *damping; /* [inputs] damping gradient of a damped tick, subtracted from the
-                                gradient of the objective (m2/V); NULL: no damping */
+    pzs_real *weighted;      /* [2][outputs] first row: squared output weights times (target shape -
+                                shape of the base voltages - disturbance); second row: expected
+                                measurements (m) */
+    uint8_t *repeats; /* [outputs] number of ticks in which a measurement stayed constant although
+                         its output should have moved */
+    uint8_t *faulty;  /* [inputs] 1: the fault detector holds the input because the shape did not
+                         respond to its voltage; else 0 */
+    const pzs_real *damping; /* [inputs] damping gradient of a damped tick (a control step that also
+                                damps vibration), subtracted from the gradient of the objective
+                                (m2/V); NULL: no damping */
     pzs_real *carry; /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
                         made (V); NULL: not carried over */
-    pzs_real share;  /* factor of the static gradient in a damped tick, above 0 and at most 1 */
+    pzs_real share;  /* factor by which a damped tick (a control step that also damps vibration)
+                        multiplies the gradient of the objective, above 0 and at most 1 */
     pzs_real base_energy;    /* weighted squared norm of the shape at the base voltages of the
                                 optimiser (m2) */
     pzs_real largest_column; /* square root of the largest diagonal entry of the Hessian (m/V) */
     bool has_step_limits;    /* at least one step limit is shorter than the distance between the
                                 voltage limits of its input */
     pzs_control_behind behind;
-    uint16_t scrub_row; /* row of the Hessian that the next tick compares with its source */
+    uint16_t scrub_row; /* index of the row of the Hessian that the next tick checks for damage
+                           against the voltage problem */
     void *work;         /* workspace that was passed to pzs_control_init */
     uint8_t stage;
 } pzs_control_state;
@@ -190,9 +202,10 @@ typedef struct pzs_test_signal {
                                electrode seems to be at 0 V rather than stuck at another voltage */
     pzs_real middle, set;   /* mean of the two test voltages, and the voltage set now (V) */
     pzs_real lower, upper;  /* voltage limits of the electrode before the test (V) */
-    pzs_real sum, square, response_sum, response_square; /* sum of the moves and of their squares,
-                                                            and sum of the responses and of their
-                                                            squares (V, V2) */
+    pzs_real sum, square, response_sum,
+        response_square; /* sum of the moves of the electrode's voltage in this test and of their
+                            squares, and sum of the moves that the shape indicates and of their
+                            squares (V, V2) */
 } pzs_test_signal;
 
 #define PZS_TEST_SIGNALS                                                                           \
@@ -200,18 +213,20 @@ typedef struct pzs_test_signal {
 
 typedef struct pzs_fault_detector_state {
     struct pzs_control *control;
-    pzs_envelope columns; /* factor of B'W^2 B over the outputs that are measured, with influence
-                             matrix B and output weights W */
+    pzs_envelope columns; /* L D L^T factors of B'W^2 B plus regularisation, over the outputs that
+                             are measured, with influence matrix B and output weights W */
     pzs_real *diagonal;   /* [inputs] diagonal of B'W^2 B over all outputs, with influence matrix B
                              and output weights W (m2/V2) */
     pzs_real *voltage;    /* [delay + 1][inputs] voltages of the last ticks (V) */
     pzs_real *voltage_before; /* [inputs] voltages at the time of the last measured shape (V) */
-    pzs_real *deviation; /* [inputs] least-squares estimate of the voltage by which the effect of
-                            each electrode exceeds its command (V) */
-    pzs_real *moved, *response; /* [inputs] fading sums of the squared commanded moves and of the
-                                   squared responses of each electrode (V2) */
-    pzs_real *lost_voltage; /* [inputs] fading sum of the deviations of each electrode: the voltage
-                               that its effect lacks (V) */
+    pzs_real *deviation; /* [inputs] voltage change of each electrode since the last measured shape
+                            as the shape indicates it (least-squares estimate), minus the commanded
+                            change (V) */
+    pzs_real *moved, *response; /* [inputs] exponentially decaying sums, over the measured shapes,
+                                   of the squares of the commanded voltage changes and of those that
+                                   the shape indicates (V2) */
+    pzs_real *lost_voltage; /* [inputs] exponentially decaying sum of `deviation` over the measured
+                               shapes: the voltage that each electrode seems to have lost (V) */
     pzs_real *disturbance;  /* [outputs] measured minus predicted shape at the last measured shape
                                (m) */
     pzs_real *change;   /* [outputs] squared output weight times the change of the disturbance since
@@ -219,8 +234,8 @@ typedef struct pzs_fault_detector_state {
     uint8_t *electrode; /* [inputs] state of each electrode, a value of pzs_electrode_state */
     uint8_t *missing; /* [outputs] bit 0: the output was not measured in the last shape; bit 1: the
                          output is excluded from the least-squares estimate */
-    uint8_t *pause;   /* [inputs] number of coming shapes in which an electrode that has passed its
-                         test is not suspected */
+    uint8_t *pause;   /* [inputs] number of measured shapes to come in which an electrode that has
+                         passed its test is not suspected */
     pzs_test_signal test[PZS_TEST_SIGNALS];
     pzs_real ridge; /* regularisation of the least-squares estimate, relative to the diagonal of its
                        matrix (1) */
@@ -251,19 +266,20 @@ typedef struct pzs_damper_state {
                        static modal position under the loads, at the present tick (m) */
     pzs_real *velocity_before; /* [width] modal velocity divided by angular frequency at the last
                                   tick (m) */
-    pzs_real *residual_modes;  /* [width] low-passed modal coordinates that fit the innovations (m)
-                                */
+    pzs_real *residual_modes;  /* [width] modal coordinates that fit the innovations (reading minus
+                                  predicted reading), low-passed (m) */
     pzs_real *work;            /* [2][width] work array of modal vectors */
     pzs_real *equilibrium;     /* [delay + 1][width] static modal position under the voltages of the
                                   last ticks (m) */
-    pzs_real *expected; /* [delay + 1][sensors] static readings under the voltages of the last ticks
-                           (unit of each sensor) */
+    pzs_real *expected; /* [delay + 1][sensors] readings of the structure at rest under the voltages
+                           of the last ticks (unit of each sensor) */
     pzs_real *predicted;  /* [sensors] readings predicted from voltages and modes (unit of each
                              sensor) */
     pzs_real *innovation; /* [sensors] reading minus predicted reading (unit of each sensor) */
     pzs_real *sensed;     /* [sensors] readings of the last tick (unit of each sensor) */
-    pzs_real *residual;   /* [sensors] low-passed innovation (unit of each sensor) */
-    pzs_real *damping;    /* [inputs] damping gradient passed to the control step (m2/V) */
+    pzs_real *residual; /* [sensors] low-passed innovation: reading minus predicted reading (unit of
+                           each sensor) */
+    pzs_real *damping;  /* [inputs] damping gradient passed to the control step (m2/V) */
     pzs_real *carry;  /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
                          made (V) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
@@ -276,12 +292,13 @@ typedef struct pzs_damper_state {
 typedef struct pzs_compensator_state {
     const struct pzs_hysteresis *tables;
     pzs_real *effect; /* [inputs] effects of the voltages of the last tick: the voltages that
-                         electrodes without hysteresis would need (V) */
+                         electrodes without hysteresis would need for the same displacement (V) */
     pzs_real *lower;  /* [inputs] lowest voltage that the limits allow in this tick (V) */
     pzs_real *upper;  /* [inputs] highest voltage that the limits allow in this tick (V) */
-    pzs_real *play;   /* [inputs][plays] positions of the plays of the hysteresis model, relative to
-                         the middle of the voltage range (V) */
-    pzs_real *creep;  /* [inputs][creeps] effects of the creep (V) */
+    pzs_real *play;   /* [inputs][plays] positions of the plays (elements with backlash, which model
+                         the hysteresis), relative to the middle of the voltage range (V) */
+    pzs_real *creep;  /* [inputs][creeps] voltages that the creep terms of the hysteresis model add
+                         to the effect of each electrode (V) */
 } pzs_compensator_state;
 
 typedef struct pzs_reading_delay_state {
@@ -290,13 +307,13 @@ typedef struct pzs_reading_delay_state {
     pzs_real *voltage;  /* [delay + 1][inputs] voltages of the last ticks (V) */
     pzs_real *expected; /* [delay + 1][sensors] readings that the voltages of the last ticks should
                            produce (unit of each sensor) */
-    pzs_real *sensed;   /* [sensors] last readings */
+    pzs_real *sensed;   /* [sensors] readings of the last tick (unit of each sensor) */
     pzs_real *difference; /* [sensors] reading minus the reading expected at the time of the reading
                              (unit of each sensor) */
     pzs_real *corrected;  /* [sensors] readings plus the change that the model predicts since they
                              were taken (unit of each sensor) */
-    uint8_t *repeats; /* [sensors] ticks in which a reading repeated although it should have moved
-                       */
+    uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
+                         should have moved */
     uint16_t newest;  /* row of `voltage` and of `expected` that belongs to the present tick */
 } pzs_reading_delay_state;
 
@@ -313,12 +330,13 @@ typedef struct pzs_feed_forward_state {
  */
 typedef struct pzs_supervisor_core {
     uint32_t mode;      /* present mode, a value of pzs_supervisor_mode */
-    uint32_t obeyed;    /* command word that was carried out last */
+    uint32_t obeyed;    /* command word (command and its counter) that was carried out last */
     uint32_t is_flat;   /* 1: ramps end at the reference voltages; 0: ramps end at the park voltages
                          */
     uint32_t remaining; /* number of ticks until the end of the ramp */
     uint32_t silent;    /* number of consecutive ticks without usable readings */
-    uint32_t over;      /* counter of ticks in which the measured shape was implausible */
+    uint32_t over;      /* counter that a tick with an implausible measured shape raises by one and
+                           another tick lowers by two */
     uint32_t cause; /* event that has taken control away, a value of pzs_supervisor_event; 0: none
                      */
 } pzs_supervisor_core;
@@ -333,14 +351,16 @@ typedef struct pzs_monitor_state {
     pzs_real *predicted;   /* [outputs] predicted shape of the last tick (m) */
     pzs_real *move;        /* [outputs] change of the predicted shape in the last tick (m) */
     pzs_real *wanted;      /* [outputs] target shape of the last tick (m) */
-    pzs_real amplitude;    /* largest deviation of the recent ticks, with a weight that decays with
-                              time (m) */
-    pzs_real envelope; /* deviation that changes of the target explain, decaying with time (m) */
-    pzs_real moved;    /* fading sum of the squared predicted changes of the shape (m2) */
-    pzs_real answered; /* fading sum of products of predicted and measured changes of the shape (m2)
-                        */
-    uint32_t fixed; /* 2 * (number of inputs that could not move in the last tick) + (1 while a test
-                       signal was applied) */
+    pzs_real amplitude;    /* largest deviation of the measured from the predicted shape in recent
+                              ticks, each weighted with a factor that decays with time (m) */
+    pzs_real envelope; /* deviation of the measured from the predicted shape that recent changes of
+                          the target explain; decays with time (m) */
+    pzs_real moved; /* exponentially decaying sum of the squared predicted changes of the shape in
+                       the last ticks (m2) */
+    pzs_real answered; /* exponentially decaying sum of the products of predicted and measured
+                          change of the shape in the last ticks (m2) */
+    uint32_t fixed;    /* 2 * (number of inputs that could not move in the last tick), plus 1 if the
+                          fault detector applied a test signal in it */
     bool is_started;
 } pzs_monitor_state;
 
@@ -359,11 +379,13 @@ typedef struct pzs_supervisor_state {
 
 typedef struct pzs_amplifier_state {
     const struct pzs_amplifier *tables;
-    pzs_real *given; /* [inputs] voltages that the amplifiers give in fact (V) */
+    pzs_real *given; /* [inputs] voltages that the amplifiers really give, after converter steps and
+                        dead band (V) */
 } pzs_amplifier_state;
 
 /*
- * Pointers and sizes from which a tick finds everything else; they stay constant from tick to tick.
+ * Pointers and sizes from which a tick of the loop finds its blocks, arrays and tables; they stay
+ * constant from tick to tick.
  */
 typedef struct pzs_loop_core {
     const struct pzs_block *blocks; /* [count] list of the blocks of the loop */
@@ -377,7 +399,7 @@ typedef struct pzs_loop_core {
                                    passed to pzs_loop_know, or NULL */
     uint32_t limit_sum;         /* checksum of the voltage limits and the step limits */
     uint32_t influence_crc; /* checksum of the influence matrix, if the device has computed it */
-    uint16_t sensors;       /* number of readings */
+    uint16_t sensors;       /* number of sensor readings in a tick */
     uint8_t count, stage;
 } pzs_loop_core;
 
@@ -385,8 +407,8 @@ typedef struct pzs_loop_state {
     pzs_loop_core core[3]; /* three copies of the pointers and sizes, so that two outvote a damaged
                               third */
     pzs_scrub problem_scrub, influence_scrub;
-    pzs_scrub block_scrub;    /* scrub of the tables of all blocks except the step block, one table
-                                 after the other */
+    pzs_scrub block_scrub; /* check of the tables of all blocks except the step block against their
+                              checksums, slice by slice, one table after the other */
     uint16_t scrubbed_block;  /* index in the list of the block whose tables are being checked */
     uint16_t scrubbed_number; /* number of the table, among those of the block, that is being
                                  checked */

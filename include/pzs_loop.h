@@ -65,10 +65,12 @@ typedef struct pzs_loop_signals {
     const pzs_real *measured;  /* [outputs] measured shape (m); NULL: no readings arrived in this
                                   tick. Until a block of PZS_PHASE_SHAPE has run, it is the array of
                                   the readings */
-    const pzs_real *known_now; /* [loads] values of the known loads when the readings were taken, 1
-                                  being the value in the scene; NULL: no load is known */
-    const pzs_real *known_next; /* [loads] values of the known loads under the next voltages; NULL:
-                                   no load is known */
+    const pzs_real *known_now; /* [loads] values of the known loads when the readings were taken, as
+                                  multiples of the loads in the scene file; NULL: no load is known
+                                */
+    const pzs_real *known_next; /* [loads] values of the known loads under the next voltages, as
+                                   multiples of the loads in the scene file; NULL: no load is known
+                                 */
     const uint8_t *electrode;   /* [inputs] state of each electrode, a value of pzs_electrode_state;
                                    NULL: the list has no fault detector */
     const void *tables;         /* tables of the block that is running, from the list of blocks */
@@ -204,8 +206,8 @@ pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *ne
  * called before the next tick; the blocks then know how old the last readings and voltages are.
  * Several calls add up, to at most PZS_MISSED_LIMIT ticks, because after so many the phase of a
  * vibration is unknown. A loop that is not informed stays inside all limits and settles later: `pzs
- * check` tries its storms with 5 % of the ticks missed in that way. Errors: PZS_E_ARGUMENT,
- * PZS_E_STAGE.
+ * check` simulates fast jumps of the target with 5 % of the ticks missed in that way. Errors:
+ * PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
 
@@ -352,11 +354,11 @@ pzs_status pzs_reading_delay_seal(pzs_reading_delay *tables);
 
 /*
  * The correction of late readings as a block of the loop, in PZS_PHASE_READINGS, the first of a
- * list except for an effect block. It adds to each reading the change that the model predicts from
- * the voltages applied since the reading was taken. A missing or stuck reading becomes NaN. A list
- * with a vibration block needs no correction, because that block takes the delay into account.
- * Tables: pzs_reading_delay. Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other
- * sizes), PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE.
+ * list except for pzs_effect_block (compensation of hysteresis). It adds to each reading the change
+ * that the model predicts from the voltages applied since the reading was taken. A missing or stuck
+ * reading becomes NaN. A list with a vibration block needs no correction, because that block takes
+ * the delay into account. Tables: pzs_reading_delay. Errors of its initialisation: PZS_E_ARGUMENT
+ * (also for tables of other sizes), PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE.
  */
 extern const pzs_block_type pzs_reading_delay_block;
 #define PZS_READING_DELAY_BLOCK_BYTES(inputs, sensors, delay)                                      \
@@ -398,8 +400,10 @@ extern const pzs_block_type pzs_reading_delay_block;
  * voltage can be checked without limits.
  */
 typedef enum pzs_supervisor_mode {
-    PZS_MODE_INITIALISE = 0, /* not armed; the output is parked or on its way there */
-    PZS_MODE_ARMED,    /* waits until the output is parked and every reading of a tick is usable */
+    PZS_MODE_INITIALISE = 0, /* not armed; the output is at its park voltages (voltages of rest, set
+                                in the tables) or on its way there */
+    PZS_MODE_ARMED, /* waits until the output is at its park voltages and every reading of a tick is
+                       usable */
     PZS_MODE_RUNNING,  /* the loop is in control */
     PZS_MODE_HOLDING,  /* the loop is in control by the model alone, because no reading of this tick
                           is usable */
@@ -455,10 +459,10 @@ typedef struct pzs_supervision {
     uint16_t waits; /* 1: the supervisor leaves PZS_MODE_INITIALISE by the command ARM; 0: it leaves
                        the mode by itself */
     const pzs_real *park; /* [inputs] park voltages, clamped to the limits (V) */
-    pzs_real fading; /* factor by which the deviation that changes of the target explain decays in
-                        each tick, between 0 and 1 */
+    pzs_real fading; /* factor, between 0 and 1, by which the tolerated deviation of measured from
+                        predicted shape decays in each tick after a target change */
     pzs_real noise;  /* RMS noise of the measured shape (m) */
-    pzs_real load;   /* RMS change of the shape by the largest sudden load (m) */
+    pzs_real load;   /* RMS change of the shape that the largest expected sudden load makes (m) */
 } pzs_supervision;
 
 /*
@@ -538,8 +542,9 @@ typedef struct pzs_vibration {
                                 of the sensor per m); NULL: the sensors are the outputs */
     const pzs_real *direct;  /* [sensors][inputs] static reading of each sensor per volt on each
                                 input; NULL: the sensors are the outputs */
-    const pzs_real *gain; /* [outputs][sensors] shape per residual reading, the part that the modes
-                             do not explain; NULL: the sensors are the outputs */
+    const pzs_real *gain; /* [outputs][sensors] gain: shape per residual of a reading, which is the
+                             part of its deviation from the prediction that the modes do not
+                             explain; NULL: the sensors are the outputs */
     const pzs_real *precision; /* [sensors] inverse variance of the noise of each sensor, relative
                                   to that for which the observer was designed (1); NULL: all 1 */
     const pzs_real *modal; /* [modes][inputs] static modal coordinate per volt on each input (m/V)
@@ -549,20 +554,24 @@ typedef struct pzs_vibration {
      * scaled velocity by one tick (1): entries 11, 12, 21, 22 in four rows
      */
     const pzs_real *turn;
-    const pzs_real *observer; /* [3][modes][modes] observer gains for modal position, scaled
-                                 velocity and load coordinate */
+    const pzs_real *observer; /* [3][modes][modes] observer gains that correct modal coordinate,
+                                 modal velocity divided by angular frequency, and static modal
+                                 coordinate under loads */
     const pzs_real *explain;  /* [modes][modes] inverse normal matrix of the least-squares fit of
                                  modal coordinates to readings */
-    const pzs_real *damping;  /* [modes][inputs] damping gradient on each input per deviation of a
-                                 mode from its equilibrium (m/V) */
+    const pzs_real *damping;  /* [modes][inputs] damping gradient, the term that a damped tick
+                                 subtracts from the gradient of its objective, for each input per
+                                 deviation of a mode from its equilibrium (m/V) */
     const pzs_real *inverse_angle; /* [modes] 1 / (angular frequency of the mode times the duration
                                       of a tick) */
-    pzs_real share; /* factor of the static gradient in a tick, above 0 and at most 1: smaller
-                       values approach the static optimum more slowly */
-    pzs_real mix; /* weight (0 to 1) with which the damped deviation is taken from the change of the
-                     velocity; the remaining weight goes to position minus equilibrium */
-    pzs_real slow; /* gain (0 to 1) of the low-pass filter of the residual readings, the part that
-                      the modes do not explain */
+    pzs_real share; /* factor, above 0 and at most 1, by which a damped tick multiplies the gradient
+                       of its objective: the smaller, the more slowly the voltages approach the
+                       static optimum */
+    pzs_real mix;   /* The damped deviation of a mode from its equilibrium is computed in two ways,
+                       from the change of the velocity in a tick and from the position. Weight (0 to
+                       1) of the first way; the second has the remaining weight */
+    pzs_real slow;  /* gain (0 to 1) of the low-pass filter of the residual readings, the part that
+                       the modes do not explain */
 } pzs_vibration;
 
 /*
@@ -626,8 +635,8 @@ pzs_status pzs_damper_tick(pzs_damper *damper, const pzs_real *readings, pzs_rea
 
 /*
  * Predict the vibration modes over missed ticks, during which the amplifiers kept the present
- * voltages. To be called before the next tick; in a loop
- * pzs_loop_skip does it. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * voltages. To be called before the next tick; in a loop pzs_loop_skip does it. Errors:
+ * PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_damper_skip(pzs_damper *damper, uint16_t ticks);
 
@@ -650,8 +659,8 @@ extern const pzs_block_type pzs_vibration_block;
  * precedes the vibration damper.
  */
 typedef struct pzs_governor {
-    pzs_real share; /* factor of the static gradient in a damped tick, equal to that of
-                       pzs_vibration */
+    pzs_real share; /* factor by which a damped tick multiplies the gradient of its objective, equal
+                       to that of pzs_vibration */
     pzs_real part; /* largest part of its step limit that an input moves in one tick, above 0 and at
                       most 1 */
 } pzs_governor;
@@ -663,8 +672,9 @@ typedef struct pzs_governor_state {
     pzs_control optimum;  /* second controller, which finds the static optimum within the limits for
                              the target */
     pzs_real *reference;  /* [inputs] voltages on the way to the static optimum (V) */
-    pzs_real *ahead;  /* [inputs] voltages whose predicted shape is subtracted from the target, to
-                         make up for the partial steps of a damped tick (V) */
+    pzs_real *ahead;  /* [inputs] optimum - `reference` - (move of `reference` in this tick) / share
+                         (V). Their shape is subtracted from the target. A damped tick, which goes
+                         only the part `share` of its way, then makes the whole move */
     pzs_real *target; /* [outputs] target shape for which the static optimum was computed (m) */
     pzs_real *wanted; /* [outputs] target shape that is passed on to the following blocks (m) */
     bool has_target;  /* `target` and its static optimum are valid */
@@ -752,14 +762,17 @@ extern const pzs_block_type pzs_feed_forward_block;
  *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j
  *
  * where m is a piecewise linear function through 0 with four slopes, one for each quarter of the
- * voltage range. The position P_i of play i stays constant while |s - P_i| is less than its slack,
- * and then moves with s; its weight a_i is `above` for positive and `below` for negative P_i. In
- * each tick the creep x_j goes the part creep_rate[j] of the way to creep[j] v. All arrays are
- * const and may stay in flash.
+ * voltage range. The plays model the hysteresis as elements with backlash: the position P_i of play
+ * i stays constant while |s - P_i| is less than its slack, and then moves with s; its weight a_i is
+ * `above` for positive and `below` for negative P_i. In each tick the creep x_j goes the part
+ * creep_rate[j] of the way to creep[j] v. All arrays are const and may stay in flash.
  */
 #define PZS_HYSTERESIS_SEGMENTS 4u
-#define PZS_PLAY_LIMIT 32u /* largest number of plays of an electrode */
-#define PZS_CREEP_LIMIT 8u /* largest number of creeps of an electrode */
+#define PZS_PLAY_LIMIT                                                                             \
+    32u /* largest number of plays (elements with backlash) in the hysteresis model of an          \
+           electrode */
+#define PZS_CREEP_LIMIT                                                                            \
+    8u /* largest number of creep terms in the hysteresis model of an electrode */
 #define PZS_LEAST_SLOPE                                                                            \
     PZS_R(0.001) /* smallest slope of the piecewise linear part of the effect                      \
                   */
@@ -775,19 +788,21 @@ typedef struct pzs_hysteresis {
     uint16_t plays, creeps;
     const pzs_real *middle;     /* [sets] middle of the voltage range (V) */
     const pzs_real *half_range; /* [sets] half of the voltage range (V) */
-    const pzs_real *offset;     /* [sets] effect in the middle of the voltage range, with plays and
-                                   creeps at 0 (V) */
+    const pzs_real *offset;     /* [sets] effect in the middle of the voltage range while plays and
+                                   creep terms are at 0 (V) */
     const pzs_real *slope; /* [sets][4] slopes of the piecewise linear part of the effect, from the
                               lowest quarter of the voltage range to the highest, at least
                               PZS_LEAST_SLOPE (1) */
-    const pzs_real *slack; /* [sets][plays] slack of each play, above 0 and ascending (V) */
-    const pzs_real *above; /* [sets][plays] weight of each play while its position is positive, at
-                              least 0 (1) */
-    const pzs_real *below; /* [sets][plays] weight of each play while its position is negative, at
-                              least 0 (1) */
-    const pzs_real *creep; /* [sets][creeps] final effect of each creep per volt, at least 0 (1) */
-    const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final effect that each
-                                   creep goes in a tick */
+    const pzs_real *slack; /* [sets][plays] slack of each play, the half width of its backlash,
+                              above 0 and ascending (V) */
+    const pzs_real *above; /* [sets][plays] weight of the position of each play in the effect while
+                              the position is positive, at least 0 (1) */
+    const pzs_real *below; /* [sets][plays] weight of the position of each play in the effect while
+                              the position is negative, at least 0 (1) */
+    const pzs_real *creep; /* [sets][creeps] final value of each creep term per volt on the
+                              electrode, at least 0 (1) */
+    const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final value that each
+                                   creep term goes in a tick */
 } pzs_hysteresis;
 
 /*
@@ -799,7 +814,8 @@ pzs_status pzs_hysteresis_seal(pzs_hysteresis *tables);
 /* Results of the compensation of hysteresis that a program may read. */
 typedef struct pzs_compensator_info {
     const pzs_real *effect; /* [inputs] effects of the voltages of the last tick: the voltages that
-                               electrodes without hysteresis would need (V) */
+                               electrodes without hysteresis would need for the same displacement
+                               (V) */
 } pzs_compensator_info;
 
 typedef struct pzs_compensator {
@@ -880,8 +896,8 @@ extern const pzs_block_type pzs_amplifier_block;
 typedef enum pzs_electrode_state {
     PZS_ELECTRODE_OBSERVED = 0,
     PZS_ELECTRODE_TESTED,  /* the fault detector applies a test signal */
-    PZS_ELECTRODE_CLEARED, /* the electrode has passed its test and is not suspected during the next
-                              shapes */
+    PZS_ELECTRODE_CLEARED, /* the electrode has passed a test, and is not suspected during the next
+                              measured shapes */
     PZS_ELECTRODE_UNOBSERVABLE, /* the effect of the electrode on the shape is zero, or a
                                    combination of the effects of other electrodes */
     PZS_ELECTRODE_HELD          /* the electrode was found faulty and is held until pzs_release */

@@ -42,9 +42,9 @@ typedef struct pzs_element_type {
     pzs_real d[4][55];
     pzs_real thickness; /* thickness of the element (m) */
     /*
-     * factors of the strains that warp adds to the mean strain 12 of mode 00 (1): difference strain
-     * 12 of mode 00; strains 13 of 01, 23 of 10, 13 of 00, 23 of 00; difference strains 11 of 00,
-     * 11 of 01, 22 of 00, 22 of 10
+     * Factors (1) of the nine strains that a warped (not plane) element adds to the mean strain 12
+     * of mode 00. The strains are, in the notation of `d`: 12d of mode 00; 13 of 01, 23 of 10, 13
+     * of 00, 23 of 00; 11d of 00, 11d of 01, 22d of 00, 22d of 10
      */
     pzs_real warp[9];
     /*
@@ -66,9 +66,9 @@ typedef struct pzs_structure {
                         pzs_structure_seal */
     uint16_t nodes, elements, types;
     /*
-     * degrees of freedom of a node, 6 or 7: mean displacement u1 u2 u3 of the two faces (m),
-     * difference of outer and inner face over the thickness for u1 u2 u3 (1), and with 7 the excess
-     * of the middle surface's u3 over the mean, over the thickness (1)
+     * degrees of freedom of a node, 6 or 7: mean displacement u1 u2 u3 of the two faces (m);
+     * (displacement of the outer face - that of the inner face) / thickness for u1 u2 u3 (1); with
+     * 7 also (u3 of the middle surface - mean u3 of the faces) / thickness (1)
      */
     uint16_t dof_per_node;
     uint16_t free_dof;
@@ -122,10 +122,10 @@ typedef struct pzs_model_state {
     pzs_real *scale; /* [free_dof] powers of two that scale the diagonal of the stiffness matrix to
                         about one */
     pzs_real *work;  /* [6][free_dof] work array */
-    const pzs_real *stiffness_factor; /* [types] stiffness factors passed to the last pzs_assemble,
-                                         or NULL */
-    const uint8_t *constrained;       /* [free_dof] additional constraints passed to the last
-                                         pzs_assemble, or NULL */
+    const pzs_real *stiffness_factor; /* [types] factor of the stiffness matrix of each element
+                                         type, as passed to the last pzs_assemble; NULL: all 1 */
+    const uint8_t *constrained; /* [free_dof] nonzero: held at zero in addition to the supports, as
+                                   passed to the last pzs_assemble; NULL: none */
     uint8_t stage;
 } pzs_model_state;
 
@@ -156,9 +156,10 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
 
 /*
  * Assemble the stiffness matrix of the structure from the element matrices [P 10-16] and the
- * springs. stiffness_factor [types]    in  factor of the matrix of each element type; NULL: all 1
+ * springs.
+ *   stiffness_factor [types]    in  factor of the matrix of each element type; NULL: all 1
  *   constrained      [free_dof] in  nonzero: this degree of freedom is held at zero in addition to
- *                    the supports; NULL: none
+ *                                   the supports; NULL: none
  * Both arrays must outlive the following solves. Errors: PZS_E_ARGUMENT (also for a negative
  * factor), PZS_E_STAGE, PZS_E_NONFINITE.
  */
@@ -244,8 +245,8 @@ typedef struct pzs_electric_state {
     pzs_real *sensitivity; /* [count][inputs] charge of each electrode per unit of each input while
                               all voltages are prescribed (C/V, C/K or C/N) */
     pzs_real *value;       /* [inputs] work array */
-    pzs_envelope open; /* factors of the matrix of the charges of the open electrodes per volt on
-                          each other */
+    pzs_envelope open; /* L D L^T factors of a matrix of the open electrodes: charge of each one per
+                          volt on each one (C/V) */
     uint8_t stage;
 } pzs_electric_state;
 

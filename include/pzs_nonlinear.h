@@ -35,8 +35,8 @@ typedef struct pzs_prescribed_resultants {
 } pzs_prescribed_resultants;
 
 /*
- * Free degrees of freedom whose displacement is prescribed: the value of one input times a
- * displacement.
+ * Free degrees of freedom whose displacement is prescribed: it is the value of one input times a
+ * constant displacement.
  */
 typedef struct pzs_prescribed_motion {
     uint16_t count;
@@ -217,8 +217,8 @@ typedef struct pzs_follower {
                           */
     uint8_t true_area;   /* 1: pressure per deformed area of the face normal_face; 0: pressure per
                             undeformed area, along the unit normal */
-    pzs_real share[3];   /* shares of the pressure at a corner that the corner itself, each
-                            neighbouring corner and the opposite corner carry (1) */
+    pzs_real share[3]; /* parts of the force by the pressure at one corner that act on this corner,
+                          on each neighbouring corner and on the opposite corner (1) */
     const pzs_real (*area)[4];    /* [types] area of the element that belongs to each corner (m2) */
     const pzs_real (*lean)[4][2]; /* [types] component along the director of the two base vectors at
                                      each corner, not zero where a flat element approximates a
@@ -265,8 +265,8 @@ typedef struct pzs_circuit_state {
     pzs_real *converged_voltage; /* [open] voltages of the open electrodes at the last equilibrium
                                     (V) */
     pzs_real *voltage_change;    /* [open] change of the voltages in the last linear solve (V) */
-    pzs_envelope open; /* factors of the matrix of the charges of the open electrodes per volt on
-                          each other, at the present shape */
+    pzs_envelope open; /* L D L^T factors of a matrix of the open electrodes at the present shape:
+                          charge of each one per volt on each one (C/V) */
 } pzs_circuit_state;
 
 typedef struct pzs_circuit {
@@ -352,8 +352,7 @@ typedef struct pzs_contact_face {
     uint16_t input; /* index of the input that moves the body by its value times `motion`, with an
                        empty force vector; 0xFFFF: the body does not move */
     pzs_real motion[3]; /* displacement of the body per unit of its input (m) */
-    pzs_real size; /* length of mesh or body; a gap below 1e-8 of this length counts as closed (m)
-                    */
+    pzs_real size; /* size of mesh or body, a length (m); a gap below 1e-8 of it counts as closed */
     const pzs_real (*place)[3];    /* [nodes] positions of the nodes on the undeformed face (m) */
     const pzs_real (*triad)[3][3]; /* [nodes] unit vectors e1, e2, e3 of the frame of each node, in
                                       rows (1) */
@@ -392,8 +391,9 @@ typedef struct pzs_contact_info {
                                  contact */
     pzs_real force[3];        /* resultant of the contact pressure on the shell (N) */
     uint16_t nodes;           /* number of nodes in contact */
-    pzs_real sag; /* largest depth of the body between nodes in the last load step that was accepted
-                     as an effect of flat elements (m) */
+    pzs_real sag; /* largest depth by which the body was allowed to enter an element between its
+                     nodes in the last load step, because the element is flat where the shell is
+                     curved (m) */
     pzs_penetration penetration; /* penetration for which the solver rejected the last load step, or
                                     about which it warned */
     uint8_t side; /* face that the body enters: 0 inner, 1 outer. If it is not the face of the
@@ -451,19 +451,16 @@ typedef struct pzs_contact {
  *
  * - Nodes: every node of both faces must lie outside the body, up to twice the closed gap.
  * - Points between nodes: the smallest gap of each element is found by bisection, to 1/512 of a
- *   side.
- *   A flat element whose nodes touch a body of radius R enters it by length^2 / (8 R), which is an
- *   error of the mesh; twice this depth is allowed, at most R/5, and info.sag is the largest found.
- *   A body smaller than the diagonals of an element may enter it only if a node is in contact.
+ *   side. A flat element whose nodes touch a body of radius R enters it by length^2 / (8 R), which
+ *   is an error of the mesh; twice this depth is allowed, at most R/5, and info.sag is the largest
+ *   found. A body smaller than the diagonals of an element may enter it only if a node is in
+ *   contact.
  * - Motion: no point of an element may have passed through the body since the last equilibrium, on
- *   a
- *   straight way relative to the body.
+ *   a straight way relative to the body.
  * - Length of a load step: the body moves freely until its distance from a node is half of the
- *   longest
- *   diagonal of an element, and then by at most half of its smallest radius of curvature (or half
- *     of
- *   pzs_contact_face.size, if that is smaller). solver->info.shortened_steps counts the load steps
- *   that this rule shortens.
+ *   longest diagonal of an element, and then by at most half of its smallest radius of curvature
+ *   (or half of pzs_contact_face.size, if that is smaller). solver->info.shortened_steps counts the
+ *   load steps that this rule shortens.
  *
  * The check is exact for flat elements and convex bodies. It does not find a tip that enters by
  * less than (side/512)^2 / (2 R), a second local minimum of the gap in a strongly warped element, a

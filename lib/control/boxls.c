@@ -67,8 +67,8 @@
  */
 #define ROUNDING_FACTOR 4
 /*
- * Factor by which the gradient of a free input may exceed its rounding-error bound, provided that
- * this hardly raises the objective.
+ * Factor by which the gradient of a free input may exceed its rounding-error bound at the optimum,
+ * provided that this hardly raises the objective.
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
@@ -119,8 +119,8 @@ static void multiply_symmetric(pzs_optimiser *optimiser, pzs_real *restrict prod
 }
 
 /*
- * Compute gradient = model gradient - target gradient for all inputs; next receives the gradient of
- * the free inputs, and 0 for the active inputs.
+ * Compute the gradient of the objective for all inputs: gradient = model gradient - target
+ * gradient. The array `next` receives its entries of the free inputs, and 0 for the active inputs.
  */
 static void combine_gradients(pzs_real *restrict gradient, pzs_real *restrict next,
                               const pzs_real *restrict model_gradient,
@@ -188,10 +188,11 @@ static inline pzs_real entry_violation(pzs_real gradient, pzs_real voltage, pzs_
 }
 
 /*
- * Complete the predicted step: direction of the free inputs, gradient of the active inputs after
- * the step, voltages after the step, and their offset from the base voltages. Returns the number of
- * free inputs that would pass a bound plus the number of active inputs that would have a KKT
- * violation above `rounding`. With 0 the whole step can be taken.
+ * Predict a whole step along the search direction `move` of the free inputs. Written are, in
+ * `move`, the gradient of the active inputs after the step, and the voltages after the step and
+ * their offset from the base voltages. Returns the number of free inputs that would pass a bound
+ * plus the number of active inputs that would have a KKT violation above `rounding`. With 0 the
+ * whole step can be taken.
  */
 static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
                              pzs_real *restrict offset, const pzs_real *restrict free_set,
@@ -242,9 +243,9 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
 }
 
 /*
- * Whether gradients of a given size (m2/V) in the free set raise the objective by less than the
- * machine epsilon times the target energy. The bound is the squared size times the trace of the
- * inverse of the Hessian on the free set.
+ * Whether a gradient whose entries on the free inputs are at most `size` (m2/V) raises the
+ * objective by less than the machine epsilon times its scale, target_energy. The bound is the
+ * squared size times the trace of the inverse of the Hessian on the free set.
  */
 static bool is_negligible(pzs_optimiser *optimiser, pzs_real size)
 {
@@ -262,8 +263,8 @@ bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser)
 
 /*
  * Compute the KKT violation of each active input, and 0 for free inputs. An active input whose
- * gradient is at most `turn` in absolute value, and whose bounds differ, gets `turn`, because the
- * sign of its gradient is uncertain.
+ * bounds differ and whose gradient is at most `turn` (m2/V) in absolute value has a gradient of
+ * uncertain sign; its violation counts as `turn`.
  */
 static void active_violations(pzs_real *restrict out, const pzs_real *restrict voltage,
                               const pzs_real *restrict lower, const pzs_real *restrict upper,
@@ -305,7 +306,8 @@ static bool is_converged(pzs_optimiser *optimiser)
 /* ---- iterations ------------------------------------------------------ */
 
 typedef struct blocking {
-    pzs_real part;  /* fraction of the direction up to the first bound */
+    pzs_real part;  /* fraction of a move of all free inputs after which the first of them meets a
+                       bound */
     uint32_t input; /* first input to meet a bound; the number of inputs if none does */
 } blocking;
 
@@ -314,7 +316,10 @@ static inline bool is_free(const pzs_optimiser *optimiser, uint32_t i)
     return optimiser->free_set[i] > 0;
 }
 
-/* Return the distance of a voltage from the bound in the direction of `way` (V). */
+/*
+ * Return the distance (V) of a voltage from its lower bound where `way` is negative, otherwise from
+ * its upper bound.
+ */
 static inline pzs_real distance_to_bound(pzs_real way, pzs_real voltage, pzs_real lower,
                                          pzs_real upper)
 {
@@ -322,8 +327,8 @@ static inline pzs_real distance_to_bound(pzs_real way, pzs_real voltage, pzs_rea
 }
 
 /*
- * Find the first bound that a free input meets when the free inputs move by `part` of the vector
- * sense * move.
+ * The free inputs are to move by `part` times the vector sense * move (V). Find the first of them
+ * that meets a bound on this way, and the fraction of sense * move at which it does.
  */
 static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                                pzs_real part)
@@ -346,8 +351,8 @@ static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *m
 }
 
 /*
- * Move the free inputs by the part first.part of the vector sense * move, clamped to their bounds.
- * An input that meets its bound is set exactly to the bound.
+ * Move the free inputs by first.part times the vector sense * move (V), clamped to their bounds.
+ * The input that meets its bound is set exactly to the bound.
  */
 static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                        blocking first)
@@ -379,8 +384,8 @@ static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
 
 /*
  * Update the search direction of the free inputs and the gradient of the active inputs after an
- * input has met a bound and left the free set. `remaining` is the part of its way that it could not
- * go (V).
+ * input has met a bound and left the free set. `remaining` is the rest of the move of this input,
+ * beyond its bound (V).
  *   row [width] in  row of this input in the tableau
  */
 static void update_direction(pzs_real *restrict direction, const pzs_real *restrict row,
@@ -442,8 +447,9 @@ static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real roundi
 }
 
 /*
- * Return how far active input k can move when it leaves the active set (V): to the minimum along
- * its ray, on which the free inputs keep zero gradient, or to its bound if that is nearer.
+ * Return how far active input k can move when it leaves the active set while the free inputs keep
+ * zero gradient (V): to the minimum of the objective on this straight line (the ray), or to the
+ * input's bound if that is nearer.
  */
 static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real pivot,
                            bool *to_limit)
@@ -495,8 +501,9 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
     } else if (to_limit && number_is_finite(first.part)) {
         optimiser->voltage[k] = down ? optimiser->lower[k] : optimiser->upper[k];
     } else {
-        optimiser->direction[k] = 0; /* at the minimum the gradient is zero; without a bound or a
-                                        curvature a decrease would be a rounding error */
+        optimiser->direction[k] = 0; /* at the minimum the gradient is zero; without a finite bound
+                                        or a curvature a decrease of the objective would be a
+                                        rounding error */
         if (!to_limit && pzs_tableau_independence(optimiser, k) > optimiser->pivot_floor)
             pzs_tableau_exchange(optimiser, k, row);
     }
@@ -519,8 +526,10 @@ static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
 }
 
 /*
- * Collect the active inputs that would run to their other bound if they were released alone.
- *   way [width] out  way of each such input to its other bound, 0 for all other inputs (V)
+ * Collect the active inputs that would move as far as their opposite bound if each left the active
+ * set alone.
+ *   way [width] out  distance with sign of each such input to that bound, 0 for all other inputs
+ *                    (V)
  * Returns the number of such inputs.
  */
 static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real rounding, pzs_real *way)
@@ -543,9 +552,10 @@ static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real roundi
 }
 
 /*
- * Move all active inputs that would run to their other bound there at once, while the free inputs
- * follow so that their gradient stays zero. The move stops at its minimum, or where a free input
- * meets a bound and leaves the free set. Returns whether there was such a move.
+ * Move several active inputs at once, each towards its opposite bound, which it would reach if it
+ * left the active set alone, while the free inputs follow so that their gradient stays zero. The
+ * move stops at the minimum of the objective, or where a free input meets a bound and leaves the
+ * free set. Returns whether there was such a move.
  */
 static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -702,9 +712,10 @@ static void find_way_and_slope(pzs_real *restrict way, pzs_real *restrict slope,
 }
 
 /*
- * Whether the round lowered the objective. Since the objective is quadratic, its change is
- * proportional to (voltages - start voltages) times the sum of the gradients at both ends. The
- * rounding error over this distance must be below the target energy, or far below the decrease.
+ * Whether a round of iterations lowered the objective. Since the objective is quadratic, its change
+ * is proportional to (voltages - start voltages) times the sum of the gradients at both ends. The
+ * rounding error of this product must be below target_energy, the scale of the objective, or far
+ * below the decrease.
  */
 static bool has_decreased(const pzs_optimiser *optimiser)
 {

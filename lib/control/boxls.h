@@ -67,8 +67,8 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
                              const pzs_real *gradient);
 
 /*
- * Return whether the rounding error of the Hessian times (voltages - base voltages) may cost more
- * than the machine epsilon times the target energy.
+ * Return whether the rounding error of the Hessian times (voltages - base voltages) may raise the
+ * objective by more than the machine epsilon times its scale, target_energy.
  */
 bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The tableau of the voltage optimiser: exchanges, pending updates and recomputation
- * (boxls_tableau.h).
+ * The tableau of the voltage optimiser: pivot exchanges, which are collected and applied together,
+ * and recomputation (boxls_tableau.h).
  */
 #include <string.h>
 #include "boxls_tableau.h"
@@ -102,8 +102,8 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
 }
 
 /*
- * Compute the rows and columns of the exchanged inputs, and remove these inputs from the pending
- * updates.
+ * Compute the rows and columns of the exchanged inputs in the tableau, and exclude these inputs
+ * from the collected updates.
  */
 static void apply_to_exchanged(pzs_optimiser *optimiser)
 {

@@ -3,8 +3,10 @@
  * The tableau of the voltage optimiser: one symmetric matrix that replaces the Hessian H. F is the
  * free set (inputs that may move together), A the active set (inputs that stay):
  *
- *   tableau on F, A:   [ -H_FF^-1         H_FF^-1 H_FA                ] [ H_AF H_FF^-1     H_AA -
- *                      H_AF H_FF^-1 H_FA    ]
+ *   rows F:  -H_FF^-1        H_FF^-1 H_FA
+ *   rows A:  H_AF H_FF^-1    H_AA - H_AF H_FF^-1 H_FA
+ *
+ * with the columns of F on the left and those of A on the right.
  *
  * An exchange moves one input between F and A by a symmetric rank-one update. Up to PZS_PENDING
  * exchanges are kept as vectors, rows are corrected for them when they are read, and all are
@@ -25,11 +27,14 @@
  */
 pzs_real pzs_tableau_independence(const pzs_optimiser *optimiser, uint32_t k);
 
-/* Read the pivots of all inputs from the tableau. No exchange may be pending. */
+/*
+ * Read the pivots of all inputs from the diagonal of the tableau. All collected exchanges must have
+ * been applied to it.
+ */
 void pzs_tableau_read_pivots(pzs_optimiser *optimiser);
 
 /*
- * Compute row k of the tableau, pending exchanges included.
+ * Compute row k of the tableau, with the exchanges that are collected but not yet applied to it.
  *   row [width] out  the row
  */
 void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
@@ -40,7 +45,7 @@ void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict ro
  */
 void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
 
-/* Apply the pending exchanges to the tableau. */
+/* Apply the collected pivot exchanges to the tableau. */
 void pzs_tableau_apply(pzs_optimiser *optimiser);
 
 /*

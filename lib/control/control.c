@@ -61,8 +61,8 @@ static uint32_t set_step_bounds(pzs_real *restrict lo, pzs_real *restrict hi,
 }
 
 /*
- * Use the voltage limit as both bounds where step limit and voltage limits do not overlap. Returns
- * the first such input, or -1.
+ * Where step limit and voltage limits of an input do not overlap, use the voltage limit nearer to
+ * its last voltage as both bounds. Returns the first such input, or -1.
  */
 static int32_t prefer_voltage_limits(pzs_optimiser *optimiser, const pzs_control *control)
 {
@@ -110,10 +110,11 @@ static pzs_real project_misfit(const pzs_control *control, pzs_real *out, const 
 }
 
 /*
- * Compute the target gradient B'W^2 (wanted - shown), where shown is the shape of the base voltages
- * plus the disturbance. Returns |W (wanted - shown)|^2. The target energy, |W e|^2 of the target
- * error e, follows from this square, the energy of the base and the target gradient; it is bounded
- * below by its rounding error. Target energy and result are finite only if the target gradient is.
+ * Compute the target gradient B'W^2 (wanted - shown), with influence matrix B and output weights W,
+ * where `shown` is the shape of the base voltages plus the disturbance. Returns |W (wanted -
+ * shown)|^2. From it follows target_energy = |W e|^2 of the target error e, the scale of the
+ * objective, which is bounded below by its rounding error. Both are finite only if the target
+ * gradient is.
  */
 static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *control,
                                const pzs_real *wanted, const pzs_real *shown)
@@ -244,10 +245,10 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
 }
 
 /*
- * Turn a voltage step into the step of a damped tick: the gradient of the static problem at the
- * base voltages counts with the factor state.share, and the damping gradient is added to the target
- * gradient. Returns `missed`, the weighted squared norm of the target error (m2), enlarged so that
- * the rounding-error bound covers the damping gradient too.
+ * Turn a voltage step into that of a damped tick, which also damps vibration: the gradient of the
+ * objective at the base voltages is multiplied by state.share, and the damping gradient is added to
+ * the target gradient. Returns `missed`, the weighted squared norm of the target error (m2),
+ * enlarged so that the rounding-error bound covers the damping gradient too.
  *   damping [inputs] in  damping gradient (m2/V)
  */
 static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control,

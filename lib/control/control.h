@@ -22,9 +22,10 @@ void pzs_control_predict(pzs_control *control);
 void pzs_control_moved(pzs_control *control);
 
 /*
- * Make the next ticks damped ticks, which minimise the static problem from the present voltages
- * with its gradient multiplied by `share`, minus the damping gradient. Unchanged voltages
- * are always allowed, and in static equilibrium the voltages are those of the undamped tick.
+ * Make the next ticks damped ticks, which also damp vibration: at the present voltages the gradient
+ * of the objective is multiplied by `share`, and the damping gradient is subtracted from it.
+ * Unchanged voltages are always allowed, and in static equilibrium the voltages are those of the
+ * undamped tick.
  *   share            in      factor of the static gradient, above 0 and at most 1
  *   damping [inputs] in      damping gradient, read in each tick (m2/V); NULL: undamped ticks again
  *   carry   [inputs] in/out  parts of voltage changes that the amplifiers have not made, kept by

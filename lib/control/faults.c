@@ -10,8 +10,7 @@
  *
  *   - it was moved by a full amplitude and hardly responded: it is stuck, or was dead before; or
  *   - the shape jumped as if the voltage of this electrode, more than that of any other, had
- *     vanished:
- *     it has just died.
+ *     vanished: it has just died.
  *
  * A load may cause either. A test signal is therefore applied to the suspected electrode: it is set
  * to two voltages in turn, one amplitude above and below its present voltage, inside voltage limits
@@ -250,9 +249,9 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
 /* ---- response --------------------------------------------------------- */
 
 /*
- * Update the disturbance and state.change, the squared output weights times its change since the
- * last shape, which is zero where either shape has no measurement. Returns whether enough outputs
- * are measured in both shapes.
+ * Update the disturbance (measured minus predicted shape) and state.change, the squared output
+ * weights times the change of the disturbance since the last shape, which is zero where either
+ * shape has no measurement. Returns whether enough outputs are measured in both shapes.
  */
 static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *measured)
 {
@@ -314,9 +313,10 @@ static void store_voltages(pzs_fault_detector *detector, const pzs_real *voltage
 }
 
 /*
- * Estimate the voltages by which the electrodes exceed their commands, by least squares, into
- * state.deviation. Then update three fading sums for each electrode: squared moves, squared
- * responses, and lost voltage. Returns the sum of the squared deviations (V2).
+ * Estimate by least squares, into state.deviation, the voltage change of each electrode that the
+ * shape indicates minus its commanded change (V). Then update three exponentially decaying sums for
+ * each electrode: squared commanded changes, squared indicated changes, and deviations. Returns the
+ * sum of the squared deviations (V2).
  */
 static pzs_real update_responses(pzs_fault_detector *detector, const pzs_real *voltage)
 {
@@ -402,7 +402,10 @@ static bool has_room(const pzs_fault_detector *detector, uint32_t j)
            4 * detector->settings.amplitude[j];
 }
 
-/* Start tests of the electrodes under the strongest suspicion, as long as test signals are free. */
+/*
+ * Start tests of the electrodes under the strongest suspicion, as long as fewer than
+ * PZS_TEST_SIGNALS electrodes are under test.
+ */
 static void start_tests(pzs_fault_detector *detector, const pzs_real *voltage, pzs_real deviation2)
 {
     for (uint32_t k = 0; k < PZS_TEST_SIGNALS; k++) {

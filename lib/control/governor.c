@@ -125,8 +125,8 @@ static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
 }
 
 /*
- * Return the largest part of the way to the optimum that respects the governor's part of the step
- * limits.
+ * Return the largest fraction of the way from the reference voltages to the optimum for which no
+ * input exceeds the governor's part of its step limit.
  */
 static pzs_real largest_part(const pzs_governor_state *state)
 {
@@ -140,8 +140,9 @@ static pzs_real largest_part(const pzs_governor_state *state)
 }
 
 /*
- * Move the reference voltages by one tick, and compute the voltages by whose shape the target is to
- * be changed: optimum - reference - move / share. Returns whether the target has to be changed.
+ * Move the reference voltages by one tick. Then compute the voltages optimum - reference - move /
+ * share (V), whose shape is to be subtracted from the target. Returns whether there is anything to
+ * subtract.
  */
 static bool move_reference(pzs_governor_state *state)
 {
@@ -165,7 +166,7 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     const pzs_problem *problem = signals->control->state.problem;
     place(state, signals->tables, signals->control);
     if (pzs_guard_nonfinite(signals->wanted, problem->outputs) >= 0)
-        return PZS_OK; /* the control step holds the voltages and returns the reason */
+        return PZS_OK; /* the control step will keep the voltages and return the reason */
     if (!is_known(state, signals->wanted))
         find_optimum(state, signals->wanted);
     if (!state->has_target || !move_reference(state))

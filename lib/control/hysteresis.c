@@ -85,7 +85,10 @@ static bool are_between(const pzs_real *entry, size_t count, pzs_real least, pzs
     return k == count;
 }
 
-/* Whether the slacks of the plays of an electrode are positive and in ascending order. */
+/*
+ * Whether the slacks of the plays (elements with backlash) of an electrode are positive and in
+ * ascending order.
+ */
 static bool are_rising(const pzs_real *slack, uint32_t plays)
 {
     uint32_t i = 0;
@@ -136,7 +139,10 @@ static pzs_status check(const pzs_hysteresis *tables, const pzs_problem *problem
 
 /* ---- one electrode ---------------------------------------------------- */
 
-/* Return `value` clamped to [middle - slack, middle + slack], or the lower end for NaN. */
+/*
+ * Return `value`, the position of a play, clamped to [middle - slack, middle + slack], where
+ * `middle` is the position that the play follows (V); NaN becomes the lower end.
+ */
 static pzs_real follow(pzs_real value, pzs_real middle, pzs_real slack)
 {
     const pzs_real low = middle - slack, high = middle + slack;
@@ -144,7 +150,10 @@ static pzs_real follow(pzs_real value, pzs_real middle, pzs_real slack)
     return least < high ? least : high;
 }
 
-/* Return the slack of play i behind play i - 1, or of play 0 behind the voltage (V). */
+/*
+ * Return the slack (V) of play i relative to play i - 1, which it follows, or of play 0 relative to
+ * the voltage.
+ */
 static pzs_real slack_behind(const pzs_real *slack, uint32_t i)
 {
     return i > 0 ? slack[i] - slack[i - 1] : slack[0];
@@ -179,7 +188,10 @@ void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresi
         memory.creep[j] = creep[j] * voltage;
 }
 
-/* Return the part of its way that a creep goes in some ticks, from the part of one tick. */
+/*
+ * Return the fraction of the way to its final value that a creep term goes in some ticks. `rate` is
+ * the fraction in one tick.
+ */
 static pzs_real rate_of(pzs_real rate, uint32_t ticks)
 {
     pzs_real left = 1, square = 1 - rate;
@@ -193,8 +205,9 @@ static pzs_real rate_of(pzs_real rate, uint32_t ticks)
 }
 
 /*
- * Return the creep after some ticks at a voltage, on its way to gain * voltage (V). A creep above
- * gain * most, which cannot result from any voltages, is set to its final value.
+ * Return a creep term (V) after it has gone the fraction `rate` of the way to its final value, gain
+ * times voltage. A creep term above gain times `most` in absolute value, which cannot result from
+ * any voltages, is first set to the final value.
  */
 static pzs_real creep_after(pzs_real creep, pzs_real gain, pzs_real rate, pzs_real voltage,
                             pzs_real most)
@@ -247,27 +260,32 @@ pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
 /* ---- inverse ---------------------------------------------------------- */
 
 /*
- * Search along the characteristic of an electrode, from its present voltage upwards or downwards.
- * All positions are multiplied by `sign`, so that the search always runs towards larger numbers.
+ * Search for the voltage with a wanted effect, along the piecewise linear characteristic of an
+ * electrode from its present voltage upwards or downwards. All positions are multiplied by `sign`,
+ * so that the search always runs towards larger numbers. A play is an element with backlash.
  */
 typedef struct effect_walk {
-    const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear function, from the lowest
-                              voltages to the highest (1) */
-    const pzs_real *slack; /* [plays] slack of each play (V) */
-    const pzs_real *play;  /* [plays] position of each play, not multiplied by `sign` (V) */
-    const pzs_real *ahead; /* [plays] weight of each play beyond the middle, in the direction of the
-                              search (1) */
-    const pzs_real *behind; /* [plays] weight of each play before the middle, in the direction of
+    const pzs_real *slope;  /* [SEGMENTS] slopes of the piecewise linear function, from the lowest
+                               voltages to the highest (1) */
+    const pzs_real *slack;  /* [plays] slack of each play, the half width of its backlash (V) */
+    const pzs_real *play;   /* [plays] position of each play, not multiplied by `sign` (V) */
+    const pzs_real *ahead;  /* [plays] weight of each play in the effect once its position is past
+                               the middle of the voltage range, seen in the direction of the search
+                               (1) */
+    const pzs_real *behind; /* [plays] weight of each play in the effect as long as its position is
+                               short of the middle of the voltage range, seen in the direction of
                                the search (1) */
     pzs_real sign;          /* 1: the search runs upwards; -1: downwards */
-    pzs_real knot;  /* distance from the middle at which the slope of the piecewise linear function
-                       changes (V) */
-    pzs_real place; /* present position of the search, relative to the middle (V) */
-    pzs_real gain;  /* slope of the effect ahead of the present position (1) */
+    pzs_real knot;  /* distance from the middle of the voltage range at which the slope of the
+                       piecewise linear function changes (V) */
+    pzs_real place; /* present position of the search, relative to the middle of the voltage range
+                       (V) */
+    pzs_real gain; /* slope of the effect over the voltage just ahead of the present position (1) */
     uint32_t plays;
-    uint32_t moving;  /* number of plays that move already, the first ones in the order of their
-                         slack */
-    uint32_t crossed; /* number of moving plays that are beyond the middle */
+    uint32_t moving; /* number of plays that have used up their slack and move with the voltage: the
+                        first ones in the order of their slack */
+    uint32_t crossed; /* number of moving plays whose position is past the middle of the voltage
+                         range */
     uint32_t knots;   /* number of changes of slope of the piecewise linear function that the search
                          has passed */
 } effect_walk;
@@ -301,26 +319,38 @@ static effect_walk start_walk(const pzs_hysteresis *tables, uint32_t input,
     return walk;
 }
 
-/* Return the position at which the next play begins to move (V). */
+/*
+ * Return the position of the search at which the next play has used up its slack and begins to move
+ * (V).
+ */
 static pzs_real next_move(const effect_walk *walk)
 {
     const uint32_t i = walk->moving;
     return i < walk->plays ? walk->sign * walk->play[i] + walk->slack[i] : NOWHERE;
 }
 
-/* Return the position at which the next moving play crosses the middle (V). */
+/*
+ * Return the position of the search at which the next moving play crosses the middle of the voltage
+ * range (V).
+ */
 static pzs_real next_crossing(const effect_walk *walk)
 {
     return walk->crossed < walk->moving ? walk->slack[walk->crossed] : NOWHERE;
 }
 
-/* Return the position at which the slope of the piecewise linear function changes next (V). */
+/*
+ * Return the position of the search at which the slope of the piecewise linear function changes
+ * next (V).
+ */
 static pzs_real next_knot(const effect_walk *walk)
 {
     return walk->knots + 1u < SEGMENTS ? ((pzs_real)walk->knots - 1) * walk->knot : NOWHERE;
 }
 
-/* Let the next play move, with its weight before or beyond the middle. */
+/*
+ * Let the next play move, and add its weight, which differs before and past the middle of the
+ * voltage range, to the slope of the effect.
+ */
 static void move_play(effect_walk *walk)
 {
     const uint32_t i = walk->moving++;
@@ -329,7 +359,7 @@ static void move_play(effect_walk *walk)
     walk->crossed = is_beyond ? walk->moving : walk->crossed;
 }
 
-/* Pass the nearest position at which the slope of the effect changes. */
+/* Pass the nearest position at which the slope of the effect changes, and update the slope. */
 static void pass_break(effect_walk *walk, pzs_real nearest)
 {
     if (next_crossing(walk) <= nearest) {
@@ -444,7 +474,10 @@ static bool set_range(pzs_compensator *compensator, const pzs_control *control, 
     return overlaps;
 }
 
-/* Store the voltage limits of input k, and replace them by the effects at the ends of its range. */
+/*
+ * Replace the voltage limits of input k in the controller by effects (voltages without hysteresis):
+ * those at the ends of the range of this tick.
+ */
 static void set_effect_limits(const pzs_compensator *compensator, pzs_control *control, uint32_t k)
 {
     const pzs_hysteresis *tables = compensator->state.tables;
@@ -456,8 +489,8 @@ static void set_effect_limits(const pzs_compensator *compensator, pzs_control *c
 }
 
 /*
- * Largest difference of an effect from that of the last prediction that counts as rounding,
- * relative to the machine epsilon.
+ * Largest difference between an effect and that of the last prediction that counts as rounding, as
+ * a multiple of the machine epsilon and relative to the largest voltage.
  */
 #define ROUNDING 256
 
@@ -522,15 +555,15 @@ static pzs_status inverse_init(void *self, const void *tables, pzs_loop_signals 
 }
 
 /*
- * Return the voltage of input k, inside its range, that has the effect which the control step
- * chose.
+ * Return the voltage of input k, inside its range of this tick, that has the effect (voltage
+ * without hysteresis) which the control step chose.
  */
 static pzs_real voltage_of(const pzs_compensator *compensator, const pzs_control *control,
                            const pzs_real *given, uint32_t k)
 {
     const pzs_real lower = compensator->state.lower[k], upper = compensator->state.upper[k];
     const pzs_real wanted = control->state.voltage[k];
-    if (!number_is_finite(wanted)) /* damaged memory: stay */
+    if (!number_is_finite(wanted)) /* memory is damaged: keep the present voltage */
         return number_clamp(given[k], lower, upper);
     if (!(wanted < control->state.upper[k]))
         return upper;

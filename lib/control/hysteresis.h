@@ -15,9 +15,9 @@ uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables);
 
 /* Memory of one electrode, by which its effect depends on earlier voltages. */
 typedef struct hysteresis_memory {
-    pzs_real *play;  /* [plays] position of each play, relative to the middle of the voltage range
-                        (V) */
-    pzs_real *creep; /* [creeps] effect of each creep (V) */
+    pzs_real *play; /* [plays] position of each play (element with backlash), relative to the middle
+                       of the voltage range (V) */
+    pzs_real *creep; /* [creeps] present value of each creep term in the effect (V) */
 } hysteresis_memory;
 
 /*

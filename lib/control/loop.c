@@ -165,7 +165,7 @@ static pzs_status init_block(pzs_loop *loop, size_t k, pzs_loop_signals *signals
     return status == PZS_OK ? PZS_OK : finish(loop, status, block->type, signals->where);
 }
 
-/* Make the voltages of the controller the voltages of the last tick, and publish them. */
+/* Take the voltages of the controller as the voltages of the last tick, and publish them. */
 static void start_gate(pzs_loop *loop)
 {
     const pzs_loop_core *core = loop->state.core;
@@ -319,7 +319,10 @@ static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
     pzs_control_moved(core->control);
 }
 
-/* Continue the scrub with the next table of a block, or with the first table of the next block. */
+/*
+ * Continue the check of the tables with the next table of a block, or with the first table of the
+ * next block.
+ */
 static void go_on(pzs_loop *loop, bool is_same_block)
 {
     loop->state.scrubbed_number = (uint16_t)(is_same_block ? loop->state.scrubbed_number + 1u : 0);

@@ -3,22 +3,17 @@
  * Divergence monitor of the supervisor. A tick is implausible in two cases:
  *
  *   - the structure deviates from the model by more than changes of the target, noise and the
- *     largest
- *     sudden load explain:
+ *     largest sudden load explain:
  *
  *         amplitude > 4 envelope + 6 noise + load
  *
- *     The envelope rises by the RMS of each change of the target, and decays. The amplitude is that
- *       of
- *     the vibration block, if there is one; otherwise the RMS of the disturbance (measured minus
- *     predicted shape) minus its low-passed value, so that steady loads and a steady error of the
- *       model
- *     do not count;
+ *     The envelope rises by the RMS of each change of the target, and decays. The amplitude is
+ *     that of the vibration block, if there is one; otherwise the RMS of the disturbance (measured
+ *     minus predicted shape) minus its low-passed value, so that steady loads and a steady error of
+ *     the model do not count;
  *   - the shape does not respond: over the last moves, the measured changes of the shape had less
- *     than
- *     a tenth of the predicted size in the predicted direction, as with a wrong polarity, an
- *                                      amplifier
- *     that is switched off, or vibration under a loop without a vibration model.
+ *     than a tenth of the predicted size in the predicted direction, as with a wrong polarity, an
+ *     amplifier that is switched off, or vibration under a loop without a vibration model.
  *
  * The work of a tick is about 20 operations for each output.
  */
@@ -27,17 +22,23 @@
 #include "../core/guard.h"
 #include "../core/numbers.h"
 
-#define MARGIN 4       /* factor of the explained deviation in the threshold */
-#define NOISE_MARGIN 6 /* factor of the noise of the measured shape in the threshold */
+#define MARGIN                                                                                     \
+    4 /* factor of the deviation that changes of the target explain, in the alarm threshold of the \
+         amplitude */
+#define NOISE_MARGIN                                                                               \
+    6 /* factor of the RMS noise of the measured shape, in the alarm threshold of the amplitude */
 /* Factor by which the largest deviation of the last ticks decays in each tick. */
 #define PEAK_FADING PZS_R(0.9)
-/* Gain of the low-pass filter of the disturbance, and of the fading sums over the last moves. */
+/*
+ * Gain of the low-pass filter of the disturbance (measured minus predicted shape), and of the
+ * exponentially decaying sums over the last moves.
+ */
 #define SLOW PZS_R(0.02)
 #define LEAST_ANSWER                                                                               \
     PZS_R(0.1) /* smallest plausible ratio of measured to predicted changes of the shape */
 /*
- * The response of the shape is judged only if the root of the summed squares of the predicted moves
- * exceeds this part of the largest sudden load.
+ * The response of the shape is judged only if the root of the exponentially decaying sum of the
+ * squared predicted moves exceeds this part of the shape change by the largest sudden load.
  */
 #define LEAST_MOVE PZS_R(0.25)
 

@@ -118,7 +118,10 @@ static void repair_rows(pzs_control *control, const pzs_real *table, uint32_t k,
     optimiser->diagonal[last] = optimiser->hessian[(size_t)last * optimiser->width + last];
 }
 
-/* Compare row k of the Hessian with its source. Returns whether the row had to be repaired. */
+/*
+ * Compare row k of the Hessian with its source, the table of the problem or the entries across the
+ * diagonal. Returns whether the row had to be repaired.
+ */
 static bool scrub_row(pzs_control *control, const pzs_real *table, uint32_t k)
 {
     pzs_optimiser *optimiser = &control->state.optimiser;

@@ -95,7 +95,7 @@ static bool is_in_control(uint32_t mode)
 
 /* ---- ramps -------------------------------------------------------------- */
 
-#define MOST_TICKS 4e9f /* ramps of more ticks count as unbounded */
+#define MOST_TICKS 4e9f /* a ramp of more ticks counts as one without a bound */
 
 /*
  * Return the smallest number of ticks in which a voltage changes by `way` (V) with a step limit
@@ -108,13 +108,13 @@ static uint32_t ticks_of(pzs_real way, pzs_real step_limit)
         return 0;
     if (!(ticks < (pzs_real)MOST_TICKS))
         return UINT32_MAX;
-    /* The margin covers rounding errors of the ramp. */
+    /* the factor covers rounding errors of the ramp */
     return (uint32_t)(ticks * (1 + 16 * PZS_EPSILON)) + 1u;
 }
 
 /*
- * Return the larger one of `most` and the number of ticks that input i needs from one voltage to
- * another.
+ * Return the larger one of `most` and the number of ticks that the voltage of input i needs from
+ * the start to the end of a ramp.
  */
 static uint32_t longer_duration(uint32_t most, const pzs_problem *problem, uint32_t i,
                                 pzs_real from, pzs_real to)

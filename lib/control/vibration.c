@@ -19,8 +19,8 @@
  * of the modes: it moves the voltages in phase with the deviation, also where a step limit cuts the
  * move. Unchanged voltages are always allowed, so the sum of the energy of the modes and of the
  * static objective never rises, whatever the voltage limits, the step limits and the held inputs
- * are (for exact modes that are observed without error, with mix 0). In static equilibrium d = p =
- * 0, and the voltages are those of the undamped tick.
+ * are (for exact modes that are observed without error, with pzs_vibration.mix = 0). In static
+ * equilibrium d = p = 0, and the voltages are those of the undamped tick.
  *
  * The deviation that is damped is a weighted mean of q - g v - w and of the change of the velocity
  * in one tick, divided by the angle that the mode turns in a tick. The second form does not depend
@@ -164,8 +164,8 @@ static pzs_real *expected_of(const pzs_damper *damper, uint32_t age)
 }
 
 /*
- * Compute static modal coordinates and static readings under the present voltages into the newest
- * row.
+ * Compute the static modal coordinates and static readings under the present voltages into the
+ * newest row of the ring buffer.
  */
 static void record_voltages(pzs_damper *damper)
 {
@@ -203,8 +203,8 @@ static void predict(const pzs_damper *damper, pzs_real *state, const pzs_real *e
 }
 
 /*
- * Copy the static coordinates and readings of the previous tick into the newest row of the ring
- * buffer.
+ * Copy the static modal coordinates and static readings of the previous tick into the newest row of
+ * the ring buffer.
  */
 static void repeat_voltages(pzs_damper *damper)
 {
@@ -262,8 +262,8 @@ static void predict_readings(pzs_damper *damper)
 }
 
 /*
- * Return the residual of one sensor: its low-passed innovation minus the part that the modes
- * explain.
+ * Return the residual of one sensor (in its unit): its low-passed innovation (reading minus
+ * predicted reading) minus the part that the modes explain.
  */
 static pzs_real residual_of(const pzs_damper *damper, uint32_t sensor)
 {
@@ -276,8 +276,8 @@ static pzs_real residual_of(const pzs_damper *damper, uint32_t sensor)
 }
 
 /*
- * Replace the innovations of unusable readings by their residuals. Returns the number of unusable
- * readings.
+ * Replace the innovations (reading minus predicted reading) of unusable readings by the residuals
+ * of their sensors. Returns the number of unusable readings.
  */
 static uint32_t replace_unusable(pzs_damper *damper, const pzs_real *readings, int32_t *where)
 {
