@@ -176,17 +176,31 @@ static void keep_name(const cell *cell, char *name)
 }
 
 /*
- * Take the cells of the present line as the names of the columns. Returns 0, or -1 with error
- * filled.
+ * Return the name in a cell without a unit in brackets behind it, as `x [mm]` or `x (mm)`. A number
+ * in brackets belongs to the name.
  */
-static int keep_column_names(text_reader *reader)
+static cell without_unit(cell named)
+{
+    for (size_t i = 1; i + 1 < named.length; i++)
+        if (strchr("[(", named.text[i]) && isalpha((unsigned char)named.text[i + 1]))
+            return trimmed(named.text, named.text + i);
+    return named;
+}
+
+/*
+ * Take the cells of the present line as the names of the columns, with or without units in brackets
+ * behind them. Returns 0, or -1 with error filled.
+ */
+static int keep_column_names(text_reader *reader, bool with_units)
 {
     number_table *table = reader->table;
     table->column_name = calloc(reader->cells + 1, sizeof *table->column_name);
     if (!table->column_name)
         return fault(reader, "out of memory");
-    for (size_t k = 0; k < reader->cells; k++)
-        keep_name(&reader->cell[k], table->column_name[k]);
+    for (size_t k = 0; k < reader->cells; k++) {
+        const cell named = with_units ? reader->cell[k] : without_unit(reader->cell[k]);
+        keep_name(&named, table->column_name[k]);
+    }
     return 0;
 }
 
@@ -270,23 +284,36 @@ static int add_row(text_reader *reader, bool has_row_names)
 }
 
 /*
- * Return whether all cells of the present line are single words: letters, digits, and the
- * characters _ - . between them.
+ * Return whether all cells of the present line are single words, apart from units in brackets:
+ * letters, digits, and the characters _ - . between them.
  */
 static bool holds_words(const text_reader *reader)
 {
-    for (size_t k = 0; k < reader->cells; k++)
-        for (size_t i = 0; i < reader->cell[k].length; i++) {
-            const unsigned char character = (unsigned char)reader->cell[k].text[i];
+    for (size_t k = 0; k < reader->cells; k++) {
+        const cell named = without_unit(reader->cell[k]);
+        for (size_t i = 0; i < named.length; i++) {
+            const unsigned char character = (unsigned char)named.text[i];
             if (!isalnum(character) && !strchr("_-.", character))
                 return false;
         }
+    }
     return true;
+}
+
+/* Refuse names that are nearly as many as the columns, but not as many. */
+static int refuse_names(const text_reader *reader, size_t names, size_t columns)
+{
+    char message[NUMBER_ERROR];
+    snprintf(message, sizeof message,
+             "the comment above has %lu names for %lu columns; name every column, or remove it",
+             (unsigned long)names, (unsigned long)columns);
+    return fault(reader, message);
 }
 
 /*
  * Take the last comment above the first numbers as the names of the columns if it has one word for
- * each column, as numpy.savetxt writes a header. Returns 0, or -1 with error filled.
+ * each column, as numpy.savetxt writes a header; the words may have another delimiter than the
+ * numbers. Returns 0, or -1 with error filled.
  */
 static int take_comment(text_reader *reader)
 {
@@ -294,14 +321,22 @@ static int take_comment(text_reader *reader)
     const char *text = reader->comment.text;
     cell *const numbers = reader->cell;
     const size_t room = reader->room_cells;
+    const char delimiter = reader->delimiter;
     int failed = 0;
     if (!text)
         return 0;
     reader->cell = NULL;
     reader->room_cells = 0;
+    reader->delimiter = delimiter_of(text, text + reader->comment.length);
     failed = split(reader, text, text + reader->comment.length);
-    if (!failed && reader->cells == columns && holds_names(reader) && holds_words(reader))
-        failed = keep_column_names(reader);
+    const bool has_names =
+        !failed && reader->cells > 2 && holds_names(reader) && holds_words(reader);
+    const bool is_list = has_names && reader->delimiter != ' ';
+    if (has_names && reader->cells == columns)
+        failed = keep_column_names(reader, false);
+    else if (is_list && reader->cells + 2 >= columns && reader->cells <= columns + 2)
+        failed = refuse_names(reader, reader->cells, columns);
+    reader->delimiter = delimiter;
     free(reader->cell);
     reader->cell = numbers;
     reader->room_cells = room;
@@ -324,7 +359,7 @@ static int read_lines(text_reader *reader)
     const bool has_names = holds_names(reader);
     if (!has_names && take_comment(reader) < 0)
         return -1;
-    if (has_names && keep_column_names(reader) < 0)
+    if (has_names && keep_column_names(reader, true) < 0)
         return -1;
     const size_t named = reader->cells;
     if (has_names)

@@ -52,6 +52,8 @@ static const struct rule {
      "displacements come out too small; use rectangles along the strip"},
     {"narrow_element", SUBJECT_MESH, measure_narrow, 0.3, 1, "of that at its centre",
      "elements that are nearly triangles are inaccurate; use others"},
+    {"slenderness", SUBJECT_MESH, measure_slenderness, 1e-5, 0.5, "",
+     "compare the units of the thickness with those of the surface or mesh file"},
     {"uniform_shear", SUBJECT_MESH, measure_shear, -HUGE_VAL, 0.05, "",
      "the laminate comes out too stiff; use element: {shear: equilibrium}"},
     {"faces", SUBJECT_MESH, measure_faces, 0, 0.05, "",
@@ -80,13 +82,15 @@ static const struct rule {
      "matrix"},
     {"modulus", SUBJECT_SCENE, measure_modulus, 1e5, 2e12, "Pa", CHECK_UNITS "210 GPa"},
     {"density", SUBJECT_SCENE, measure_density, 1, 3e4, "kg/m3", CHECK_UNITS "7800 kg/m3"},
+    {"light_material", SUBJECT_SCENE, measure_light_material, 100, HUGE_VAL, "kg/m3",
+     CHECK_UNITS "7800 kg/m3"},
     {"piezo_constant", SUBJECT_SCENE, measure_piezo, 1e-13, 1e-8, "m/V", CHECK_UNITS "-210 pm/V"},
     {"thickness", SUBJECT_SCENE, measure_thickness, 1e-7, 1, "m", CHECK_UNITS "0.3 mm"},
     {"sharp_edge", SUBJECT_SCENE, measure_sharp_edge, 0, 40, "degrees",
      "the two sides share one mean director there; smaller elements at the edge reduce the error"},
     {"slit", SUBJECT_SCENE, measure_slit, 0, 0, "pairs",
      "the surface is open there; where it should not be, mesh with Coherence;"},
-    {"influence", SUBJECT_SCENE, measure_matrix_entry, 1e-12, 1e-4, "m/V",
+    {"influence", SUBJECT_SCENE, measure_matrix_entry, 1e-12, 1e-5, "m/V",
      "compare the matrix with units.length, or write influence.scale, as 1e-6 for micrometres in a "
      "scene in metres"},
     {"influence_shape", SUBJECT_SCENE, measure_matrix_shape, 0, 1, "",
@@ -97,6 +101,8 @@ static const struct rule {
      "readings one tick older can make the loop swing without end; measure the age, converters and "
      "filters included, and write the largest; with safety: {} the loop parks the voltages when it "
      "swings"},
+    {"strong_actuator", SUBJECT_SCENE, measure_strong_column, 0, 100, "",
+     "a column of coordinates is no actuator: name it x, y or z; or measure the actuator again"},
     {"repeated_actuator", SUBJECT_SCENE, measure_repeated_column, 1e-4, HUGE_VAL, "",
      "the two cannot be told apart; a column may have been written twice"},
 };

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include "../scene/scene_units.h"
 #include "matrix_facts.h"
 
@@ -68,6 +69,29 @@ int measure_dead_column(const subject *of, int k, measured *found)
     if (!is_held(of->scene, k))
         found->value = matrix_column_size(of->scene, k) / most;
     snprintf(found->what, WHAT, "effect of actuator '%s' over that of the strongest",
+             of->scene->actuator[k].name);
+    return 1;
+}
+
+static int ascending(const void *x, const void *y)
+{
+    const double *a = x, *b = y;
+    return (*a > *b) - (*a < *b);
+}
+
+int measure_strong_column(const subject *of, int k, measured *found)
+{
+    const int amplifiers = of->scene->amplifiers;
+    if (!has_column(of, k, found) || amplifiers > COMPARED || amplifiers < 3)
+        return 0;
+    double size[COMPARED];
+    for (int i = 0; i < amplifiers; i++)
+        size[i] = matrix_column_size(of->scene, i);
+    const double own = size[k];
+    qsort(size, (size_t)amplifiers, sizeof *size, ascending);
+    if (size[amplifiers / 2] > 0)
+        found->value = own / size[amplifiers / 2];
+    snprintf(found->what, WHAT, "effect of actuator '%s' over the median of all",
              of->scene->actuator[k].name);
     return 1;
 }

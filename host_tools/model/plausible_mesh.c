@@ -85,6 +85,16 @@ static double shorter_side(const mesh *mesh)
     return extent[0] + extent[1] + extent[2] - largest - smallest;
 }
 
+int measure_slenderness(const subject *of, int k, measured *found)
+{
+    const double side = shorter_side(of->mesh);
+    if (side > 0)
+        found->value = of->mesh->laminate.thickness / side;
+    snprintf(found->what, WHAT, "thickness over the shorter side of the structure, %g over %g",
+             of->mesh->laminate.thickness, side);
+    return k == 0;
+}
+
 /*
  * Compute the bending and shear stiffnesses of the laminate, and the squared wave number of a half
  * wave over the shorter side of the structure.

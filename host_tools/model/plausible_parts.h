@@ -42,7 +42,7 @@ typedef struct measured {
 typedef int measure(const subject *of, int k, measured *found);
 
 /* Functions that measure the numbers of a scene for the plausibility rules (plausible_scene.c). */
-measure measure_modulus, measure_density, measure_piezo, measure_thickness;
+measure measure_modulus, measure_density, measure_light_material, measure_piezo, measure_thickness;
 measure measure_limit_field, measure_applied_field, measure_resolution, measure_electrode;
 
 /*
@@ -50,7 +50,7 @@ measure measure_limit_field, measure_applied_field, measure_resolution, measure_
  * (plausible_mesh.c).
  */
 measure measure_locking, measure_coarse, measure_strips, measure_narrow;
-measure measure_shear, measure_faces;
+measure measure_shear, measure_faces, measure_slenderness;
 measure measure_held_spring, measure_long_spring;
 
 /*
@@ -64,6 +64,7 @@ measure measure_sharp_edge, measure_slit;
  * (plausible_matrix.c).
  */
 measure measure_matrix_entry, measure_matrix_shape, measure_dead_column, measure_repeated_column;
+measure measure_strong_column;
 
 /*
  * Functions that measure computed voltages and displacements for the plausibility rules

@@ -74,6 +74,18 @@ int measure_density(const subject *of, int k, measured *found)
     return 1;
 }
 
+/* Density of a material that is stiffer than 1 GPa; lighter ones are foams, which are softer. */
+int measure_light_material(const subject *of, int k, measured *found)
+{
+    if (!measure_density(of, k, found))
+        return 0;
+    const scene_material *material = &of->scene->material[k];
+    const double stiffest = fmax(material->e[0], fmax(material->e[1], material->e[2]));
+    if (!(in_si(of->scene, stiffest, &modulus_unit) > 1e9))
+        found->value = (double)NAN;
+    return 1;
+}
+
 /*
  * Piezoelectric strain constants, or stress constants divided by the largest modulus, which are of
  * similar size.

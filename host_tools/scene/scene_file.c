@@ -91,8 +91,9 @@ typedef struct function_text {
 int scene_file_axis(const char *name)
 {
     for (int axis = 0; axis < EXPR_AXES; axis++)
-        if (strcmp(axis_name[axis] + 1, name + (*name != 0)) == 0 &&
-            tolower(*name) == *axis_name[axis])
+        if (tolower((unsigned char)*name) == *axis_name[axis] &&
+            strcspn(name, " [(") == strlen(axis_name[axis]) &&
+            strncmp(axis_name[axis] + 1, name + 1, strlen(axis_name[axis]) - 1) == 0)
             return axis;
     return -1;
 }

@@ -24,7 +24,8 @@ int scene_table_read(reader *reader, int node, number_table *table);
 
 /*
  * Return the coordinate that a column of a file holds according to its name, whose first letter may
- * be a capital: the index of x, y, z, theta1 or theta2, or -1 for any other name.
+ * be a capital and which may have a unit in brackets behind it: the index of x, y, z, theta1 or
+ * theta2, or -1 for any other name.
  */
 int scene_file_axis(const char *name);
 

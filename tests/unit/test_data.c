@@ -136,6 +136,7 @@ static void test_text_faults(void **state)
         {"1 2\n1,2\n", ":2: 1 values where the lines before have 2"},
         {"1,0x10\n", ":1: value 2, '0x10', is not a number"},
         {"1 2\n3 \x01\n", ":2: binary data"},
+        {"# x,y,e1\n1,2,3,4\n", ":2: the comment above has 3 names for 4 columns"},
         {"PK\x03\x04", "ZIP or .npz archive"},
     };
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {

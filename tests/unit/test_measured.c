@@ -567,6 +567,9 @@ static void test_warnings(void **state)
         {"1e-7 0 1e-8\n0 1e-7 3e-8\n", "influence_shape", 1.5},
         {"1e-7 0\n0 0\n1e-7 0\n", "dead_actuator", 0},
         {"1e-7 2e-7\n3e-7 6e-7\n1e-7 2e-7\n", "repeated_actuator", 0},
+        {"1e-6 0 0\n0 1e-6 0\n0 0 1.01e-5\n", "influence", 1.01e-5},
+        {"1e-8 0 0\n0 1e-8 0\n0 0 1.01e-6\n", "strong_actuator", 101},
+        {"1e-8 0 0\n0 1e-8 0\n0 0 0.99e-6\n", NULL, 0},
         {"1e-7 0\n0 1e-7\n1e-7 1e-7\n", NULL, 0},
     };
     for (size_t k = 0; k < sizeof unusual / sizeof *unusual; k++) {

@@ -44,6 +44,9 @@ static const edge_case edges[] = {
     {"density", METRES, "materials.ceramic.density=0.99", "materials.ceramic.density=1.01", 0.99},
     {"density", MILLIMETRES, "materials.ceramic.density=7800", "materials.ceramic.density=7800e-12",
      7800e12},
+    {"light_material", METRES, "materials.ceramic.density=99", "materials.ceramic.density=101", 99},
+    {"light_material", METRES, "materials.ceramic.density=7.8",
+     "materials.ceramic.density=7.8;materials.ceramic.E=0.99e9", 7.8},
     {"piezo_constant", METRES, "materials.ceramic.d31=1.01e-8", "materials.ceramic.d31=0.99e-8",
      1.01e-8},
     {"piezo_constant", METRES, "materials.ceramic.d31=-0.99e-13", "materials.ceramic.d31=-1.01e-13",
@@ -422,6 +425,32 @@ static void test_soft_core(void **state)
     }
 }
 
+/* Law: a thickness out of proportion to the structure is warned of, on both sides of both limits.
+ */
+static void test_slenderness(void **state)
+{
+    (void)state;
+    static const double factor[4] = {0.99e-5, 1.01e-5, 0.49, 0.51}; /* of the shorter side */
+    for (int i = 0; i < 4; i++) {
+        char changes[200];
+        plausible warnings = {.count = 0};
+        scene_run r;
+        open_run(&r, "vlasov-plate", "");
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (int node = 0; node < r.analysis.design.mesh.nodes; node++) {
+            low = fmin(low, r.analysis.design.mesh.point[node].x[0]);
+            high = fmax(high, r.analysis.design.mesh.point[node].x[0]);
+        }
+        scene_run_close(&r);
+        snprintf(changes, sizeof changes, "layers=[{material: plate, thickness: %.17g}]",
+                 factor[i] * (high - low));
+        open_run(&r, "vlasov-plate", changes);
+        plausible_mesh(&warnings, &r.analysis.design.mesh);
+        assert_int_equal(find_rule(&warnings, "slenderness") != NULL, i == 0 || i == 3);
+        scene_run_close(&r);
+    }
+}
+
 /* ---- shipped scenes --------------------------------------------------- */
 
 /*
@@ -501,6 +530,7 @@ int main(void)
         cmocka_unit_test(test_found_voltages),
         cmocka_unit_test(test_general_mesh),
         cmocka_unit_test(test_soft_core),
+        cmocka_unit_test(test_slenderness),
         cmocka_unit_test(test_shipped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
