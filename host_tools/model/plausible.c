@@ -80,6 +80,9 @@ static const struct rule {
     {"idle_voltages", SUBJECT_OPTIMUM, measure_idle, 1e-4, HUGE_VAL, "times the limit",
      "the target needs almost no voltage; compare the units of target, limits and structure or "
      "matrix"},
+    {"dependent_voltages", SUBJECT_OPTIMUM, measure_dependent, 0, 0, "amplifiers",
+     "the voltages are not unique, and rounding decides which are found; write regularisation: "
+     "{relative: 1e-6}"},
     {"modulus", SUBJECT_SCENE, measure_modulus, 1e5, 2e12, "Pa", CHECK_UNITS "210 GPa"},
     {"density", SUBJECT_SCENE, measure_density, 1, 3e4, "kg/m3", CHECK_UNITS "7800 kg/m3"},
     {"light_material", SUBJECT_SCENE, measure_light_material, 100, HUGE_VAL, "kg/m3",

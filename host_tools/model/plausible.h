@@ -61,6 +61,8 @@ typedef struct plausible_optimum {
     double error;  /* relative shape error of the optimum within the voltage limits */
     double share;  /* largest absolute voltage of the optimum relative to the largest limit; NAN
                       without limits */
+    int dependent; /* number of amplifiers whose influence columns depend linearly on those of
+                      others, without regularisation */
 } plausible_optimum;
 
 /* Apply the plausibility rules on the optimum of the voltages for a target. */

@@ -72,7 +72,7 @@ measure measure_strong_column;
  */
 measure measure_found_field, measure_displacement, measure_strain;
 measure measure_path, measure_stability;
-measure measure_target, measure_unreached, measure_idle;
+measure measure_target, measure_unreached, measure_idle, measure_dependent;
 
 /*
  * Function that measures by how many ticks the sensor readings of a stable control loop may be

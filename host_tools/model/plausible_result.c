@@ -214,3 +214,11 @@ int measure_age(const subject *of, int k, measured *found)
              of->scene->simulate.delay);
     return k == 0;
 }
+
+int measure_dependent(const subject *of, int k, measured *found)
+{
+    found->at = of->scene->limits.at;
+    found->value = of->optimum->dependent;
+    snprintf(found->what, WHAT, "some voltages change nothing in the target together");
+    return k == 0;
+}
