@@ -827,9 +827,9 @@ static void conclude_round(pzs_optimiser *optimiser, bool moved)
 }
 
 /*
- * Begin to recompute the tableau, at most once in a step. If the tableau was fresh, also raise the
- * pivot threshold, so that more inputs count as linearly dependent. Returns whether another round
- * is needed.
+ * Begin to recompute the tableau, at most once in a step. If no round has ended at the optimum
+ * since the last recomputation, also raise the pivot threshold, so that more inputs count as
+ * linearly dependent. Returns whether another round is needed.
  */
 static bool renew_tableau(pzs_optimiser *optimiser)
 {

@@ -229,8 +229,8 @@ void pzs_tableau_reset(pzs_optimiser *optimiser)
 }
 
 /*
- * Return the input that waits to join the free set and depends least on it, or the number of inputs
- * if none waits.
+ * Return the input, of those that are to join the free set again, that depends least on it, or the
+ * number of inputs if there is none.
  */
 static uint32_t next_pivot(const pzs_optimiser *optimiser)
 {

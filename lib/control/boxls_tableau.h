@@ -55,9 +55,9 @@ void pzs_tableau_apply(pzs_optimiser *optimiser);
 void pzs_tableau_reset(pzs_optimiser *optimiser);
 
 /*
- * Move the waiting inputs into the free set, the most independent first, as long as the work limit
- * allows. Inputs that depend linearly on those before them stay active. Returns whether no input
- * waits any more. next_voltage is used as work array.
+ * Move the inputs that were free before pzs_tableau_reset back into the free set, the most
+ * independent first, as long as the work limit allows. Inputs that depend linearly on those before
+ * them stay active. Returns whether all have been treated. next_voltage is used as work array.
  */
 bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 

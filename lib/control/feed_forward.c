@@ -154,7 +154,11 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     return PZS_OK;
 }
 
-/* Table 0 is that of the shape; table 1 is that of the readings, if there is a separate one. */
+/*
+ * List the array that the checksum of a feed-forward table covers: table 0 gives the effect of
+ * known loads on the shape; table 1, if there is one, that on the readings. Returns the number of
+ * arrays; 0: no such table.
+ */
 static uint32_t block_parts(const void *tables, uint32_t number,
                             pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc)
 {

@@ -6,13 +6,13 @@
  *
  *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j,
  *
- * where m is a piecewise linear function of four slopes, P_i is the position of play i, a_i is the
- * weight of the play (one above and one below the middle), and x_j is a creep of first order. Play
- * i follows s with the slack r_i. It is computed in series: play i follows play i - 1 with the
- * slack r_i - r_(i-1), and play 0 follows s. Both forms are equal, and in series every memory can
- * result from some voltages. Slopes are positive and weights are not negative, so u rises with v
- * for every memory: voltage limits and step limits of a tick are mapped to limits of the effect,
- * and the inverse is unique.
+ * where m is a piecewise linear function of four slopes, P_i is the position of play i (an element
+ * with backlash), a_i is the weight of the play (one above and one below the middle), and x_j is a
+ * creep of first order. Play i follows s with the slack r_i. It is computed in series: play i
+ * follows play i - 1 with the slack r_i - r_(i-1), and play 0 follows s. Both forms are equal, and
+ * in series every memory can result from some voltages. Slopes are positive and weights are not
+ * negative, so u rises with v for every memory: voltage limits and step limits of a tick are mapped
+ * to limits of the effect, and the inverse is unique.
  *
  * From the present voltage on, u is a piecewise linear function of v. In either direction the plays
  * begin to move one after the other, in the order of their slack, and cross the middle in this

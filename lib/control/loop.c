@@ -79,7 +79,10 @@ static pzs_status check_list(pzs_loop *loop, const pzs_block *blocks, size_t cou
 
 /* ---- layout ----------------------------------------------------------- */
 
-/* Return the constant part of the state of a loop, after a majority vote over its three copies. */
+/*
+ * Return the part of the state of a loop that stays constant from tick to tick (pointers and
+ * sizes), after a majority vote over its three copies.
+ */
 static pzs_loop_core *voted_core(pzs_loop *loop)
 {
     pzs_loop_core *core = loop->state.core;
@@ -88,7 +91,7 @@ static pzs_loop_core *voted_core(pzs_loop *loop)
 }
 
 /*
- * Make the other two copies of the constant part of the state equal to the first one, which was
+ * Make the other two copies of the pointers and sizes of a loop equal to the first one, which was
  * changed.
  */
 static void copy_core(pzs_loop *loop)
