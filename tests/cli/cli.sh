@@ -231,10 +231,9 @@ run 0 solve ring-contact --set "$several" --json && json "(lambda o, p:
     o['one'] == [e['value'] for e in p['edge'] if abs(e['theta1']-3.14159265/5) < 1e-6][0] == max(o['all']) > 0 and
     all(abs(e['x']**2 + e['y']**2 - 1e4) < 1e-9 and e['z'] == e['theta2'] for e in p['all']))(j['outputs'], j['output_places'])"
 check 'contact pressures of an edge, a region and all nodes in JSON' $?
-run 0 solve ring-contact --set "$several" --report "$dir/several.html" && [ "$(awk '/ theta1 .* all$/ {on = 1; next} /^  [a-z]/ {on = 0} on' "$dir/out" | wc -l)" -eq 62 ] &&
-    grep -q '^ *6.283185e-01  0.000000e+00   8.090170e+01  5.877853e+01  0.000000e+00 * 1.039' "$dir/out" &&
-    [ "$(grep -c '^<tr><th scope="row">[0-9]*</th><td>[0-9.]*</td><td>' "$dir/several.html")" -eq $((62 + 31 + 4 + 31)) ]
-check 'the same as a table with the coordinates of the nodes, in text and in the report' $?
+run 0 solve ring-contact --set "$several" && [ "$(awk '/ theta1 .* all$/ {on = 1; next} /^  [a-z]/ {on = 0} on' "$dir/out" | wc -l)" -eq 62 ] &&
+    grep -q '^ *6.283185e-01  0.000000e+00   8.090170e+01  5.877853e+01  0.000000e+00 * 1.039' "$dir/out"
+check 'the same as a table with the coordinates of the nodes' $?
 run 0 solve bimorph-sensor --set 'outputs=[{name: V, voltage: s}, {name: Q, charge: s}]' --json && json "
     [e['electrode'] for e in j['output_places']['V']] == list(j['electrodes']) and len(j['outputs']['V']) == len(j['outputs']['Q']) == 5 and
     [e['value'] for e in j['output_places']['V']] == j['outputs']['V'] == [e['voltages'] for e in j['electrodes'].values()]" &&
