@@ -179,8 +179,8 @@ static double largest(const simulate_record *record, const double *value, int pa
 }
 
 /*
- * Print the largest shape error and the largest vibration of the controller in each part of the
- * simulated time.
+ * Print the largest shape error and the largest vibration of the structure under the controller in
+ * each part of the simulated time.
  */
 static void print_history(const simulate_record *record, double rate)
 {
@@ -344,8 +344,8 @@ static void json_plant(json *json, const simulation *simulation)
 }
 
 /*
- * Write the largest shape error and the largest vibration of the controller in each interval of the
- * time axis as JSON.
+ * Write the largest shape error and the largest vibration of the structure under the controller, in
+ * each interval of the time axis, as JSON.
  */
 static void json_history(json *json, const simulate_record *record, double rate)
 {

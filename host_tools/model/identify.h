@@ -25,7 +25,7 @@ typedef struct sweep {
 
 typedef struct identification {
     scene_hysteresis hysteresis;
-    double gain; /* gain of the model: position per volt of effect */
+    double gain; /* position per volt without hysteresis and creep (unit of the position per V) */
     double rms; /* root mean square difference between measured and fitted position, relative to the
                    range of the positions */
     double largest;  /* largest difference between measured and fitted position, relative to the
@@ -37,9 +37,8 @@ typedef struct identification {
 /*
  * Fit the numbers of the hysteresis and creep model to a sweep.
  *   plays in  number of play operators, 1 to SCENE_PLAYS; 8 are as good as more
- *   gain  in  gain of the model (position per volt of effect) where it is known; 0: the gain with
- *       which a full change from the lowest to the highest voltage has an effect as large as that
- *       change
+ *   gain  in  position per volt without hysteresis and creep, where it is known; 0: the change of
+ *       position from the lowest to the highest voltage of the sweep, over the change of voltage
  *   error [SCENE_ERROR] out
  * Returns 0, or -1 with error filled: memory ran out, there are too few or too many samples, a
  * number is not finite, the voltage does not change, or the position does not rise with the

@@ -30,8 +30,9 @@
 int certify_loop(analysis *analysis, char *error);
 
 /*
- * Find the margins of a certified loop: largest gain and range of frequencies by bisection, and the
- * number of ticks by which readings may be older or newer than the scene states.
+ * Find by bisection how far a structure may differ from the model of a certified loop: the largest
+ * factor of its response to voltages, and the range of the factor of its natural frequencies. Find
+ * too by how many ticks readings may be older or newer than the scene states.
  *   with_rates in  true: find the range of stable tick rates too, with tables made for each rate
  * Returns 0, or -1 with error filled.
  */

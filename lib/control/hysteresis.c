@@ -495,9 +495,10 @@ static void set_effect_limits(const pzs_compensator *compensator, pzs_control *c
 #define ROUNDING 256
 
 /*
- * Let the controller work with effects instead of voltages. Where the effects differ from those of
- * its last prediction by rounding only, as after a tick whose voltages were applied unchanged, the
- * prediction stays valid.
+ * Give the controller effects in place of voltages. The effect of a voltage is the voltage that
+ * would move the structure as far without hysteresis and creep (V). Where the effects differ from
+ * those of the controller's last prediction by rounding only, as after a tick whose voltages were
+ * applied unchanged, the prediction stays valid.
  */
 static void take_effects(const pzs_compensator *compensator, pzs_control *control)
 {

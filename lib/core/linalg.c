@@ -262,8 +262,9 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scale
         UNROLLED
         for (int j = 0; j < PZS_TILE; j++)
             UNROLLED
-        for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++) /* with wide vectors it is faster to
-                                                                 compute whole columns */
+        for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++) /* wide vector registers compute a
+                                                                 whole column faster than the
+                                                                 part below its diagonal */
             sum[j * PZS_TILE + i] -= scaled[i] * lower[j];
         MOVE(scaled, lower, PZS_TILE);
     }
