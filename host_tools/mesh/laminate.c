@@ -221,34 +221,6 @@ static void natural_stress(const scene_element *element, const laminate_place *p
     turn_back(transform, stress, natural);
 }
 
-/*
- * Integrate the stiffness of the plies that are present over the thickness, for the ten strains of
- * an element: each strain enters with the function 1 if it is a mean of both faces, and with height
- * over thickness if it is their difference.
- */
-static void integrate_stiffness(const laminate *laminate, const scene_element *element,
-                                const laminate_place *place, double stiffness[N][N])
-{
-    const double middle = (laminate->z[0] + laminate->z[1]) / 2;
-    memset(stiffness, 0, N * N * sizeof(double));
-    for (int layer = 0; layer < laminate->plies; layer++) {
-        const laminate_ply *ply = &laminate->ply[layer];
-        const double half = (ply->z[1] - ply->z[0]) / 2;
-        for (int point = 0; point < POINTS && place->present_plies >> layer & 1u; point++) {
-            const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[point];
-            double share[6], natural[6][6];
-            const double weight = half * gauss_w[point] * metric_at(element, place, z, share);
-            const double function[2] = {1, (z - middle) / laminate->thickness};
-            natural_stiffness(element, place, ply, z, natural);
-            for (int i = 0; i < N; i++)
-                for (int j = 0; j < N; j++)
-                    stiffness[i][j] += weight * function[is_difference[i]] *
-                                       function[is_difference[j]] * natural[voigt[i]][voigt[j]] /
-                                       (share[voigt[i]] * share[voigt[j]]);
-        }
-    }
-}
-
 /* ---- thickness strain ------------------------------------------------- */
 
 static int inverse_of(double matrix[N][N], double inverse[N][N])
@@ -273,59 +245,45 @@ static int relax_e33(double stiffness[N][N])
     return 0;
 }
 
-/*
- * Integrals over the thickness of the package for plies that thicken freely: their normal stress 33
- * is equal at every height, and each ply's strain 33 follows from its stiffness and its in-plane
- * strains.
- */
-typedef struct free_plies {
-    double compliance; /* compliance of the package against the normal stress 33 (m/Pa): integral of
-                          1/(stiffness of the strain 33) over the thickness, in the metric of the
-                          element */
-    double length; /* thickness of the package (m): integral of 1 over the thickness, in the metric
-                      of the element */
-    double narrowing[N]; /* [10] integral over the thickness of (stiffness that couples each strain
-                            with the strain 33)/(stiffness of the strain 33) */
-} free_plies;
+/* Integrals over the thickness of the plies that are present, in the metric of the element. */
+typedef struct ply_integrals {
+    double stiffness[N][N]; /* [10][10] integral of the stiffness of the ten strains */
+    double plane[N][N];     /* [10][10] the same with the normal stress 33 at 0 at every height */
+    double compliance;      /* integral of 1/(stiffness of the strain 33): compliance of the package
+                               against the normal stress 33 (m/Pa) */
+    double length;          /* integral of 1: thickness of the package (m) */
+    double narrowing[N];    /* [10] integral of (stiffness that couples each strain with the strain
+                               33)/(stiffness of the strain 33) */
+} ply_integrals;
 
 /*
- * Add one quadrature point of a ply to the integrals of freely thickening plies, and add its
- * stiffness with the normal stress 33 relaxed to `out`.
+ * Add a quadrature point of a ply to the integrals. Each strain enters with the function 1 if it is
+ * a mean of both faces, and with height over thickness if it is their difference.
  */
-static void add_free_point(free_plies *sums, double natural[6][6], const double share[6],
-                           double weight, double height, double out[N][N])
+static void add_point(ply_integrals *sums, double natural[6][6], const double share[6],
+                      double weight, double height)
 {
-    double function[N];
-    for (int i = 0; i < N; i++)
-        function[i] = (is_difference[i] ? height : 1) / share[voigt[i]];
+    const double function[2] = {1, height};
     sums->compliance += weight / natural[2][2];
     sums->length += weight;
     for (int i = 0; i < N; i++)
-        sums->narrowing[i] += weight * function[i] * natural[voigt[i]][2] / natural[2][2];
+        sums->narrowing[i] += weight * function[is_difference[i]] / share[voigt[i]] *
+                              natural[voigt[i]][2] / natural[2][2];
     for (int i = 0; i < N; i++)
-        for (int j = 0; j < N; j++)
-            out[i][j] += weight * function[i] * function[j] *
-                         (natural[voigt[i]][voigt[j]] -
-                          natural[voigt[i]][2] * natural[2][voigt[j]] / natural[2][2]);
+        for (int j = 0; j < N; j++) {
+            const double both = weight * function[is_difference[i]] * function[is_difference[j]];
+            const double scale = share[voigt[i]] * share[voigt[j]];
+            const double through = natural[voigt[i]][2] * natural[2][voigt[j]] / natural[2][2];
+            sums->stiffness[i][j] += both * natural[voigt[i]][voigt[j]] / scale;
+            sums->plane[i][j] += both * (natural[voigt[i]][voigt[j]] - through) / scale;
+        }
 }
 
-/*
- * Replace the stiffness of all strains but the difference of the thickness strain 33 by that of
- * plies that thicken freely under one normal stress s:
- *   s = (e length + sum over i of narrowing_i E_i)/compliance,
- * with e the mean thickness strain of the package, E_i the other strains of the element, and
- * length, narrowing and compliance the members of free_plies. A thickness strain that is linear
- * through the package cannot follow plies of different Poisson's ratios; a bimetal of two such
- * plies would bend too little or too much, by some per cent.
- */
-static void free_thickness(const laminate *laminate, const scene_element *element,
-                           const laminate_place *place, double stiffness[N][N])
+static void integrate_plies(const laminate *laminate, const scene_element *element,
+                            const laminate_place *place, ply_integrals *sums)
 {
     const double middle = (laminate->z[0] + laminate->z[1]) / 2;
-    double plane[N][N];
-    free_plies sums;
-    memset(&sums, 0, sizeof sums);
-    memset(plane, 0, sizeof plane);
+    memset(sums, 0, sizeof *sums);
     for (int layer = 0; layer < laminate->plies; layer++) {
         const laminate_ply *ply = &laminate->ply[layer];
         const double half = (ply->z[1] - ply->z[0]) / 2;
@@ -334,16 +292,30 @@ static void free_thickness(const laminate *laminate, const scene_element *elemen
             double share[6], natural[6][6];
             const double weight = half * gauss_w[point] * metric_at(element, place, z, share);
             natural_stiffness(element, place, ply, z, natural);
-            add_free_point(&sums, natural, share, weight, (z - middle) / laminate->thickness,
-                           plane);
+            add_point(sums, natural, share, weight, (z - middle) / laminate->thickness);
         }
     }
-    sums.narrowing[M33] = sums.length;
+}
+
+/*
+ * Replace the stiffness of all strains but the difference of the thickness strain 33 by that of
+ * plies that thicken freely under one normal stress s:
+ *   s = (e length + sum over i of narrowing_i E_i)/compliance,
+ * with e the mean thickness strain of the package, E_i the other strains of the element, and
+ * length, narrowing and compliance the members of ply_integrals. A thickness strain that is linear
+ * through the package cannot follow plies of different Poisson's ratios; a bimetal of two such
+ * plies would bend too little or too much, by some per cent.
+ */
+static void free_thickness(const ply_integrals *sums, double stiffness[N][N])
+{
+    double narrowing[N];
+    memcpy(narrowing, sums->narrowing, sizeof narrowing);
+    narrowing[M33] = sums->length;
     for (int i = 0; i < N; i++)
         for (int j = 0; j < N; j++)
             if (i != D33 && j != D33)
-                stiffness[i][j] = (i == M33 || j == M33 ? 0 : plane[i][j]) +
-                                  sums.narrowing[i] * sums.narrowing[j] / sums.compliance;
+                stiffness[i][j] = (i == M33 || j == M33 ? 0 : sums->plane[i][j]) +
+                                  narrowing[i] * narrowing[j] / sums->compliance;
 }
 
 /*
@@ -396,11 +368,13 @@ static int set_shear(const laminate *laminate, const laminate_place *place, doub
 static int package_stiffness(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, double stiffness[N][N])
 {
-    integrate_stiffness(laminate, element, place, stiffness);
+    ply_integrals sums;
+    integrate_plies(laminate, element, place, &sums);
+    memcpy(stiffness, sums.stiffness, sizeof sums.stiffness);
     if (element->lin33 && relax_e33(stiffness) < 0)
         return -1;
     if (element->lin33)
-        free_thickness(laminate, element, place, stiffness);
+        free_thickness(&sums, stiffness);
     return element->equilibrium_shear ? set_shear(laminate, place, stiffness) : 0;
 }
 
