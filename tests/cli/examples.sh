@@ -5,26 +5,9 @@
 #   EXAMPLE_SECONDS  time limit of one example
 set -u
 cd "$(dirname "$0")/../.."
-B=${B:-build}
-PZS=${PZS:-$B/pzs}
+. tests/cli/common.sh
 seconds=${EXAMPLE_SECONDS:-300}
 guide=host_tools/README.md
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-n=0
-failed=0
-
-# check NAME STATUS: one TAP line
-check() {
-    n=$((n + 1))
-    if [ "$2" -eq 0 ]; then
-        echo "ok $n - $1"
-    else
-        failed=$((failed + 1))
-        echo "not ok $n - $1"
-        tail -n 5 "$dir/said" 2>/dev/null | sed 's/^/# /'
-    fi
-}
 
 # Lines of a help text below `Examples:` (or `Example:`) that call pzs.
 help_examples() {

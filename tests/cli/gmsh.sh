@@ -4,17 +4,7 @@
 # and the committed meshes are of these files. Without Gmsh the committed meshes are tested alone.
 set -u
 cd "$(dirname "$0")/../.."
-B=${B:-build}
-PZS=${PZS:-$B/pzs}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-n=0
-
-# check NAME STATUS: one TAP line
-check() {
-    n=$((n + 1))
-    if [ "$2" -eq 0 ]; then echo "ok $n - $1"; else echo "not ok $n - $1"; tail -n 5 "$dir/said" | sed 's/^/# /'; fi
-}
+. tests/cli/common.sh
 
 # elements SCENE: number of elements and nodes that check prints
 elements() {

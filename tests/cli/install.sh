@@ -4,26 +4,9 @@
 # other compilers, flags and build folders, machines on which nothing can be installed.
 set -u
 cd "$(dirname "$0")/../.."
-B=${B:-build}
-PZS=${PZS:-$B/pzs}
+. tests/cli/common.sh
 MAKE=${MAKE:-make}
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
 unset PZS_SCENES PZS_SOURCES MAKEFLAGS MFLAGS MAKEOVERRIDES
-n=0
-failed=0
-
-# check NAME STATUS: one TAP line
-check() {
-    n=$((n + 1))
-    if [ "$2" -eq 0 ]; then
-        echo "ok $n - $1"
-    else
-        failed=$((failed + 1))
-        echo "not ok $n - $1"
-        tail -n 8 "$dir/said" 2>/dev/null | sed 's/^/# /'
-    fi
-}
 
 # Files below a folder, sorted.
 files() {
@@ -80,7 +63,7 @@ if command -v pkg-config >/dev/null; then
         check "a C program compiled with pkg-config ${library%:*} runs" $?
     done
 else
-    n=$((n + 1)); echo "ok $n - C programs compiled with pkg-config # SKIP no pkg-config"
+    skip 'C programs compiled with pkg-config' pkg-config
 fi
 
 "$MAKE" --no-print-directory -s PREFIX=/opt/shape DESTDIR="$dir/root" uninstall >"$dir/said" 2>&1 &&

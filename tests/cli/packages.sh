@@ -4,30 +4,9 @@
 # against a stub of its CMake functions; PlatformIO's manifest.
 set -u
 cd "$(dirname "$0")/../.."
-B=${B:-build}
-PZS=${PZS:-$B/pzs}
+. tests/cli/common.sh
 MAKE=${MAKE:-make}
 top=$(pwd)
-dir=$(mktemp -d)
-trap 'rm -rf "$dir"' EXIT
-n=0
-failed=0
-
-# check NAME STATUS: one TAP line
-check() {
-    n=$((n + 1))
-    if [ "$2" -eq 0 ]; then
-        echo "ok $n - $1"
-    else
-        failed=$((failed + 1))
-        echo "not ok $n - $1"
-        tail -n 8 "$dir/said" 2>/dev/null | sed 's/^/# /'
-    fi
-}
-
-skip() {
-    n=$((n + 1)); echo "ok $n - $1 # SKIP no $2"
-}
 
 version=$(sed -n 's/^.define PZS_VERSION_TEXT "\(.*\)"/\1/p' include/pzs_version.h)
 sh firmware_demo/packages/package.sh "$PZS" "$dir" >"$dir/said" 2>&1; check 'make package' $?
