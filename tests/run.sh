@@ -55,27 +55,31 @@ rm -f "$log"/*.code
 (
     aside target-units sh tests/target/units.sh
     aside gate-warnings sh tests/gates/warnings.sh
+    aside gate-symbols sh tests/gates/symbols.sh
+    aside oracle sh -c 'cd tests/oracle && /usr/bin/python3 check_oracle.py'
+    aside oracle-nonlinear sh -c 'cd tests/oracle && /usr/bin/python3 check_nonlinear.py'
+    aside scipy sh tests/oracle/boxls.sh
+    aside gmsh sh tests/cli/gmsh.sh
+    aside packages sh tests/cli/packages.sh
 ) &
 for program in "$B"/test/*; do
     case $program in *.d|*.o) continue ;; esac
     part "$(basename "$program")" "$program"
 done
 part tiles sh tests/gates/tiles.sh
-part oracle sh -c 'cd tests/oracle && /usr/bin/python3 check_oracle.py'
-part oracle-nonlinear sh -c 'cd tests/oracle && /usr/bin/python3 check_nonlinear.py'
-part scipy sh tests/oracle/boxls.sh
 part cli sh tests/cli/cli.sh
 part examples sh tests/cli/examples.sh
-part gmsh sh tests/cli/gmsh.sh
 part measured sh tests/bench/measured.sh --check
 part install sh tests/cli/install.sh
-part packages sh tests/cli/packages.sh
 for gate in tests/gates/*.sh; do
     case $(basename "$gate" .sh) in
     common) ;;
-    warnings) part gate-warnings result gate-warnings ;;
+    warnings | symbols) part "gate-$(basename "$gate" .sh)" result "gate-$(basename "$gate" .sh)" ;;
     *) part "gate-$(basename "$gate" .sh)" sh "$gate" ;;
     esac
+done
+for name in oracle oracle-nonlinear scipy gmsh packages; do
+    part "$name" result "$name"
 done
 part target-start sh tests/target/start.sh
 part target-units result target-units
