@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include "../model/unconstrained.h"
 #include "../model/certificate_make.h"
 #include "../model/damper.h"
 #include "../tables/loop_blocks.h"
@@ -370,17 +369,6 @@ static int shape_error(shape_run *run, const options *options)
                           options->limits ? &options->limit[0] : &own, &run->analysis->mesh_error);
 }
 
-/* Number of amplifiers whose influence columns depend on those of others; 0 without memory. */
-static int dependent_amplifiers(const design *design)
-{
-    unconstrained solver;
-    int dependent = 0;
-    if (unconstrained_open(&solver, &design->problem))
-        dependent = design->amplifiers - solver.rank;
-    unconstrained_close(&solver);
-    return dependent;
-}
-
 /*
  * Numbers for the plausibility rules on the target, from the shape without voltages and the first
  * optimum.
@@ -391,6 +379,9 @@ static plausible_optimum optimum_of(const shape_run *run)
     const voltages *best = &run->results[1];
     const double limit = fmax(fabs(best->limit[0]), fabs(best->limit[1]));
     double largest = 0, entry = 0;
+    int dependent = 0;
+    for (int i = 0; i < run->count; i++)
+        dependent = run->results[i].dependent > dependent ? run->results[i].dependent : dependent;
     for (int i = 0; i < design->targets; i++)
         entry = fmax(entry, fabs(design->wanted[i]));
     for (int k = 0; k < best->amplifiers; k++)
@@ -399,7 +390,7 @@ static plausible_optimum optimum_of(const shape_run *run)
         .target = entry > 0 ? run->before.rms / entry : 0,
         .error = best->error,
         .share = isfinite(limit) && limit > 0 ? largest / limit : (double)NAN,
-        .dependent = dependent_amplifiers(design),
+        .dependent = dependent,
     };
 }
 

@@ -292,6 +292,8 @@ static pzs_status clip_voltages(const design *design, common_limits common, bool
         status = PZS_E_NONFINITE;
     if (status == PZS_OK)
         note_limits(&trial.problem, result->voltage, result);
+    if (status == PZS_OK && !tuned)
+        result->dependent = (int)fmax(0, design->amplifiers - result->held - clipped.solver.rank);
     clipped_close(&clipped);
     trial_free(&trial);
     return status;

@@ -36,6 +36,9 @@ typedef struct voltages {
                               diagonal entry of the Hessian; 0 for other methods */
     int active_limits, iterations; /* number of amplifiers at a voltage limit, without those held at
                                       one voltage; number of iterations of the optimiser */
+    int dependent;     /* number of amplifiers, of those not held, whose influence columns depend
+                          linearly on those of others, without regularisation; 0 but for
+                          voltages_clipped */
     int relinearised;  /* number of times that the influence matrix was computed again at the last
                           shape */
     int linear_solves; /* number of linear solves that the nonlinear structure has needed */
