@@ -54,7 +54,7 @@ $(B)/$(1)/libpiezoshape.a: $$(LIB:%.c=$(B)/$(1)/%.o)
 $(B)/$(1)/host.a: $$(HOST:%.c=$(B)/$(1)/%.o)
 	rm -f $$@ && ar rcs $$@ $$^
 endef
-SANITIZE := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
+SANITIZE := -O2 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
 $(eval $(call variant,64,-O2 -DPZS_REAL_BITS=64))
 $(eval $(call variant,32,-O2 -DPZS_REAL_BITS=32))
 $(eval $(call variant,32t8,-O2 -DPZS_REAL_BITS=32 -DPZS_TILE=8))
