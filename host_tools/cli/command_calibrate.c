@@ -100,14 +100,14 @@ static int fit_to_matrix(run *run, char *error)
     pokes acting = run->pokes;
     if ((size_t)influence->outputs != run->pokes.outputs ||
         (size_t)run->scene->amplifiers != run->pokes.actuators)
-        return scene_fault(run->scene, influence->at, error,
+        return scene_fault(influence->at, error,
                            "the matrix has %d outputs and %d actuators, the pokes %lu and %lu",
                            influence->outputs, run->scene->amplifiers,
                            (unsigned long)run->pokes.outputs, (unsigned long)run->pokes.actuators);
     run->acting = calloc(run->pokes.count * run->pokes.actuators + 1, sizeof *run->acting);
     run->faults = run->acting ? wiring_find(run->fault, &run->pokes, influence->matrix) : -1;
     if (run->faults < 0)
-        return scene_fault(run->scene, influence->at, error, "out of memory");
+        return scene_fault(influence->at, error, "out of memory");
     wiring_apply(run->fault, run->faults, &run->pokes, run->acting);
     acting.voltage = run->acting;
     return calibrate(&run->result, &acting, influence->matrix, error);

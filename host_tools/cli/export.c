@@ -56,11 +56,11 @@ static void release(arrays *arrays)
 }
 
 /* Unit of the influence matrix, for example "um/V"; empty where the scene gives no unit. */
-static const char *influence_unit(const scene *scene, char text[2 * SCENE_NAME])
+static const char *influence_unit(const design *design, char text[2 * SCENE_NAME])
 {
     text[0] = '\0';
-    if (*scene->unit_length && *scene->unit_voltage)
-        snprintf(text, 2 * SCENE_NAME, "%s/%s", scene->unit_length, scene->unit_voltage);
+    if (*design->units.length && *design->units.voltage)
+        snprintf(text, 2 * SCENE_NAME, "%s/%s", design->units.length, design->units.voltage);
     return text;
 }
 
@@ -118,7 +118,7 @@ static void add_places(arrays *arrays, const design *design, const char *name, c
     double *place = allocate_array(arrays, 3 * count);
     for (size_t i = 0; i < count && place; i++)
         memcpy(place + 3 * i, design->mesh.point[node ? (size_t)node[i] : i].x, 3 * sizeof *place);
-    add_array(arrays, name, design->scene->unit_length, count, 3, place);
+    add_array(arrays, name, design->units.length, count, 3, place);
 }
 
 int export_solve(const options *options, const analysis *analysis, const double *displacement,
@@ -133,13 +133,13 @@ int export_solve(const options *options, const analysis *analysis, const double 
     add_places(&arrays, design, "node_place", NULL, nodes);
     if (vector)
         report_displacement(&design->mesh, displacement, vector);
-    add_array(&arrays, "displacement", design->scene->unit_length, nodes, 3, vector);
-    for (int k = 0; k < design->scene->outputs; k++) {
+    add_array(&arrays, "displacement", design->units.length, nodes, 3, vector);
+    for (int k = 0; k < design->outputs; k++) {
         const size_t first = (size_t)design->named_first[k],
                      rows = (size_t)design->named_first[k + 1] - first;
         char name[NAMED_ARRAY_NAME];
         snprintf(name, sizeof name, "output_%d", k + 1);
-        add_array(&arrays, name, design->scene->unit_length, rows, 0, value + first);
+        add_array(&arrays, name, design->units.length, rows, 0, value + first);
     }
     return write_arrays(options, &arrays);
 }
@@ -164,16 +164,15 @@ static void add_results(arrays *arrays, const shape_run *run)
             misfit[row * targets + i] = result->shape[i] - result->aligned_target[i];
         error[row] = result->error;
     }
-    add_array(arrays, "voltage", design->scene->unit_voltage, count, amplifiers, voltage);
-    add_array(arrays, "shape", design->scene->unit_length, count, targets, shape);
-    add_array(arrays, "misfit", design->scene->unit_length, count, targets, misfit);
+    add_array(arrays, "voltage", design->units.voltage, count, amplifiers, voltage);
+    add_array(arrays, "shape", design->units.length, count, targets, shape);
+    add_array(arrays, "misfit", design->units.length, count, targets, misfit);
     add_array(arrays, "error", "", count, 0, error);
 }
 
 int export_shape(const options *options, const shape_run *run)
 {
     const design *design = &run->analysis->design;
-    const scene *scene = design->scene;
     const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets;
     char unit[2 * SCENE_NAME];
     arrays arrays = {.count = 0};
@@ -181,13 +180,13 @@ int export_shape(const options *options, const shape_run *run)
         return 0;
     add_places(&arrays, design, "place", design->target_node, targets);
     add_array(&arrays, "weight", "", targets, 0, design->weight);
-    add_array(&arrays, "target", scene->unit_length, targets, 0, design->target);
-    add_array(&arrays, "wanted", scene->unit_length, targets, 0, design->wanted);
-    add_array(&arrays, "influence", influence_unit(scene, unit), targets, amplifiers,
+    add_array(&arrays, "target", design->units.length, targets, 0, design->target);
+    add_array(&arrays, "wanted", design->units.length, targets, 0, design->wanted);
+    add_array(&arrays, "influence", influence_unit(design, unit), targets, amplifiers,
               design->influence);
-    add_array(&arrays, "lower", scene->unit_voltage, amplifiers, 0, design->lower);
-    add_array(&arrays, "upper", scene->unit_voltage, amplifiers, 0, design->upper);
-    add_array(&arrays, "step_limit", scene->unit_voltage, amplifiers, 0, design->step_limit);
+    add_array(&arrays, "lower", design->units.voltage, amplifiers, 0, design->lower);
+    add_array(&arrays, "upper", design->units.voltage, amplifiers, 0, design->upper);
+    add_array(&arrays, "step_limit", design->units.voltage, amplifiers, 0, design->step_limit);
     add_results(&arrays, run);
     return write_arrays(options, &arrays);
 }
@@ -226,13 +225,13 @@ int export_simulation(const options *options, const simulation *simulation, cons
             column[tick] = history->row[tick * HISTORY_COLUMNS + k];
         add_array(&arrays, name[k], k == 0 ? "s" : "", history->ticks, 0, column);
     }
-    add_array(&arrays, "voltage", design->scene->unit_voltage, history->ticks, amplifiers,
+    add_array(&arrays, "voltage", design->units.voltage, history->ticks, amplifiers,
               history->voltage);
     add_places(&arrays, design, "place", design->target_node, targets);
-    add_array(&arrays, "target", design->scene->unit_length, targets, 0, design->target);
-    add_array(&arrays, "influence", influence_unit(design->scene, unit), targets, amplifiers,
+    add_array(&arrays, "target", design->units.length, targets, 0, design->target);
+    add_array(&arrays, "influence", influence_unit(design, unit), targets, amplifiers,
               design->influence);
-    add_array(&arrays, "lower", design->scene->unit_voltage, amplifiers, 0, design->lower);
-    add_array(&arrays, "upper", design->scene->unit_voltage, amplifiers, 0, design->upper);
+    add_array(&arrays, "lower", design->units.voltage, amplifiers, 0, design->lower);
+    add_array(&arrays, "upper", design->units.voltage, amplifiers, 0, design->upper);
     return write_arrays(options, &arrays);
 }

@@ -4,21 +4,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool history_open(history *history, const scene *scene)
+bool history_open(history *history, const design *design)
 {
     memset(history, 0, sizeof *history);
-    history->room = (size_t)scene->simulate.ticks;
-    history->amplifiers = (size_t)scene->amplifiers;
+    history->room = (size_t)design->simulate.ticks;
+    history->amplifiers = (size_t)design->amplifiers;
     history->row = calloc(history->room * HISTORY_COLUMNS, sizeof *history->row);
     history->voltage = calloc(history->room * history->amplifiers, sizeof *history->voltage);
     return history->row && history->voltage;
 }
 
-void history_add(history *history, const scene *scene, const simulate_sample *sample)
+void history_add(history *history, const design *design, const simulate_sample *sample)
 {
     if (history->ticks == history->room)
         return;
-    const double values[HISTORY_COLUMNS] = {sample->tick / scene->control.rate,
+    const double values[HISTORY_COLUMNS] = {sample->tick / design->control.rate,
                                             sample->error,
                                             sample->vibration,
                                             sample->measurement_error,

@@ -16,8 +16,8 @@ typedef struct history {
     double *voltage; /* [ticks][amplifiers] output voltages of the amplifiers in every tick (V) */
 } history;
 /* Allocate memory for the ticks of a simulation. Returns whether memory sufficed. */
-bool history_open(history *history, const scene *scene);
-void history_add(history *history, const scene *scene, const simulate_sample *sample);
+bool history_open(history *history, const design *design);
+void history_add(history *history, const design *design, const simulate_sample *sample);
 void history_close(history *history);
 
 #endif

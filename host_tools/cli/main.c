@@ -97,7 +97,7 @@ static int failed_code(const analysis *analysis)
 static int check_sensors(analysis *analysis, char *error)
 {
     estimator estimator;
-    if (!analysis->design.scene->estimate.given)
+    if (!analysis->design.estimate.given)
         return 0;
     if (analysis_influence(analysis, error) < 0 || estimator_open(&estimator, analysis, error) < 0)
         return -1;
@@ -304,9 +304,9 @@ static int shape_before(shape_run *run, char *error)
 {
     const design *design = &run->analysis->design;
     double *none = calloc((size_t)design->amplifiers, sizeof *none);
-    const int failed =
-        none ? voltages_given(run->analysis, "no voltages", none, &run->before, error)
-             : scene_fault(design->scene, design->scene->limits.at, error, "out of memory");
+    const int failed = none
+                           ? voltages_given(run->analysis, "no voltages", none, &run->before, error)
+                           : scene_fault(design->limits.at, error, "out of memory");
     free(none);
     return failed;
 }
@@ -320,15 +320,15 @@ static int shape_before(shape_run *run, char *error)
 static int shape_results(shape_run *run, const options *options, char *error)
 {
     analysis *analysis = run->analysis;
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     const common_limits own = {.source = LIMITS_SCENE}, none = {.source = LIMITS_NONE};
     const common_limits *limit = options->limits ? options->limit : &own;
     const int limits = options->limits ? options->limits : 1;
-    const size_t most = 1 + 4 * (size_t)limits + (size_t)scene->compares;
+    const size_t most = 1 + 4 * (size_t)limits + (size_t)design->compares;
     run->results = calloc(most, sizeof *run->results);
     if (!run->results)
-        return scene_fault(scene, scene->limits.at, error,
-                           "%zu sets of voltages do not fit into memory", most);
+        return scene_fault(design->limits.at, error, "%zu sets of voltages do not fit into memory",
+                           most);
     progress_stage("voltages");
     if (shape_before(run, error) < 0 ||
         voltages_optimum(analysis, none, &run->results[run->count++], error) < 0)
@@ -343,8 +343,8 @@ static int shape_results(shape_run *run, const options *options, char *error)
             return -1;
     }
     run->compared = run->count;
-    for (int i = 0; i < scene->compares; i++)
-        if (voltages_given(analysis, scene->compare[i].name, scene->compare[i].value,
+    for (int i = 0; i < design->compares; i++)
+        if (voltages_given(analysis, design->compare[i].name, design->compare[i].value,
                            &run->results[run->count++], error) < 0)
             return -1;
     progress_stage("modes of the target");
@@ -401,7 +401,7 @@ static int command_shape(const options *options, analysis *analysis)
     int status = 0;
     memset(&run, 0, sizeof run);
     run.analysis = analysis;
-    analysis->nonlinear = analysis->design.scene->kinematics != KINEMATICS_LINEAR;
+    analysis->nonlinear = analysis->design.kinematics != KINEMATICS_LINEAR;
     progress_stage("influence matrix");
     if (analysis_influence(analysis, error) == 0 && shape_results(&run, options, error) == 0) {
         const voltages *best = &run.results[1];
@@ -484,7 +484,7 @@ static int write_simulate(const report_job *job, const void *result)
 
 static int command_simulate(const options *options, analysis *analysis)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     simulation run;
     simulate_record record;
     history history = {.ticks = 0};
@@ -493,11 +493,10 @@ static int command_simulate(const options *options, analysis *analysis)
     int status = 0;
     memset(&run, 0, sizeof run);
     memset(&record, 0, sizeof record);
-    if (!scene->simulate.given)
-        scene_fault(scene, scene->limits.at, error,
-                    "nothing to simulate: add `simulate: {ticks: 400}`");
+    if (!design->simulate.given)
+        scene_fault(design->limits.at, error, "nothing to simulate: add `simulate: {ticks: 400}`");
     progress_stage("influence matrix");
-    const int has_influence = scene->simulate.given && analysis_influence(analysis, error) == 0;
+    const int has_influence = design->simulate.given && analysis_influence(analysis, error) == 0;
     progress_stage("stability of the loop");
     if (has_influence)
         certificate_make(&analysis->certificate, analysis);
@@ -508,7 +507,7 @@ static int command_simulate(const options *options, analysis *analysis)
     } else if (options->device && simulate_device(&run, options->device, error) < 0) {
         status = complain(error, 1);
     } else if (record_open(&record, &run) < 0 ||
-               (export_is_wanted(options) && !history_open(&history, scene))) {
+               (export_is_wanted(options) && !history_open(&history, design))) {
         status = options_refuse("out of memory for", options->scene);
     } else if ((status = run_simulation(&run, options, &record, &history)) == 0) {
         check_phases(&analysis->warnings, &run);
@@ -652,7 +651,7 @@ static int is_damped(const analysis *analysis, char *reason)
     damper damper;
     if (estimator_open(&estimator, analysis, reason) < 0)
         return 0;
-    const int estimates = loop_estimates(analysis->design.scene);
+    const int estimates = loop_estimates(&analysis->design);
     int is_used = 0;
     if (damper_open(&damper, analysis, estimates ? &estimator : NULL, reason) == 0) {
         is_used = damper.is_used;
@@ -671,7 +670,7 @@ static int is_damped(const analysis *analysis, char *reason)
 static int judge_loop(analysis *analysis, char *error)
 {
     const certificate *certificate = &analysis->certificate;
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     char reason[SCENE_ERROR];
     if (analysis->design.problem.inputs == 0)
         return 0;
@@ -679,7 +678,7 @@ static int judge_loop(analysis *analysis, char *error)
     if (analysis->quasi_static || !certificate_refuses(certificate) || is_damped(analysis, reason))
         return 0;
     return scene_fault(
-        scene, scene->simulate.at, error,
+        design->simulate.at, error,
         "unstable at %g ticks a second: the control step has no vibration model (%s), first "
         "mode %.4g Hz, vibration grows %.4g times a tick; stable up to %.3g a second; "
         "--quasi-static writes "
@@ -707,7 +706,7 @@ static void warn_of_age(analysis *analysis)
 static int judge_storms(analysis *analysis, char *error)
 {
     const certificate *certificate = &analysis->certificate;
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     char text[SCENE_ERROR];
     if (analysis->design.problem.inputs == 0 || analysis->quasi_static)
         return 0;
@@ -717,7 +716,7 @@ static int judge_storms(analysis *analysis, char *error)
     if (!certificate->loop.is_made || certificate->loop.is_stable)
         return 0;
     certify_failure(certificate, text);
-    return scene_fault(scene, scene->simulate.at, error,
+    return scene_fault(design->simulate.at, error,
                        "the damped tick is not safe at %g ticks a second: %s; change the rate "
                        "(`pzs check` prints stable ones), or add sensors or amplifiers",
                        certificate->rate, text);
@@ -731,10 +730,10 @@ static int judge_storms(analysis *analysis, char *error)
  */
 static int prepare_tables(analysis *analysis, tables_image image, char *error)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     if (image != TABLES_CONTROL && analysis_needs_structure(analysis, "this image", error) < 0)
         return -1;
-    if ((image == TABLES_CONTROL || (image == TABLES_LINEAR && scene->target.given)) &&
+    if ((image == TABLES_CONTROL || (image == TABLES_LINEAR && design->goal.given)) &&
         analysis_influence(analysis, error) < 0)
         return -1;
     if (judge_loop(analysis, error) < 0)
@@ -743,23 +742,23 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
         return -1;
     if (image != TABLES_NONLINEAR && judge_storms(analysis, error) < 0)
         return -1;
-    if (image != TABLES_CONTROL && scene->target.frees > 0)
-        return scene_fault(scene, scene->target.free[0].at, error,
+    if (image != TABLES_CONTROL && design->goal.frees > 0)
+        return scene_fault(design->goal.free[0].at, error,
                            "target.free is taken out of the influence matrix of a control "
                            "image; the device makes that of a %s image itself: use --image control "
                            "or remove target.free",
                            tables_image_name[image]);
     if (image != TABLES_NONLINEAR)
         return 0;
-    if (scene->kinematics == KINEMATICS_LINEAR)
-        return scene_fault(scene, scene->at_surface, error,
+    if (design->kinematics == KINEMATICS_LINEAR)
+        return scene_fault(design->at, error,
                            "a nonlinear image needs kinematics: nonlinear (or auto)");
     double *displacement = calloc((size_t)analysis->design.mesh.free_dof, sizeof *displacement);
     analysis->nonlinear = 1;
     const int failed = displacement ? analysis_solve(analysis, displacement, error)
-                                    : scene_fault(scene, scene->at_surface, error, "out of memory");
+                                    : scene_fault(design->at, error, "out of memory");
     free(displacement);
-    if (failed || (scene->target.given && analysis_influence(analysis, error) < 0))
+    if (failed || (design->goal.given && analysis_influence(analysis, error) < 0))
         return -1;
     return judge_loop(analysis, error) < 0 ? -1 : judge_storms(analysis, error);
 }
@@ -768,8 +767,8 @@ static void print_tables(const options *options, const analysis *analysis, const
 {
     const design *design = &analysis->design;
     printf("%s: %s image of %s, %d amplifiers, %d target nodes, %d free dof\n", path,
-           tables_image_name[options->image], design->scene->name, design->amplifiers,
-           design->targets, design->mesh.free_dof);
+           tables_image_name[options->image], design->name, design->amplifiers, design->targets,
+           design->mesh.free_dof);
     if (options->image == TABLES_NONLINEAR)
         printf("condition %.1e after scaling: %s\n", analysis->model.info.condition,
                tables_allow_float(analysis) ? "float or double" : "refused in float");
@@ -800,11 +799,11 @@ static int command_check(const options *options, analysis *analysis)
 {
     char error[SCENE_ERROR];
     progress_stage("influence matrix");
-    if (analysis->design.scene->target.given && analysis_influence(analysis, error) < 0)
+    if (analysis->design.goal.given && analysis_influence(analysis, error) < 0)
         return complain(error, OPTIONS_WRONG);
     progress_stage("stability of the loop");
     certificate_make(&analysis->certificate, analysis);
-    if (analysis->design.scene->simulate.given && certificate_refuses(&analysis->certificate) &&
+    if (analysis->design.simulate.given && certificate_refuses(&analysis->certificate) &&
         simulate_tables(analysis, error) < 0)
         return complain(error, OPTIONS_WRONG);
     if (certify_loop(analysis, error) < 0 || certify_margins(analysis, true, error) < 0)

@@ -34,9 +34,9 @@ static const char *precision_needed(const analysis *analysis)
  * Description of the integration through the thickness: with the exact metric of the curved shell,
  * or with the metric of a flat plate.
  */
-static const char *metric_word(const scene *scene)
+static const char *metric_word(const design *design)
 {
-    return scene->element.metric ? "exact metric" : "flat metric";
+    return design->mesh.formulation.metric ? "exact metric" : "flat metric";
 }
 
 /* Print what the sensors of the scene's `estimate` section observe. */
@@ -44,7 +44,7 @@ static void print_sensors(const analysis *analysis, const char *influence)
 {
     char text[SCENE_ERROR];
     estimator estimator;
-    if (!analysis->design.scene->estimate.given || estimator_open(&estimator, analysis, text) < 0)
+    if (!analysis->design.estimate.given || estimator_open(&estimator, analysis, text) < 0)
         return;
     estimator_text(&estimator, analysis, text);
     printf("  %s, %s\n", influence, text);
@@ -66,7 +66,7 @@ static void json_sensors(json *json, const analysis *analysis)
 {
     char text[SCENE_ERROR];
     estimator estimator;
-    if (!analysis->design.scene->estimate.given || estimator_open(&estimator, analysis, text) < 0)
+    if (!analysis->design.estimate.given || estimator_open(&estimator, analysis, text) < 0)
         return;
     print_estimate_json(json, &estimator);
     estimator_close(&estimator);
@@ -75,21 +75,21 @@ static void json_sensors(json *json, const analysis *analysis)
 /* Print the size of the mesh, the element type and the condition number of the stiffness matrix. */
 static void print_structure(const analysis *analysis)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     const mesh *mesh = &analysis->design.mesh;
     if (mesh->quads)
-        printf("  %d elements from %s", mesh->elements, scene->quads->file);
+        printf("  %d elements from %s", mesh->elements, design->quads->file);
     else
-        printf("  %d x %d elements", scene->line[0].elements, scene->line[1].elements);
+        printf("  %d x %d elements", design->mesh.line[0].elements, design->mesh.line[1].elements);
     printf(" of %d kind%s, %d nodes, %d free dof, half bandwidth %d\n", mesh->types,
            mesh->types == 1 ? "" : "s", mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh));
     if (mesh->quads)
         printf("  envelope of the factor: %.0f numbers, %.0f a row after renumbering\n",
                mesh_envelope(mesh), mesh_envelope(mesh) / mesh->free_dof);
     printf("  element: %s kinematics, %s through the thickness, %d dof per node\n",
-           scene->element.cartesian ? "Cartesian" : "local", metric_word(scene),
-           scene->element.dof_per_node);
-    print_outlines(mesh);
+           design->mesh.formulation.cartesian ? "Cartesian" : "local", metric_word(design),
+           design->mesh.formulation.dof_per_node);
+    print_outlines(design);
     if (analysis->model.info.condition > 0)
         printf("  condition %.1e after scaling: %s\n", analysis->model.info.condition,
                precision_needed(analysis));
@@ -97,9 +97,9 @@ static void print_structure(const analysis *analysis)
 
 void print_head(const analysis *analysis, const char *influence)
 {
-    const scene *scene = analysis->design.scene;
-    printf("%s: %s\n", scene->name, scene->about ? scene->about : "");
-    if (words_unitless(scene))
+    const design *design = &analysis->design;
+    printf("%s: %s\n", design->name, design->about ? design->about : "");
+    if (words_unitless(&design->units))
         puts("  units: the scene names none; any consistent ones, angles in rad");
     (analysis->source->has_structure ? print_structure : print_matrix)(analysis);
     print_sensors(analysis, influence);
@@ -114,17 +114,17 @@ static void json_structure(json *json, const analysis *analysis)
     json_number(json, "dof", mesh->free_dof);
     json_number(json, "half_bandwidth", mesh_half_bandwidth(mesh));
     json_string(json, "kinematics_of_element",
-                analysis->design.scene->element.cartesian ? "cartesian" : "local");
-    json_string(json, "metric", analysis->design.scene->element.metric ? "exact" : "flat");
-    print_outlines_json(json, mesh);
+                analysis->design.mesh.formulation.cartesian ? "cartesian" : "local");
+    json_string(json, "metric", analysis->design.mesh.formulation.metric ? "exact" : "flat");
+    print_outlines_json(json, &analysis->design);
     json_number(json, "condition", analysis->model.info.condition);
 }
 
 static void json_head(json *json, const analysis *analysis)
 {
-    json_string(json, "scene", analysis->design.scene->name);
+    json_string(json, "scene", analysis->design.name);
     json_number(json, "real_bits", PZS_REAL_BITS);
-    json_string(json, "unit_length", analysis->design.scene->unit_length);
+    json_string(json, "unit_length", analysis->design.units.length);
     (analysis->source->has_structure ? json_structure : print_matrix_json)(json, analysis);
     plausible_json(json, &analysis->warnings);
     json_sensors(json, analysis);
@@ -170,12 +170,12 @@ static void print_tick_work(const design *design)
     if (work.rate > 0)
         printf("; with %d for other blocks and %g cycles an instruction %.0f ticks a second at "
                "%g MHz",
-               TICK_WORK_OTHERS, TICK_WORK_CYCLES, work.rate, design->scene->control.clock / 1e6);
+               TICK_WORK_OTHERS, TICK_WORK_CYCLES, work.rate, design->control.clock / 1e6);
     putchar('\n');
     if (!work.holds)
         printf("  WARNING: control.rate %g is above what the bound holds at this clock; lower the "
                "rate, raise the clock, or use fewer amplifiers or targets\n",
-               design->scene->control.rate);
+               design->control.rate);
 }
 
 static void print_tick_work_json(json *json, const design *design)
@@ -258,10 +258,10 @@ void print_check_json(const analysis *analysis)
 static void print_contact(const analysis *analysis)
 {
     const pzs_solver *run = &analysis->equilibrium.solver;
-    const char *unit = analysis->design.scene->unit_length;
+    const char *unit = analysis->design.units.length;
     const char *space = *unit ? " " : "";
     char where[SCENE_ERROR];
-    if (!analysis->design.scene->contact.given)
+    if (!analysis->design.contact.given)
         return;
     if (run->info.shortened_steps > 0)
         printf("  contact: the body moves far for its size; %u load step%s shortened for it\n",
@@ -297,9 +297,9 @@ static void print_discretisation(void)
 void print_solve(analysis *analysis, const double *displacement, const double *value)
 {
     print_head(analysis, "at rest");
-    if (analysis->design.scene->kinematics == KINEMATICS_AUTO && isfinite(analysis->linear_error))
+    if (analysis->design.kinematics == KINEMATICS_AUTO && isfinite(analysis->linear_error))
         printf("  kinematics auto: linear differs by %.3g of the displacement, tolerance %g: %s\n",
-               analysis->linear_error, analysis->design.scene->tolerance,
+               analysis->linear_error, analysis->design.tolerance,
                analysis->nonlinear ? "nonlinear is needed" : "linear is enough");
     if (analysis->load_path.points > 0)
         print_load_path(analysis, &analysis->load_path);
@@ -311,7 +311,7 @@ void print_solve(analysis *analysis, const double *displacement, const double *v
                analysis->model.info.residual, analysis->model.info.error_estimate,
                analysis->model.info.refinements);
     print_discretisation();
-    for (int k = 0; k < analysis->design.scene->outputs; k++)
+    for (int k = 0; k < analysis->design.outputs; k++)
         print_output(analysis, k, value);
     print_springs(analysis, displacement);
     print_electrodes(analysis);
@@ -370,18 +370,17 @@ void print_solve_json(analysis *analysis, const double *displacement, const doub
     json_open(&json, NULL, '{');
     json_head(&json, analysis);
     json_string(&json, "kinematics", analysis->nonlinear ? "nonlinear" : "linear");
-    if (design->scene->kinematics == KINEMATICS_AUTO)
+    if (design->kinematics == KINEMATICS_AUTO)
         json_number(&json, "cost_of_linear", analysis->linear_error);
     (analysis->nonlinear ? json_path : json_linear)(&json, analysis);
     json_seconds(&json, analysis);
     print_outputs_json(&json, analysis, value, 0);
     print_output_places_json(&json, analysis, value, 0);
     json_open(&json, "ratios", '{');
-    for (int k = 0; k < design->scene->outputs; k++)
-        if (isfinite(design->scene->output[k].reference))
-            json_number(&json, design->scene->output[k].name,
-                        analysis_output(analysis, k, 0, value) /
-                            design->scene->output[k].reference);
+    for (int k = 0; k < design->outputs; k++)
+        if (isfinite(design->output[k].reference))
+            json_number(&json, design->output[k].name,
+                        analysis_output(analysis, k, 0, value) / design->output[k].reference);
     json_close(&json, '}');
     print_springs_json(&json, analysis, displacement);
     if (design->electrodes.count > 0)
@@ -421,13 +420,13 @@ static double rounded_volt(double voltage)
  * numbers: stack actuators, element sets of a mesh file, or electrodes of any outline that do not
  * form a grid.
  */
-static int is_list(const scene *scene, const scene_actuator *actuator)
+static int is_list(const design *design, const scene_actuator *actuator)
 {
     if (actuator->grid[0] == 1 || actuator->grid[1] > 1)
         return 0;
     if (actuator->drives == 0)
         return 1;
-    const scene_patches *patches = &scene->patches[actuator->drive[0].patches];
+    const scene_patches *patches = &design->patches[actuator->drive[0].patches];
     return patches->patch != NULL || patches->outlines != NULL;
 }
 
@@ -472,16 +471,16 @@ static void print_grid(const scene_actuator *actuator, const double *voltage)
 }
 
 /* Print the voltages of all actuators (V). */
-static void print_voltages(const scene *scene, const voltages *result)
+static void print_voltages(const design *design, const voltages *result)
 {
     char limits[32] = "";
     if (isfinite(result->limit[0]) || isfinite(result->limit[1]))
         limit_text(result, limits);
     printf("\n  %s%s%s, voltages:\n", result->name, *limits ? " " : "", limits);
-    for (int k = 0; k < scene->actuators; k++) {
-        const scene_actuator *actuator = &scene->actuator[k];
+    for (int k = 0; k < design->actuators; k++) {
+        const scene_actuator *actuator = &design->actuator[k];
         const double *voltage = result->voltage + actuator->first;
-        (is_list(scene, actuator) ? print_list : print_grid)(actuator, voltage);
+        (is_list(design, actuator) ? print_list : print_grid)(actuator, voltage);
     }
 }
 
@@ -496,13 +495,13 @@ static double cost_of_linear(const shape_run *run)
 
 static const char *image_needed(const shape_run *run)
 {
-    return cost_of_linear(run) <= run->analysis->design.scene->tolerance ? "control" : "nonlinear";
+    return cost_of_linear(run) <= run->analysis->design.tolerance ? "control" : "nonlinear";
 }
 
 static void print_choice(const shape_run *run)
 {
     const voltages *best = &run->results[1];
-    const double tolerance = run->analysis->design.scene->tolerance;
+    const double tolerance = run->analysis->design.tolerance;
     printf("\nnonlinear structure: optimum after %d relinearisation%s, %d linear solves\n",
            best->relinearised, best->relinearised == 1 ? "" : "s", best->linear_solves);
     printf("the linear model's voltages cost %.3f%% more error there, tolerance %g%%: the firmware "
@@ -531,19 +530,19 @@ static double reached(const analysis *analysis, int k, const voltages *result)
 static void print_reached(const shape_run *run)
 {
     const analysis *analysis = run->analysis;
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     int columns = 0;
-    for (int k = 0; k < scene->outputs; k++) {
+    for (int k = 0; k < design->outputs; k++) {
         if (!is_single(analysis, k))
             continue;
         if (columns++ == 0)
-            printf("\n  displacement, %-13s", scene->unit_length);
-        printf(" %13.13s", scene->output[k].name);
+            printf("\n  displacement, %-13s", design->units.length);
+        printf(" %13.13s", design->output[k].name);
     }
     for (int i = -1; columns > 0 && i < run->count; i++) {
         const voltages *result = i < 0 ? &run->before : &run->results[i];
         printf("\n  %-27s", result->name);
-        for (int k = 0; k < scene->outputs; k++)
+        for (int k = 0; k < design->outputs; k++)
             if (is_single(analysis, k))
                 printf(" %13.5e", reached(analysis, k, result));
     }
@@ -579,14 +578,14 @@ static void print_target_rows(const design *design, const voltages *result)
     if (design->free_functions > 0)
         printf("\n  free functions, taken out of target and error: ");
     for (int k = 0; k < design->free_functions; k++, comma = ", ")
-        printf("%s%s", comma, design->scene->target.free[k].name);
+        printf("%s%s", comma, design->goal.free[k].name);
     if (design->free_functions > 0)
         putchar('\n');
     const double gap = design_target_gap(design);
     if (gap > 0)
         printf("\n  target through the points of %s: a node is at most %.3g times their usual "
                "spacing from the nearest%s\n",
-               expr_text(design->scene->target.value), gap,
+               expr_text(design->goal.value), gap,
                gap > 2 ? "; it is EXTRAPOLATED there, give more points" : "");
 }
 
@@ -596,19 +595,19 @@ static void print_target_rows(const design *design, const voltages *result)
  */
 static void print_reached_nodes(const analysis *analysis, const voltages *best, double *value)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     int left = 0;
     pzs_observe(&analysis->design.structure, best->u, value);
-    for (int k = 0; k < scene->outputs; k++)
+    for (int k = 0; k < design->outputs; k++)
         if (print_is_displacement(analysis, k) && analysis_outputs(analysis, k) > 1) {
-            printf("\n  displacement, %s, under \"%s\":\n", scene->unit_length, best->name);
+            printf("\n  displacement, %s, under \"%s\":\n", design->units.length, best->name);
             print_output_table(analysis, k, value);
         }
-    for (int k = 0; k < scene->outputs; k++)
+    for (int k = 0; k < design->outputs; k++)
         if (!print_is_displacement(analysis, k))
             printf("%s %s",
                    left++ ? "," : "\n  outputs of contact and electrodes are printed by pzs solve:",
-                   scene->output[k].name);
+                   design->output[k].name);
     if (left)
         putchar('\n');
 }
@@ -646,15 +645,15 @@ void print_shape(const shape_run *run)
     if (value)
         print_reached_nodes(analysis, &run->results[1], value);
     free(value);
-    print_voltages(design->scene, &run->results[1]);
+    print_voltages(design, &run->results[1]);
     for (int i = run->compared; i < run->count; i++)
-        print_voltages(design->scene, &run->results[i]);
+        print_voltages(design, &run->results[i]);
     const voltages *best = &run->results[1];
     char limits[32];
     limit_text(best, limits);
     if (analysis->nonlinear)
         print_choice(run);
-    print_modes(design->scene, &run->modes);
+    print_modes(design, &run->modes);
     print_mesh_error(&analysis->mesh_error);
     printf("\nshape error %.3f%% of the target with every voltage inside its limit (%s)\n",
            100 * best->error, limits);
@@ -674,8 +673,7 @@ static void json_reached(json *json, const analysis *analysis, const voltages *r
 
 static void json_voltages(json *json, const analysis *analysis, const voltages *result)
 {
-    const scene *scene = analysis->design.scene;
-    char name[SCENE_LABEL];
+    const design *design = &analysis->design;
     json_numbers(json, "limits", result->limit, 2);
     json_number(json, "held", result->held);
     json_number(json, "narrower", result->narrowed);
@@ -692,10 +690,8 @@ static void json_voltages(json *json, const analysis *analysis, const voltages *
     json_number(json, "relinearised", result->relinearised);
     json_number(json, "linear_solves", result->linear_solves);
     json_open(json, "voltages", '{');
-    for (int k = 0; k < result->amplifiers; k++) {
-        scene_amplifier_name(scene, k, name);
-        json_number(json, name, result->voltage[k]);
-    }
+    for (int k = 0; k < result->amplifiers; k++)
+        json_number(json, design->amplifier_name[k], result->voltage[k]);
     json_close(json, '}');
     json_reached(json, analysis, result);
 }
@@ -734,7 +730,7 @@ void print_shape_json(const shape_run *run)
     }
     json_close(&json, ']');
     if (run->modes.count > 0)
-        print_modes_json(&json, design->scene, &run->modes);
+        print_modes_json(&json, design, &run->modes);
     print_mesh_error_json(&json, &analysis->mesh_error);
     json_close(&json, '}');
 }

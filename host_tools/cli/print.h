@@ -58,7 +58,7 @@ void print_shape(const shape_run *run);
 void print_shape_json(const shape_run *run);
 
 /* Print the errors of each mode of a target that is a list of modes; otherwise print nothing. */
-void print_modes(const scene *scene, const modes *modes);
-void print_modes_json(json *json, const scene *scene, const modes *modes);
+void print_modes(const design *design, const modes *modes);
+void print_modes_json(json *json, const design *design, const modes *modes);
 
 #endif

@@ -5,34 +5,37 @@
 #include "print.h"
 #include "../text/words.h"
 
-/* Write the name of electrode k to `name`. Returns a description of its electrical connection. */
-static const char *connection(const design *design, int k, char name[SCENE_LABEL])
+/* Description of the electrical connection of electrode k. */
+static const char *connection(const design *design, int k)
+{
+    if (design->electrodes.input[k] < design->amplifiers)
+        return "driven";
+    return design->electrodes.open[k] ? "open" : "short";
+}
+
+/* Name of electrode k, which belongs to an amplifier or to a sensor. */
+static const char *name_of(const design *design, int k)
 {
     const int input = design->electrodes.input[k];
-    if (input < design->amplifiers) {
-        scene_amplifier_name(design->scene, input, name);
-        return "driven";
-    }
-    scene_sensor_name(design->scene, input - design->sensor_first, name);
-    return design->electrodes.open[k] ? "open" : "short";
+    return input < design->amplifiers ? design->amplifier_name[input]
+                                      : design->electrode_name[input - design->sensor_first];
 }
 
 void print_electrodes(analysis *analysis)
 {
     const design *design = &analysis->design;
-    char name[SCENE_LABEL], unit[2][WORDS_UNIT], head[2][2 * WORDS_UNIT];
+    char unit[2][WORDS_UNIT], head[2][2 * WORDS_UNIT];
     if (design->electrodes.count == 0)
         return;
-    words_unit(design->scene, QUANTITY_VOLTAGE, unit[0]);
-    words_unit(design->scene, QUANTITY_CHARGE, unit[1]);
+    words_unit(&design->units, QUANTITY_VOLTAGE, unit[0]);
+    words_unit(&design->units, QUANTITY_CHARGE, unit[1]);
     for (int k = 0; k < 2; k++)
         snprintf(head[k], sizeof head[k], unit[k][0] ? "%s (%s)" : "%s", k ? "charge" : "voltages",
                  unit[k]);
     printf("\n  %-20s %-8s %14s %14s %18s %18s\n", "electrode", "circuit", head[0], head[1],
            "capacitance, held", "free");
     for (int k = 0; k < design->electrodes.count; k++) {
-        const char *circuit = connection(design, k, name);
-        printf("  %-20s %-8s %14.6e %14.6e %18.6e ", name, circuit,
+        printf("  %-20s %-8s %14.6e %14.6e %18.6e ", name_of(design, k), connection(design, k),
                analysis->input_value[design->electrodes.input[k]], analysis->charge[k],
                analysis_capacitance(analysis, k, 0));
         if (isfinite(analysis_capacitance(analysis, k, 1)))
@@ -50,12 +53,10 @@ void print_electrodes(analysis *analysis)
 void print_electrodes_json(json *json, analysis *analysis)
 {
     const design *design = &analysis->design;
-    char name[SCENE_LABEL];
     json_open(json, "electrodes", '{');
     for (int k = 0; k < design->electrodes.count; k++) {
-        const char *circuit = connection(design, k, name);
-        json_open(json, name, '{');
-        json_string(json, "circuit", circuit);
+        json_open(json, name_of(design, k), '{');
+        json_string(json, "circuit", connection(design, k));
         json_number(json, "voltages", analysis->input_value[design->electrodes.input[k]]);
         json_number(json, "charge", analysis->charge[k]);
         json_number(json, "capacitance_held", analysis_capacitance(analysis, k, 0));

@@ -9,10 +9,10 @@
  * where the scene gives no unit.
  *   text [2 SCENE_NAME + 4] out
  */
-static const char *unit_of(const scene *scene, char *text)
+static const char *unit_of(const design *design, char *text)
 {
-    if (*scene->unit_length && *scene->unit_voltage)
-        sprintf(text, " %s/%s", scene->unit_length, scene->unit_voltage);
+    if (*design->units.length && *design->units.voltage)
+        sprintf(text, " %s/%s", design->units.length, design->units.voltage);
     else
         *text = '\0';
     return text;
@@ -20,19 +20,19 @@ static const char *unit_of(const scene *scene, char *text)
 
 void print_matrix(const analysis *analysis)
 {
-    const scene *scene = analysis->design.scene;
-    const scene_influence *influence = &scene->influence;
+    const design *design = &analysis->design;
+    const scene_influence *influence = &design->measured;
     char unit[2 * SCENE_NAME + 4];
     matrix_facts facts;
     printf("  measured influence matrix %s: %d outputs, %d actuators", influence->file,
-           influence->outputs, scene->amplifiers);
+           influence->outputs, design->amplifiers);
     if (influence->outputs < influence->file_outputs)
         printf("; %d of %d rows ignored", influence->file_outputs - influence->outputs,
                influence->file_outputs);
     putchar('\n');
-    if (matrix_facts_find(&facts, scene) < 0)
+    if (matrix_facts_find(&facts, &design->measured, (size_t)design->amplifiers) < 0)
         return;
-    printf("  largest entry %.4g%s", facts.entry, unit_of(scene, unit));
+    printf("  largest entry %.4g%s", facts.entry, unit_of(design, unit));
     if (facts.rank >= 0)
         printf("; rank %d, singular values %.3g to %.3g (ratio %.3g)", facts.rank, facts.most,
                facts.least, facts.most / facts.least);
@@ -41,12 +41,12 @@ void print_matrix(const analysis *analysis)
 
 void print_matrix_json(json *json, const analysis *analysis)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     matrix_facts facts;
-    json_string(json, "influence_file", scene->influence.file);
-    json_number(json, "outputs", scene->influence.outputs);
-    json_number(json, "ignored_outputs", scene->influence.file_outputs - scene->influence.outputs);
-    if (matrix_facts_find(&facts, scene) < 0)
+    json_string(json, "influence_file", design->measured.file);
+    json_number(json, "outputs", design->measured.outputs);
+    json_number(json, "ignored_outputs", design->measured.file_outputs - design->measured.outputs);
+    if (matrix_facts_find(&facts, &design->measured, (size_t)design->amplifiers) < 0)
         return;
     json_number(json, "largest_entry", facts.entry);
     if (facts.rank < 0)

@@ -4,7 +4,7 @@
 #include "print.h"
 
 /* Print one table of the modes' errors for each pair of voltage limits. */
-void print_modes(const scene *scene, const modes *modes)
+void print_modes(const design *design, const modes *modes)
 {
     for (int bound = 0; modes->count > 0 && bound < modes->limits; bound++) {
         const double *limit = modes->left[bound].limit;
@@ -14,7 +14,7 @@ void print_modes(const scene *scene, const modes *modes)
         for (int k = 0; k < modes->count; k++) {
             const mode_left *left = &modes->left[k * modes->limits + bound];
             printf("  %-20s %12.3e %10.3f%% %12.2f %10.3f%% %7d %10.3f%% %11.3f%%\n",
-                   scene->target.mode[k].name, modes->mode[k].size,
+                   design->goal.mode[k].name, modes->mode[k].size,
                    100 * modes->mode[k].unconstrained_error, modes->mode[k].largest_voltage,
                    100 * left->optimum, left->active_limits, 100 * left->clipped,
                    100 * left->regularised);
@@ -22,12 +22,12 @@ void print_modes(const scene *scene, const modes *modes)
     }
 }
 
-void print_modes_json(json *json, const scene *scene, const modes *modes)
+void print_modes_json(json *json, const design *design, const modes *modes)
 {
     json_open(json, "modes", '[');
     for (int k = 0; k < modes->count; k++) {
         json_open(json, NULL, '{');
-        json_string(json, "name", scene->target.mode[k].name);
+        json_string(json, "name", design->goal.mode[k].name);
         json_number(json, "rms", modes->mode[k].size);
         json_number(json, "unconstrained_error", modes->mode[k].unconstrained_error);
         json_number(json, "largest_volt", modes->mode[k].largest_voltage);

@@ -18,11 +18,11 @@ static double *areas_of(const mesh *mesh, const scene_outlines *outlines)
     return area;
 }
 
-static void print_item(const mesh *mesh, const scene_patches *patches)
+static void print_item(const design *design, const scene_patches *patches)
 {
-    const char *unit = mesh->scene->unit_length;
+    const char *unit = design->units.length;
     const int count = patches->outlines->electrodes;
-    double *area = areas_of(mesh, patches->outlines), least = HUGE_VAL, most = 0;
+    double *area = areas_of(&design->mesh, patches->outlines), least = HUGE_VAL, most = 0;
     for (int k = 0; area && k < count; k++) {
         least = fmin(least, area[k]);
         most = fmax(most, area[k]);
@@ -33,24 +33,24 @@ static void print_item(const mesh *mesh, const scene_patches *patches)
     free(area);
 }
 
-void print_outlines(const mesh *mesh)
+void print_outlines(const design *design)
 {
-    for (int k = 0; k < mesh->scene->patch_grids; k++)
-        if (mesh->scene->patches[k].outlines)
-            print_item(mesh, &mesh->scene->patches[k]);
+    for (int k = 0; k < design->patch_grids; k++)
+        if (design->patches[k].outlines)
+            print_item(design, &design->patches[k]);
 }
 
-void print_outlines_json(json *json, const mesh *mesh)
+void print_outlines_json(json *json, const design *design)
 {
     int items = 0;
-    for (int k = 0; k < mesh->scene->patch_grids; k++)
-        items += mesh->scene->patches[k].outlines != NULL;
+    for (int k = 0; k < design->patch_grids; k++)
+        items += design->patches[k].outlines != NULL;
     if (items == 0)
         return;
     json_open(json, "electrode_areas", '{');
-    for (int k = 0; k < mesh->scene->patch_grids; k++) {
-        const scene_patches *patches = &mesh->scene->patches[k];
-        double *area = patches->outlines ? areas_of(mesh, patches->outlines) : NULL;
+    for (int k = 0; k < design->patch_grids; k++) {
+        const scene_patches *patches = &design->patches[k];
+        double *area = patches->outlines ? areas_of(&design->mesh, patches->outlines) : NULL;
         if (area)
             json_numbers(json, patches->name, area, patches->outlines->electrodes);
         free(area);

@@ -7,7 +7,7 @@
 
 int print_is_displacement(const analysis *analysis, int k)
 {
-    const scene_output *output = &analysis->design.scene->output[k];
+    const scene_output *output = &analysis->design.output[k];
     return output->electric == ELECTRIC_NONE && output->contact == CONTACT_NONE;
 }
 
@@ -26,19 +26,17 @@ static void print_node_row(const analysis *analysis, int node, double value)
 void print_output_table(const analysis *analysis, int k, const double *value)
 {
     const int count = analysis_outputs(analysis, k);
-    char name[SCENE_LABEL];
     if (analysis_output_node(analysis, k, 0) >= 0)
         printf("    %s%13s %13s %13s  %16s\n",
                analysis->design.mesh.quads ? "" : "       theta1        theta2  ", "x", "y", "z",
-               analysis->design.scene->output[k].name);
+               analysis->design.output[k].name);
     for (int i = 0; i < count; i++) {
         const int node = analysis_output_node(analysis, k, i);
-        if (node >= 0) {
-            print_node_row(analysis, node, analysis_output(analysis, k, i, value));
-        } else {
-            analysis_output_electrode(analysis, k, i, name);
-            printf("    %-20s %16.9e\n", name, analysis_output(analysis, k, i, value));
-        }
+        const double of_place = analysis_output(analysis, k, i, value);
+        if (node >= 0)
+            print_node_row(analysis, node, of_place);
+        else
+            printf("    %-20s %16.9e\n", analysis_output_electrode(analysis, k, i), of_place);
     }
 }
 
@@ -51,13 +49,13 @@ static void print_reference(const scene_output *output, double first, const char
 
 void print_output(const analysis *analysis, int k, const double *value)
 {
-    const scene_output *output = &analysis->design.scene->output[k];
+    const scene_output *output = &analysis->design.output[k];
     const int count = analysis_outputs(analysis, k);
     const double first = analysis_output(analysis, k, 0, value);
     const char *places = output->electric == ELECTRIC_NONE ? "nodes" : "electrodes";
     double least = HUGE_VAL, most = -HUGE_VAL;
     char name[WORDS_UNIT], unit[WORDS_UNIT + 1];
-    words_unit(analysis->design.scene, words_of_output(output), name);
+    words_unit(&analysis->design.units, words_of_output(output), name);
     snprintf(unit, sizeof unit, "%s%s", *name ? " " : "", name);
     for (int i = 0; i < count; i++) {
         least = fmin(least, analysis_output(analysis, k, i, value));
@@ -78,7 +76,7 @@ void print_output(const analysis *analysis, int k, const double *value)
 static void json_output(json *json, const analysis *analysis, int k, const double *value)
 {
     const int count = analysis_outputs(analysis, k);
-    const char *name = analysis->design.scene->output[k].name;
+    const char *name = analysis->design.output[k].name;
     if (count == 1) {
         json_number(json, name, analysis_output(analysis, k, 0, value));
         return;
@@ -94,7 +92,7 @@ void print_outputs_json(json *json, const analysis *analysis, const double *valu
                         int only_displacements)
 {
     json_open(json, "outputs", '{');
-    for (int k = 0; k < analysis->design.scene->outputs; k++)
+    for (int k = 0; k < analysis->design.outputs; k++)
         if (!only_displacements || print_is_displacement(analysis, k))
             json_output(json, analysis, k, value);
     json_close(json, '}');
@@ -105,7 +103,6 @@ static void json_place(json *json, const analysis *analysis, int k, int i, doubl
     static const char *const axis[3] = {"x", "y", "z"};
     const mesh *mesh = &analysis->design.mesh;
     const int node = analysis_output_node(analysis, k, i);
-    char name[SCENE_LABEL];
     json_open(json, NULL, '{');
     if (node >= 0) {
         if (!mesh->quads) {
@@ -115,8 +112,7 @@ static void json_place(json *json, const analysis *analysis, int k, int i, doubl
         for (int component = 0; component < 3; component++)
             json_number(json, axis[component], mesh->point[node].x[component]);
     } else {
-        analysis_output_electrode(analysis, k, i, name);
-        json_string(json, "electrode", name);
+        json_string(json, "electrode", analysis_output_electrode(analysis, k, i));
     }
     json_number(json, "value", value);
     json_close(json, '}');
@@ -126,11 +122,11 @@ void print_output_places_json(json *json, const analysis *analysis, const double
                               int only_displacements)
 {
     json_open(json, "output_places", '{');
-    for (int k = 0; k < analysis->design.scene->outputs; k++) {
+    for (int k = 0; k < analysis->design.outputs; k++) {
         const int count = analysis_outputs(analysis, k);
         if (count == 1 || (only_displacements && !print_is_displacement(analysis, k)))
             continue;
-        json_open(json, analysis->design.scene->output[k].name, '[');
+        json_open(json, analysis->design.output[k].name, '[');
         for (int i = 0; i < count; i++)
             json_place(json, analysis, k, i, analysis_output(analysis, k, i, value));
         json_close(json, ']');

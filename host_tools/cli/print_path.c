@@ -25,11 +25,11 @@ static const double *row_of(const load_path *path, int point)
 
 static void print_head_of_points(const analysis *analysis)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     printf("\n  %6s %12s %16s", "point", "load factor", "negative pivots");
-    for (int k = 0; k < scene->outputs; k++)
+    for (int k = 0; k < design->outputs; k++)
         if (is_listed(analysis, k))
-            printf(" %15.15s", scene->output[k].name);
+            printf(" %15.15s", design->output[k].name);
     putchar('\n');
 }
 
@@ -47,7 +47,7 @@ void print_load_path(const analysis *analysis, const load_path *path)
     for (int i = 0; i < path->points; i++) {
         printf("  %6d %12.6f %16d", i + 1, path->point[i].load_factor,
                path->point[i].negative_pivots);
-        for (int k = 0; k < analysis->design.scene->outputs; k++)
+        for (int k = 0; k < analysis->design.outputs; k++)
             if (is_listed(analysis, k))
                 printf(" %15.7e", analysis_output(analysis, k, 0, row_of(path, i)));
         putchar('\n');
@@ -68,14 +68,14 @@ static void json_event(json *json, const load_path_event *event)
 
 static void json_point(json *json, const analysis *analysis, const load_path *path, int i)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     json_open(json, NULL, '{');
     json_number(json, "load_factor", path->point[i].load_factor);
     json_number(json, "negative_pivots", path->point[i].negative_pivots);
     json_open(json, "outputs", '{');
-    for (int k = 0; k < scene->outputs; k++)
+    for (int k = 0; k < design->outputs; k++)
         if (is_listed(analysis, k))
-            json_number(json, scene->output[k].name,
+            json_number(json, design->output[k].name,
                         analysis_output(analysis, k, 0, row_of(path, i)));
     json_close(json, '}');
     json_close(json, '}');

@@ -15,27 +15,24 @@ static const char *const law_name[LAWS] = {"controller", "clipped", "regularised
 
 /* ---- CSV -------------------------------------------------------------- */
 
-static void print_csv_head(FILE *file, const scene *scene, int estimates)
+static void print_csv_head(FILE *file, const design *design, int estimates)
 {
     fprintf(file, "tick,time,error,vibration,active,passes,status,lost%s",
             estimates ? ",missed" : "");
-    for (int k = 0; k < scene->amplifiers; k++) {
-        char name[SCENE_LABEL];
-        scene_amplifier_name(scene, k, name);
-        fprintf(file, ",%s", name);
-    }
+    for (int k = 0; k < design->amplifiers; k++)
+        fprintf(file, ",%s", design->amplifier_name[k]);
     fputc('\n', file);
 }
 
-static void print_csv_tick(FILE *file, const scene *scene, int estimates,
+static void print_csv_tick(FILE *file, const design *design, int estimates,
                            const simulate_sample *sample)
 {
     fprintf(file, "%d,%.9g,%.17g,%.17g,%d,%d,%d,%d", sample->tick,
-            sample->tick / scene->control.rate, sample->error, sample->vibration, sample->active,
+            sample->tick / design->control.rate, sample->error, sample->vibration, sample->active,
             sample->iterations, (int)sample->status, sample->is_missed);
     if (estimates)
         fprintf(file, ",%.17g", sample->measurement_error);
-    for (int k = 0; k < scene->amplifiers; k++)
+    for (int k = 0; k < design->amplifiers; k++)
         fprintf(file, ",%.17g", sample->voltage[k]);
     fputc('\n', file);
 }
@@ -43,7 +40,7 @@ static void print_csv_tick(FILE *file, const scene *scene, int estimates,
 /* ---- output during the run --------------------------------------------- */
 
 typedef struct receivers {
-    const scene *scene;
+    const design *design;
     const simulate_sinks *sinks;
     int estimates;
 } receivers;
@@ -53,17 +50,17 @@ static void receive_tick(void *context, const simulate_sample *sample)
     receivers *receivers = context;
     record_tick(receivers->sinks->record, sample);
     if (receivers->sinks->history && sample->law == LAW_CONTROLLER)
-        history_add(receivers->sinks->history, receivers->scene, sample);
+        history_add(receivers->sinks->history, receivers->design, sample);
     if (receivers->sinks->csv && sample->law == LAW_CONTROLLER)
-        print_csv_tick(receivers->sinks->csv, receivers->scene, receivers->estimates, sample);
-    progress_count(sample->tick + 1, receivers->scene->simulate.ticks);
+        print_csv_tick(receivers->sinks->csv, receivers->design, receivers->estimates, sample);
+    progress_count(sample->tick + 1, receivers->design->simulate.ticks);
 }
 
 int print_run(simulation *simulation, const simulate_sinks *sinks, char *error)
 {
-    receivers receivers = {simulation->nominal->design.scene, sinks, simulation->estimates};
+    receivers receivers = {&simulation->nominal->design, sinks, simulation->estimates};
     if (sinks->csv)
-        print_csv_head(sinks->csv, receivers.scene, simulation->estimates);
+        print_csv_head(sinks->csv, receivers.design, simulation->estimates);
     progress_stage("simulating the controller");
     if (simulate_run(simulation, LAW_CONTROLLER, receive_tick, &receivers, error) < 0)
         return -1;
@@ -95,15 +92,15 @@ static void print_inertia(const plant *plant)
 static void print_plant(const simulation *simulation)
 {
     char imperfections[400];
-    const scene_simulate *simulate = &simulation->nominal->design.scene->simulate;
-    const char *unit = simulation->nominal->design.scene->unit_length;
+    const scene_simulate *simulate = &simulation->nominal->design.simulate;
+    const char *unit = simulation->nominal->design.units.length;
     imperfections_text(&simulation->nominal->design, imperfections, sizeof imperfections);
     print_inertia(&simulation->plant);
     print_certificate(&simulation->nominal->certificate);
     printf("  plant: %s", simulation->plant.analysis.nonlinear ? "nonlinear" : "linear");
-    for (int i = 0; i < simulation->plant.scene.materials; i++)
+    for (int i = 0; i < simulation->nominal->design.materials; i++)
         printf("%s %s stiffness x %g, d x %g", i ? ";" : ",",
-               simulation->plant.scene.material[i].name,
+               simulation->nominal->design.material[i].name,
                simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
     printf("\n  imperfections: %s\n  sensors: ", *imperfections ? imperfections : "none");
     if (simulation->estimates)
@@ -115,7 +112,7 @@ static void print_plant(const simulation *simulation)
            simulate->step, simulate->dead_band);
     printf("  controller: tables of the scene, influence %s; %d ticks at %g a second\n\n",
            simulate->at_target ? "at the nonlinear optimum" : "in the undeformed state",
-           simulate->ticks, simulation->nominal->design.scene->control.rate);
+           simulate->ticks, simulation->nominal->design.control.rate);
 }
 
 static void print_settled(const simulate_phase *phase)
@@ -234,7 +231,7 @@ static void print_estimated(const simulation *simulation)
 static void print_detected(const simulation *simulation)
 {
     const simulate_count *count = &simulation->count[LAW_CONTROLLER];
-    if (simulation->nominal->design.scene->simulate.finds)
+    if (simulation->nominal->design.simulate.finds)
         printf("  %-10s electrodes found not to follow: %ld, the slowest after %d ticks; %ld of "
                "them in good order\n",
                "", count->detected, count->detection_ticks, count->falsely_detected);
@@ -255,11 +252,11 @@ static void print_board(const simulation *simulation)
 
 void print_simulation(const simulation *simulation, const simulate_record *record)
 {
-    print_head(simulation->nominal, simulate_words_influence(simulation->nominal->design.scene));
+    print_head(simulation->nominal, simulate_words_influence(&simulation->nominal->design));
     print_plant(simulation);
     print_phases(simulation);
     if (simulation->plant.has_inertia)
-        print_history(record, simulation->nominal->design.scene->control.rate);
+        print_history(record, simulation->nominal->design.control.rate);
     print_count(simulation, LAW_CONTROLLER);
     print_estimated(simulation);
     print_detected(simulation);
@@ -359,15 +356,15 @@ static void json_history(json *json, const simulate_record *record, double rate)
 
 void print_simulation_json(const simulation *simulation, const simulate_record *record)
 {
-    const scene *scene = simulation->nominal->design.scene;
+    const design *design = &simulation->nominal->design;
     json json = {.file = stdout};
     json_open(&json, NULL, '{');
-    json_string(&json, "scene", scene->name);
+    json_string(&json, "scene", design->name);
     json_string(&json, "plant", simulation->plant.analysis.nonlinear ? "nonlinear" : "linear");
     json_string(&json, "dynamics", simulation->plant.has_inertia ? "inertia" : "quasi-static");
     json_plant(&json, simulation);
     print_certificate_json(&json, &simulation->nominal->certificate);
-    json_number(&json, "ticks", scene->simulate.ticks);
+    json_number(&json, "ticks", design->simulate.ticks);
     if (simulation->board) {
         json_string(&json, "device", simulation->board->name);
         json_number(&json, "device_bits", simulation->board->bits);
@@ -386,7 +383,7 @@ void print_simulation_json(const simulation *simulation, const simulate_record *
     for (int law = 0; law < LAWS; law++)
         json_count(&json, &simulation->count[law], (simulate_law)law);
     json_close(&json, '}');
-    json_history(&json, record, scene->control.rate);
+    json_history(&json, record, design->control.rate);
     plausible_json(&json, &simulation->nominal->warnings);
     json_close(&json, '}');
 }

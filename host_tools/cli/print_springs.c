@@ -11,9 +11,9 @@
  * Number of entries of the scene that may consist of springs: its spring entries and its actuators,
  * which may be stack actuators.
  */
-static int items_of(const scene *scene)
+static int items_of(const design *design)
 {
-    return scene->springs + scene->actuators;
+    return design->springs + design->actuators;
 }
 
 static double force_of(const analysis *analysis, int row, const double *displacement)
@@ -32,20 +32,20 @@ static void print_item(const analysis *analysis, int item, const double *displac
         sum += force;
         largest = fabs(force) > fabs(largest) ? force : largest;
     }
-    spring_item_name(analysis->design.scene, item, name);
+    spring_item_name(&analysis->design, item, name);
     printf("  %-20s %8d %18.9e %18.9e\n", name, end - first, sum, largest);
 }
 
 void print_springs(const analysis *analysis, const double *displacement)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     const mesh_springs *springs = &analysis->design.mesh.springs;
     char unit[WORDS_UNIT];
     if (springs->count == 0)
         return;
-    words_unit(scene, QUANTITY_FORCE, unit);
+    words_unit(&design->units, QUANTITY_FORCE, unit);
     printf("\n  %-20s %8s %18s %18s\n", "force on the shell", "springs", "sum", "largest");
-    for (int item = 0; item < items_of(scene); item++)
+    for (int item = 0; item < items_of(design); item++)
         if (springs->first[item + 1] > springs->first[item])
             print_item(analysis, item, displacement);
     if (*unit)
@@ -55,7 +55,7 @@ void print_springs(const analysis *analysis, const double *displacement)
 
 void print_springs_json(json *json, const analysis *analysis, const double *displacement)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     const mesh_springs *springs = &analysis->design.mesh.springs;
     double *force = calloc((size_t)springs->count + 1, sizeof *force);
     if (springs->count == 0 || !force) {
@@ -65,10 +65,10 @@ void print_springs_json(json *json, const analysis *analysis, const double *disp
     for (int row = 0; row < springs->count; row++)
         force[row] = force_of(analysis, row, displacement);
     json_open(json, "springs", '{');
-    for (int item = 0; item < items_of(scene); item++) {
+    for (int item = 0; item < items_of(design); item++) {
         const int first = springs->first[item], count = springs->first[item + 1] - first;
         char name[SCENE_LABEL];
-        spring_item_name(scene, item, name);
+        spring_item_name(design, item, name);
         if (count > 0)
             json_numbers(json, name, force + first, count);
     }

@@ -39,25 +39,22 @@ static void print_mode(const design *design, const vibration *vibration, int mod
     printf("  %4d %16.6g", mode + 1, vibration->frequency[mode]);
     for (int axis = 0; axis < 3; axis++)
         printf(" %8.2f%%", 100 * vibration->effective[mode][axis] / vibration->mass);
-    if (input >= 0) {
-        char name[SCENE_LABEL];
-        scene_amplifier_name(design->scene, input, name);
-        printf("   %-16s %12.4e", name, fabs(moved_by(design, vibration, mode, input)));
-    }
+    if (input >= 0)
+        printf("   %-16s %12.4e", design->amplifier_name[input],
+               fabs(moved_by(design, vibration, mode, input)));
     putchar('\n');
 }
 
 void print_vibration(const design *design, const vibration *vibration, const mesh_error *mesh_error)
 {
-    const scene *scene = design->scene;
     char unit[WORDS_UNIT];
     double sum[3] = {0, 0, 0};
-    words_unit(scene, QUANTITY_LENGTH, unit);
+    words_unit(&design->units, QUANTITY_LENGTH, unit);
     printf("%s: natural frequencies in the reference state, electrodes short-circuited\n",
-           scene->name);
+           design->name);
     printf("  mass %.6g; damping ratio %g, %s; %d linear solves, no mode missed\n", vibration->mass,
-           scene->dynamics.damping,
-           scene->dynamics.damping_given ? "given" : "assumed: the scene gives none",
+           design->dynamics.damping,
+           design->dynamics.damping_given ? "given" : "assumed: the scene gives none",
            vibration->solves);
     printf("\n  %4s %16s %9s %9s %9s", "mode", "frequency (Hz)", "mass x", "mass y", "mass z");
     if (design->amplifiers > 0)
@@ -80,11 +77,8 @@ static void json_mode(json *json, const design *design, const vibration *vibrati
     json_number(json, "frequency", vibration->frequency[mode]);
     json_numbers(json, "effective_mass", vibration->effective[mode], 3);
     json_open(json, "controllability", '{');
-    for (int k = 0; k < design->amplifiers; k++) {
-        char name[SCENE_LABEL];
-        scene_amplifier_name(design->scene, k, name);
-        json_number(json, name, moved_by(design, vibration, mode, k));
-    }
+    for (int k = 0; k < design->amplifiers; k++)
+        json_number(json, design->amplifier_name[k], moved_by(design, vibration, mode, k));
     json_close(json, '}');
     json_close(json, '}');
 }
@@ -94,11 +88,11 @@ void print_vibration_json(const design *design, const vibration *vibration,
 {
     json json = {.file = stdout};
     json_open(&json, NULL, '{');
-    json_string(&json, "scene", design->scene->name);
+    json_string(&json, "scene", design->name);
     json_number(&json, "mass", vibration->mass);
     json_number(&json, "rigid", vibration->rigid);
-    json_number(&json, "damping", design->scene->dynamics.damping);
-    json_string(&json, "damping_from", design->scene->dynamics.damping_given ? "scene" : "assumed");
+    json_number(&json, "damping", design->dynamics.damping);
+    json_string(&json, "damping_from", design->dynamics.damping_given ? "scene" : "assumed");
     json_number(&json, "linear_solves", vibration->solves);
     json_numbers(&json, "frequency", vibration->frequency, vibration->count);
     json_open(&json, "modes", '[');

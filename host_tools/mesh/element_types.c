@@ -67,11 +67,11 @@ int type_list_add(type_list *list, pzs_element_type *type, const laminate_place 
         return known;
     if (laminate_modes(list->laminate, &scene->element, place, type->d) < 0)
         return scene_fault(
-            scene, scene->at_layers, error,
+            scene->at_layers, error,
             "no layer is present outside the patches, so the stiffness is 0 there; add a layer "
             "without patches");
     if (warp_fill(type, warp_share) < 0)
-        return scene_fault(scene, scene->at_surface, error,
+        return scene_fault(scene->at_surface, error,
                            "an element of %g x %g is degenerate; use other mesh lines",
                            place->chord[0], place->chord[1]);
     list->type[list->count] = *type;

@@ -124,7 +124,7 @@ int laminate_build(const scene *scene, laminate *laminate, char *error)
 {
     memset(laminate, 0, sizeof *laminate);
     if (scene->layers > LAMINATE_LAYERS)
-        return scene_fault(scene, scene->at_layers, error, "%d layers; at most %d are possible",
+        return scene_fault(scene->at_layers, error, "%d layers; at most %d are possible",
                            scene->layers, LAMINATE_LAYERS);
     for (int i = 0; i < scene->layers; i++)
         laminate->thickness += scene->layer[i].thickness;
@@ -139,7 +139,7 @@ int laminate_build(const scene *scene, laminate *laminate, char *error)
         ply->z[1] = z += scene->layer[i].thickness;
         if (build_ply(material, &scene->layer[i], ply) < 0)
             return scene_fault(
-                scene, material->at, error,
+                material->at, error,
                 "material '%s' has no positive definite stiffness; lower its Poisson's ratios",
                 material->name);
     }

@@ -400,8 +400,8 @@ static int build_general_types(mesh *mesh, type_list *list, char *error)
                              present};
     quad_mesh quads;
     int status = -1;
-    scene_fault(mesh->scene, mesh->scene->line[0].at, error,
-                "%d elements do not fit into memory; use fewer", mesh->elements);
+    scene_fault(mesh->scene->line[0].at, error, "%d elements do not fit into memory; use fewer",
+                mesh->elements);
     if (area && present) {
         measure_elements(mesh, area, present);
         status = quads_of_lines(&lines, &quads);
@@ -458,7 +458,7 @@ static int check_corners(const scene *scene, char *error)
             const double theta2 = scene->line[1].point[line];
             const double cosine = surface_formula_cosine(&scene->surface, theta1, theta2);
             if (fabs(cosine) > right_angle)
-                return scene_fault(scene, scene->support[k].at, error,
+                return scene_fault(scene->support[k].at, error,
                                    "this support acts along or across its edge, which meets the "
                                    "next edge at %.4g degrees at theta1 = %g, theta2 = %g; clamp "
                                    "the edge, hold u3 alone, or let the edges meet at 90 degrees",
@@ -492,7 +492,7 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
     const double value = support->value ? expr_value(support->value, &at) : 0;
     if (!isfinite(value))
         return scene_fault(
-            mesh->scene, support->at, error,
+            support->at, error,
             "the value of the support is not a finite number at %s; correct its formula",
             mesh_node_text(mesh, node).text);
     for (unsigned i = 0; i < mesh->dof_per_node; i++) {
@@ -504,7 +504,7 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
         if (!(support->fix >> i & 1u))
             continue;
         if (!isnan(before) && fabs(before - wanted) > 1e-12 * fmax(fabs(before), fabs(wanted)))
-            return scene_fault(mesh->scene, support->at, error,
+            return scene_fault(support->at, error,
                                "at %s another support prescribes %g and this one %g; remove one",
                                mesh_node_text(mesh, node).text, before, wanted);
         if (moved && !fixed)
@@ -683,19 +683,19 @@ static int build_numbers(mesh *mesh, char *error)
     if (mesh->quads)
         constrain_quads(mesh);
     if (!node || !values)
-        scene_fault(scene, scene->line[0].at, error,
-                    "%d nodes do not fit into memory; use fewer elements", mesh->nodes);
+        scene_fault(scene->line[0].at, error, "%d nodes do not fit into memory; use fewer elements",
+                    mesh->nodes);
     else if (apply_supports(mesh, node, values, error) == 0) {
         number_dof(mesh);
         if (mesh->free_dof == 0)
-            scene_fault(scene, scene->at_surface, error,
+            scene_fault(scene->at_surface, error,
                         "0 free dof: the supports constrain every node; remove a support");
         else if (mesh->free_dof >= (int)PZS_CONSTRAINED)
-            scene_fault(scene, scene->line[0].at, error,
+            scene_fault(scene->line[0].at, error,
                         "%d free dof; the tables hold at most %u; use fewer elements",
                         mesh->free_dof, PZS_CONSTRAINED - 1u);
         else if ((status = list_prescribed(mesh, values)) < 0)
-            scene_fault(scene, scene->line[0].at, error,
+            scene_fault(scene->line[0].at, error,
                         "%d dof do not fit into memory; use fewer elements", mesh->free_dof);
     }
     free(node);
@@ -709,7 +709,7 @@ static int check_lines(const scene *scene, char *error)
     for (int direction = 0; direction < 2; direction++)
         if (is_closed(scene, direction) && scene->line[direction].elements < 3)
             return scene_fault(
-                scene, scene->line[direction].at, error,
+                scene->line[direction].at, error,
                 "%d elements around a closed direction are too few; use at least 3, better 12",
                 scene->line[direction].elements);
     return 0;
@@ -721,7 +721,7 @@ static int fill(mesh *mesh, char *error)
     if (laminate_build(scene, &mesh->laminate, error) < 0)
         return -1;
     if (!allocate(mesh))
-        return scene_fault(scene, scene->line[0].at, error,
+        return scene_fault(scene->line[0].at, error,
                            "%d nodes do not fit into memory; use fewer elements", mesh->nodes);
     (mesh->quads ? place_quads : place_nodes)(mesh);
     if (!mesh->quads && mesh_turn_axes(mesh, error) < 0)
@@ -732,23 +732,35 @@ static int fill(mesh *mesh, char *error)
     if (build_all_types(mesh, error) < 0)
         return -1;
     if (build_stiffness(mesh) < 0)
-        return scene_fault(scene, scene->line[0].at, error,
+        return scene_fault(scene->line[0].at, error,
                            "%d element matrices do not fit into memory; use fewer elements",
                            mesh->types);
     return mesh_springs_build(mesh, error);
 }
 
-int mesh_build(mesh *mesh, const scene *scene, char *error)
+void mesh_begin(mesh *mesh, const scene *scene)
 {
     memset(mesh, 0, sizeof *mesh);
+    mesh->scene = scene;
+    mesh->formulation = scene->element;
+    mesh->is_from_file = scene->quads != NULL;
+    mesh->is_polar = scene->surface.type == SURFACE_POLAR;
+    for (int direction = 0; direction < 2; direction++) {
+        mesh->line[direction] = scene->line[direction];
+        mesh->is_angle[direction] = surface_is_angle(&scene->surface, direction + 1);
+    }
+    mesh->dof_per_node = (unsigned)scene->element.dof_per_node;
+}
+
+int mesh_build(mesh *mesh, const scene *scene, char *error)
+{
     if (scene->quads)
         return mesh_build_quads(mesh, scene, &scene->quads->mesh,
                                 scene->quads->accept_irregular != 0, error);
+    mesh_begin(mesh, scene);
     if (check_lines(scene, error) < 0 ||
         (surface_is_general(&scene->surface) && check_corners(scene, error) < 0))
         return -1;
-    mesh->scene = scene;
-    mesh->dof_per_node = (unsigned)scene->element.dof_per_node;
     for (int direction = 0; direction < 2; direction++)
         mesh->lines[direction] =
             scene->line[direction].elements + (is_closed(scene, direction) ? 0 : 1);
@@ -768,11 +780,11 @@ int mesh_build(mesh *mesh, const scene *scene, char *error)
 static int check_quads(const scene *scene, const quad_mesh *quads, char *error)
 {
     if (quads->nodes >= PZS_CONSTRAINED || quads->elements >= PZS_CONSTRAINED)
-        return scene_fault(scene, scene->line[0].at, error,
+        return scene_fault(scene->line[0].at, error,
                            "%zu nodes and %zu elements; the tables hold at most %u of each",
                            quads->nodes, quads->elements, PZS_CONSTRAINED - 1u);
     if (!scene->element.cartesian)
-        return scene_fault(scene, scene->at_surface, error,
+        return scene_fault(scene->at_surface, error,
                            "the published element needs a mesh along lines of curvature; use "
                            "`element: improved` for a general mesh");
     return quad_check_edges(scene, quads, error);
@@ -781,13 +793,11 @@ static int check_quads(const scene *scene, const quad_mesh *quads, char *error)
 int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, bool accept_irregular,
                      char *error)
 {
-    memset(mesh, 0, sizeof *mesh);
+    mesh_begin(mesh, scene);
     if (check_quads(scene, quads, error) < 0)
         return -1;
-    mesh->scene = scene;
     mesh->quads = quads;
     mesh->accept_irregular = accept_irregular;
-    mesh->dof_per_node = (unsigned)scene->element.dof_per_node;
     mesh->nodes = mesh->lines[0] = (int)quads->nodes;
     mesh->lines[1] = 1;
     mesh->elements = (int)quads->elements;

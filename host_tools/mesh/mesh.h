@@ -34,7 +34,12 @@ typedef struct mesh_springs {
 } mesh_springs;
 
 typedef struct mesh {
-    const scene *scene;
+    const scene *scene; /* for the construction of mesh and design; later stages do not use it */
+    scene_element formulation; /* formulation of the finite element */
+    scene_line line[2];        /* mesh lines of theta1 and theta2; the points belong to the scene */
+    bool is_from_file;         /* whether the scene names a mesh file in place of mesh lines */
+    bool is_polar;             /* whether the surface is a plane in polar coordinates */
+    bool is_angle[2];          /* whether theta1 and theta2 are angles (rad) instead of lengths */
     const quad_mesh *quads; /* general quadrilateral mesh that the mesh was built from; NULL for a
                                mesh along lines of curvature */
     bool accept_irregular;  /* true: elements that are too thin for an irregular mesh, so that their
@@ -82,6 +87,9 @@ int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, boo
                      char *error);
 
 void mesh_free(mesh *mesh);
+
+/* Make an empty mesh of a scene, and copy from the scene what describes the mesh as a whole. */
+void mesh_begin(mesh *mesh, const scene *scene);
 
 /*
  * Rotate the triads of the nodes of supports that give a direction, on a mesh of mesh lines, and

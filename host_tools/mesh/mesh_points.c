@@ -24,8 +24,7 @@ static void fill(mesh *mesh)
 int mesh_points(mesh *mesh, const scene *scene, char *error)
 {
     const size_t nodes = (size_t)scene->influence.outputs;
-    memset(mesh, 0, sizeof *mesh);
-    mesh->scene = scene;
+    mesh_begin(mesh, scene);
     mesh->nodes = mesh->free_dof = (int)nodes;
     mesh->dof_per_node = 1;
     mesh->point = calloc(nodes + 1, sizeof *mesh->point);
@@ -33,8 +32,7 @@ int mesh_points(mesh *mesh, const scene *scene, char *error)
     mesh->node_dof = calloc(nodes + 1, sizeof *mesh->node_dof);
     if (!mesh->point || !mesh->theta || !mesh->node_dof) {
         mesh_free(mesh);
-        return scene_fault(scene, scene->influence.at, error, "%zu outputs do not fit into memory",
-                           nodes);
+        return scene_fault(scene->influence.at, error, "%zu outputs do not fit into memory", nodes);
     }
     fill(mesh);
     return 0;

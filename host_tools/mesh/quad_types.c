@@ -34,7 +34,7 @@ static int check_pair(const scene *scene, const quad_mesh *quads, const quad_sid
 {
     if (is_reversed(quads, &side[0]) != is_reversed(quads, &side[1]))
         return 0;
-    return scene_fault(scene, scene->at_surface, error,
+    return scene_fault(scene->at_surface, error,
                        "the elements %u and %u have their outer faces on different sides of the "
                        "edge from node %u to node %u; orient all elements alike",
                        element_of(&side[0]), element_of(&side[1]), side[0].low, side[0].high);
@@ -52,7 +52,7 @@ static int check_sorted(const scene *scene, const quad_mesh *quads, const quad_s
             continue;
         if (k + 2 < count && quad_side_is_same(&side[k], &side[k + 2]))
             return scene_fault(
-                scene, scene->at_surface, error,
+                scene->at_surface, error,
                 "the edge from node %u to node %u belongs to the elements %u, %u and "
                 "%u; at most two may share an edge",
                 side[k].low, side[k].high, element_of(&side[k]), element_of(&side[k + 1]),
@@ -67,7 +67,7 @@ int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error)
 {
     quad_side *side = calloc(4 * quads->elements, sizeof *side);
     if (!side)
-        return scene_fault(scene, scene->at_surface, error,
+        return scene_fault(scene->at_surface, error,
                            "%zu elements do not fit into memory; use fewer", quads->elements);
     quad_sides(quads, side);
     const int status = check_sorted(scene, quads, side, 4 * quads->elements, error);
@@ -188,15 +188,15 @@ static int check_shape(const scene *scene, int element, int status, const quad_g
                        char *error)
 {
     if (status < 0)
-        return scene_fault(scene, scene->at_surface, error,
+        return scene_fault(scene->at_surface, error,
                            "element %d has no extent, or a number in it is not finite", element);
     if (geometry->jacobian < 0.1)
-        return scene_fault(scene, scene->at_surface, error,
+        return scene_fault(scene->at_surface, error,
                            "element %d is nearly a triangle: at a corner its area falls to %.3g of "
                            "that at its centre, at least 0.1 is needed; use other quadrilaterals",
                            element, geometry->jacobian);
     if (geometry->upright < 0.5)
-        return scene_fault(scene, scene->at_surface, error,
+        return scene_fault(scene->at_surface, error,
                            "a director of element %d is %.0f degrees off its normal, at most 60 "
                            "are possible; use smaller elements, or orient the element like its "
                            "neighbours",
@@ -251,7 +251,7 @@ static int refuse_locking(const quad_build *build, const int *named, double lock
     char list[80];
     name_elements(named, report->locking, list, sizeof list);
     return scene_fault(
-        scene, scene->at_surface, error,
+        scene->at_surface, error,
         "elements %s are too thin for an irregular mesh (curvature x length^2/thickness up to "
         "%.3g, irregularity up to %.2g), bending would be far too stiff; mesh along lines of "
         "curvature, use a smoother mesh or elements of %.2g of the length, or accept the error by "
@@ -317,7 +317,7 @@ int quad_types_build(type_list *list, const quad_mesh *quads, const surface_poin
         status = quad_irregularity(quads, side, irregularity);
     }
     if (status < 0)
-        scene_fault(list->scene, list->scene->at_surface, error,
+        scene_fault(list->scene->at_surface, error,
                     "%zu elements do not fit into memory; use fewer", quads->elements);
     else
         status = build_all(&build, accept_irregular, error);

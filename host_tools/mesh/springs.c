@@ -37,7 +37,7 @@ typedef struct spring_builder {
 
 static int fault_of_memory(const spring_builder *builder)
 {
-    return scene_fault(builder->mesh->scene, builder->item->at, builder->error,
+    return scene_fault(builder->item->at, builder->error,
                        "the springs do not fit into memory; use fewer");
 }
 
@@ -142,7 +142,7 @@ static int add_other_end(const spring_builder *builder, const mesh_spot *spot, d
     double line[3];
     const double length = span(mesh, spot, other, line);
     if (!(length > 1e-12 * vector_length(mesh->point[other].x)) || length == 0)
-        return scene_fault(mesh->scene, item->at, builder->error,
+        return scene_fault(item->at, builder->error,
                            "both ends of the spring are at %s; name two places",
                            mesh_node_text(mesh, other).text);
     direction_at(&mesh->point[spot->node[0]], &item->along, vector);
@@ -154,7 +154,7 @@ static int add_other_end(const spring_builder *builder, const mesh_spot *spot, d
 
 static int refuse_axis(const spring_builder *builder, int node)
 {
-    return scene_fault(builder->mesh->scene, builder->item->at, builder->error,
+    return scene_fault(builder->item->at, builder->error,
                        "the axis of the torsional spring is normal to the surface at %s, where a "
                        "shell has no rotation; choose an axis in the surface",
                        mesh_node_text(builder->mesh, node).text);
@@ -228,7 +228,7 @@ static int check_stiffness(const spring_builder *builder, double stiffness)
     const double of_elements = builder->largest[builder->item->about.given != 0];
     if (stiffness <= largest_ratio * of_elements)
         return 0;
-    return scene_fault(builder->mesh->scene, builder->item->at, builder->error,
+    return scene_fault(builder->item->at, builder->error,
                        "a stiffness of %.3g is %.2g times that of the elements, and rounding would "
                        "lose the elements; use a support instead, or at most %.2g",
                        stiffness, stiffness / of_elements, largest_ratio * of_elements);
@@ -246,8 +246,8 @@ static int append(spring_builder *builder, const mesh_spot *spot, double stiffne
         return -1;
     const int rows = springs->count;
     if (rows >= UINT16_MAX)
-        return scene_fault(builder->mesh->scene, builder->item->at, builder->error,
-                           "more than %u springs; use fewer", (unsigned)UINT16_MAX);
+        return scene_fault(builder->item->at, builder->error, "more than %u springs; use fewer",
+                           (unsigned)UINT16_MAX);
     if (grow(builder) < 0)
         return fault_of_memory(builder);
     const uint32_t at = springs->start[rows];
@@ -267,7 +267,7 @@ static int append_points(spring_builder *builder)
     for (int k = 0; k < item->points; k++) {
         mesh_spot spot;
         if (mesh_spot_find(builder->mesh, item->point[k], &spot) < 0)
-            return scene_fault(builder->mesh->scene, item->at, builder->error,
+            return scene_fault(item->at, builder->error,
                                "point %d, [%g, %g], is not on the mesh; move it", k + 1,
                                item->point[k][0], item->point[k][1]);
         if (append(builder, &spot, item->stiffness) < 0)
@@ -289,16 +289,15 @@ static int share(spring_builder *builder, int count)
     if (builder->item->per == PER_AREA)
         mesh_area_shares(mesh, where, builder->weight);
     else if (mesh_length_shares(mesh, where, builder->weight) < 0)
-        return scene_fault(mesh->scene, where->at, builder->error,
+        return scene_fault(where->at, builder->error,
                            "'per: length' needs an edge, or an edge set of the mesh file");
     for (int k = 0; k < count; k++)
         sum += builder->weight[builder->node[k]];
     if (sum > 0)
         return 0;
-    return scene_fault(mesh->scene, where->at, builder->error,
-                       "this place has no %s; choose another, or per: point",
-                       builder->item->per == PER_AREA ? "area: no element has all its nodes in it"
-                                                      : "length");
+    return scene_fault(
+        where->at, builder->error, "this place has no %s; choose another, or per: point",
+        builder->item->per == PER_AREA ? "area: no element has all its nodes in it" : "length");
 }
 
 static int append_nodes(spring_builder *builder)
@@ -370,7 +369,7 @@ static int check_envelope(mesh *mesh, char *error)
     const double with = mesh_envelope(mesh);
     if (with <= fmax(largest, mesh->springs.envelope_without))
         return 0;
-    return scene_fault(mesh->scene, mesh->scene->at_surface, error,
+    return scene_fault(mesh->scene->at_surface, error,
                        "springs between distant nodes widen the stiffness factor from %.3g to %.3g "
                        "numbers, and %.3g fit; use fewer elements or fewer of these springs",
                        mesh->springs.envelope_without, with, largest);
@@ -419,7 +418,7 @@ int mesh_springs_build(mesh *mesh, char *error)
     if (springs->first && builder.node && builder.weight)
         status = append_all(&builder);
     else
-        scene_fault(scene, scene->at_surface, error, "the springs do not fit into memory");
+        scene_fault(scene->at_surface, error, "the springs do not fit into memory");
     free(builder.node);
     free(builder.weight);
     return status == 0 ? check_envelope(mesh, error) : -1;

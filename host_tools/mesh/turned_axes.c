@@ -33,7 +33,7 @@ static int turn_node(mesh *mesh, const scene_support *support, int node, char *e
     for (int i = 0; i < 3; i++)
         axis[i] = support->direction[i] - along * point->e[2][i];
     if (!(vector_normalise(axis) > 0.01))
-        return scene_fault(mesh->scene, support->at, error,
+        return scene_fault(support->at, error,
                            "the direction of this support is normal to the surface at %s; choose "
                            "one in the surface, or fix u3",
                            mesh_node_text(mesh, node).text);
@@ -58,7 +58,7 @@ static int check_node(const mesh *mesh, const scene_support *support, int node,
     const bool is_equal = has_direction && fabs(vector_dot(across, point->e[0])) < nearly * length;
     if (!turned[node] || !depends_on_axes(support) || is_equal)
         return 0;
-    return scene_fault(mesh->scene, support->at, error,
+    return scene_fault(support->at, error,
                        "at %s another support has turned u1 and u2, along which this one acts; "
                        "give both the same direction, or leave the node out of one place",
                        mesh_node_text(mesh, node).text);
@@ -111,7 +111,7 @@ static int check_loads(const mesh *mesh, const unsigned char *turned, char *erro
     for (int k = 0; k < scene->loads && any; k++)
         if ((scene->load[k].type == LOAD_FACE || scene->load[k].type == LOAD_LINE) &&
             scene->load[k].component < COMPONENT_U3)
-            return scene_fault(scene, scene->load[k].at, error,
+            return scene_fault(scene->load[k].at, error,
                                "a support with a direction turns u1 and u2 at its nodes; give "
                                "this load along x, y or z");
     return 0;
@@ -123,7 +123,7 @@ int mesh_turn_axes(mesh *mesh, char *error)
     int *node = calloc((size_t)mesh->nodes, sizeof *node);
     int status = -1;
     if (!turned || !node)
-        scene_fault(mesh->scene, mesh->scene->line[0].at, error,
+        scene_fault(mesh->scene->line[0].at, error,
                     "%d nodes do not fit into memory; use fewer elements", mesh->nodes);
     else if (turn_all(mesh, turned, node, error) == 0 && check_all(mesh, turned, node, error) == 0)
         status = check_loads(mesh, turned, error);

@@ -32,22 +32,22 @@ double analysis_now(void)
 int analysis_explain(const analysis *analysis, pzs_status status, char *error)
 {
     const mesh *mesh = &analysis->design.mesh;
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     if (status == PZS_E_LOOSE || status == PZS_E_NEGATIVE)
         for (int node = 0; node < mesh->nodes; node++)
             for (unsigned i = 0; i < mesh->dof_per_node; i++)
                 if (mesh->node_dof[(size_t)node * mesh->dof_per_node + i] ==
                     analysis->model.info.where)
                     return scene_fault(
-                        scene, scene->at_surface, error,
+                        design->at, error,
                         "%s: %s at node %s; add supports that stop every rigid motion",
                         pzs_status_text(status), unknown_name[i], mesh_node_text(mesh, node).text);
     if (status == PZS_E_CONDITION)
         return scene_fault(
-            scene, scene->at_surface, error,
+            design->at, error,
             "%s: condition %.2g; supports may leave a motion free, or the shell is too thin",
             pzs_status_text(status), analysis->model.info.condition);
-    return scene_fault(scene, scene->at_surface, error, "%s", pzs_status_text(status));
+    return scene_fault(design->at, error, "%s", pzs_status_text(status));
 }
 
 /*
@@ -92,7 +92,7 @@ static pzs_status open_electrodes(analysis *analysis)
 static int open_structure(analysis *analysis, char *error)
 {
     const pzs_structure *structure = &analysis->design.structure;
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     analysis->work_bytes = PZS_MODEL_BYTES(
         structure->free_dof, pzs_linalg_reals(structure->first_column, structure->free_dof));
     analysis->work = malloc(analysis->work_bytes);
@@ -100,16 +100,16 @@ static int open_structure(analysis *analysis, char *error)
                                                         analysis->work_bytes)
                                        : PZS_E_WORKSPACE;
     if (status == PZS_OK && analysis->design.mesh.prescribed_count > 0 &&
-        scene->kinematics == KINEMATICS_LINEAR)
-        return scene_fault(scene, scene->support[0].at, error,
+        design->kinematics == KINEMATICS_LINEAR)
+        return scene_fault(design->support[0].at, error,
                            "kinematics: linear cannot prescribe the value of a support; set "
                            "kinematics: nonlinear");
     if (status == PZS_OK)
         status = open_electrodes(analysis);
     if (status == PZS_OK)
         status = factor_reference_state(analysis);
-    if (scene->kinematics != KINEMATICS_LINEAR &&
-        (status == PZS_OK || scene->contact.given || analysis->design.mesh.prescribed_count > 0))
+    if (design->kinematics != KINEMATICS_LINEAR &&
+        (status == PZS_OK || design->contact.given || analysis->design.mesh.prescribed_count > 0))
         status = equilibrium_open(&analysis->equilibrium, &analysis->design, &analysis->model);
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
@@ -151,10 +151,10 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error)
 
 int analysis_needs_structure(const analysis *analysis, const char *what, char *error)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     if (analysis->source->has_structure)
         return 0;
-    return scene_fault(scene, scene->influence.at, error,
+    return scene_fault(design->measured.at, error,
                        "%s needs a structure, and this scene has none: it has a measured influence "
                        "matrix; use check, shape, simulate, or tables --image control",
                        what);
@@ -179,21 +179,21 @@ int analysis_ended_early(const analysis *analysis)
 static int explain_equilibrium(const analysis *analysis, char *error)
 {
     const pzs_solver *run = &analysis->equilibrium.solver;
-    const scene *scene = analysis->design.scene;
-    const scene_at at = scene->equilibrium.at.line ? scene->equilibrium.at : scene->at_surface;
+    const design *design = &analysis->design;
+    const scene_at at = design->equilibrium.at.line ? design->equilibrium.at : design->at;
     const char *plural = run->info.load_steps == 1 ? "" : "s";
     if (!PZS_IS_ERROR(analysis->status))
         return 0;
     if (analysis->status == PZS_E_PENETRATION) {
         char where[SCENE_ERROR];
         equilibrium_penetration_text(&analysis->equilibrium, analysis->status, where);
-        return scene_fault(scene, scene->contact.at, error,
+        return scene_fault(design->contact.at, error,
                            "%s: %s (reached %.4g of the load in %u linear solves)",
                            pzs_status_text(analysis->status), where, run->info.load_factor,
                            run->info.linear_solves);
     }
     if (analysis_ended_early(analysis))
-        return scene_fault(scene, at, error,
+        return scene_fault(at, error,
                            "%s: reached %.4g of the load in %u linear solves, %u load step%s; "
                            "the last equilibrium has %u negative pivots",
                            pzs_status_text(analysis->status), run->info.load_factor,
@@ -205,7 +205,7 @@ static int explain_equilibrium(const analysis *analysis, char *error)
 int analysis_outputs(const analysis *analysis, int k)
 {
     const int places = analysis->design.place_first[k + 1] - analysis->design.place_first[k];
-    const scene_output *output = &analysis->design.scene->output[k];
+    const scene_output *output = &analysis->design.output[k];
     if (output->electric != ELECTRIC_NONE)
         return output->count;
     return places > 0 ? places : 1; /* force and number of nodes of the whole contact: one value
@@ -218,18 +218,16 @@ int analysis_output_node(const analysis *analysis, int k, int i)
     return entry < analysis->design.place_first[k + 1] ? analysis->design.place_node[entry] : -1;
 }
 
-void analysis_output_electrode(const analysis *analysis, int k, int i, char name[SCENE_LABEL])
+const char *analysis_output_electrode(const analysis *analysis, int k, int i)
 {
-    const scene_output *output = &analysis->design.scene->output[k];
-    if (output->of_sensor)
-        scene_sensor_name(analysis->design.scene, output->first + i, name);
-    else
-        scene_amplifier_name(analysis->design.scene, output->first + i, name);
+    const design *design = &analysis->design;
+    const scene_output *output = &design->output[k];
+    return (output->of_sensor ? design->electrode_name : design->amplifier_name)[output->first + i];
 }
 
 double analysis_output(const analysis *analysis, int k, int i, const double *value)
 {
-    const scene_output *output = &analysis->design.scene->output[k];
+    const scene_output *output = &analysis->design.output[k];
     if (output->electric != ELECTRIC_NONE) {
         const int input = electrodes_input(&analysis->design, output, i);
         return output->electric == ELECTRIC_VOLTAGE
@@ -347,7 +345,7 @@ static int solve_auto(analysis *analysis, double *displacement, char *error)
     if (!failed)
         failed = solve_applied(analysis, 0, displacement, error);
     analysis->linear_error = failed ? (double)NAN : distance(analysis, linear, displacement);
-    if (analysis->linear_error <= analysis->design.scene->tolerance) {
+    if (analysis->linear_error <= analysis->design.tolerance) {
         analysis->nonlinear = 0;
         memcpy(displacement, linear, bytes);
     }
@@ -362,10 +360,10 @@ static int solve_auto(analysis *analysis, double *displacement, char *error)
 int analysis_solve(analysis *analysis, double *displacement, char *error)
 {
     const int path_alone =
-        analysis->design.scene->contact.given || analysis->design.mesh.prescribed_count > 0;
-    if (analysis->design.scene->kinematics == KINEMATICS_AUTO && !path_alone)
+        analysis->design.contact.given || analysis->design.mesh.prescribed_count > 0;
+    if (analysis->design.kinematics == KINEMATICS_AUTO && !path_alone)
         return solve_auto(analysis, displacement, error);
-    if (analysis->design.scene->kinematics == KINEMATICS_AUTO) {
+    if (analysis->design.kinematics == KINEMATICS_AUTO) {
         analysis->nonlinear = 1;
         analysis->linear_error = (double)NAN;
     }
@@ -403,7 +401,7 @@ double analysis_path_difference(analysis *analysis, const double *displacement)
 {
     const equilibrium *equilibrium = &analysis->equilibrium;
     double difference = (double)NAN;
-    if (analysis->design.scene->contact.given || analysis->design.mesh.prescribed_count > 0 ||
+    if (analysis->design.contact.given || analysis->design.mesh.prescribed_count > 0 ||
         equilibrium->circuit_work)
         return difference;
     double *other = malloc((size_t)analysis->design.mesh.free_dof * sizeof *other);
@@ -464,7 +462,7 @@ static double work_of_loads(analysis *analysis, double *value)
     const pzs_rows *in = &design->structure.input;
     double *displacement = calloc((size_t)design->mesh.free_dof, sizeof *displacement), work = 0;
     for (int k = 0; k < design->loads; k++)
-        value[design->amplifiers + k] = design->scene->load[k].type != LOAD_TEMPERATURE;
+        value[design->amplifiers + k] = design->load[k].type != LOAD_TEMPERATURE;
     const pzs_status status =
         displacement ? pzs_solve(&analysis->model, value, displacement) : PZS_E_WORKSPACE;
     for (int k = design->amplifiers; status == PZS_OK && k < design->amplifiers + design->loads;

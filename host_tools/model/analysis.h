@@ -172,7 +172,7 @@ int analysis_output_node(const analysis *analysis, int k, int i);
  * Name of the electrode that belongs to the i-th value of the scene's output with index k, where
  * that output is a voltage or a charge.
  */
-void analysis_output_electrode(const analysis *analysis, int k, int i, char name[SCENE_LABEL]);
+const char *analysis_output_electrode(const analysis *analysis, int k, int i);
 
 /*
  * Capacitance of electrode k (C/V), every other electrode at 0 V.

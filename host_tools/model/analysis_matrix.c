@@ -15,21 +15,21 @@ static int open(analysis *analysis, char *error)
 
 static pzs_status displace(analysis *analysis, const double *value, double *displacement)
 {
-    const scene *scene = analysis->design.scene;
-    const size_t inputs = (size_t)scene->amplifiers;
-    for (size_t i = 0; i < (size_t)scene->influence.outputs; i++) {
+    const design *design = &analysis->design;
+    const size_t inputs = (size_t)design->amplifiers;
+    for (size_t i = 0; i < (size_t)design->measured.outputs; i++) {
         displacement[i] = 0;
         for (size_t k = 0; k < inputs; k++)
-            displacement[i] += scene->influence.matrix[i * inputs + k] * value[k];
+            displacement[i] += design->measured.matrix[i * inputs + k] * value[k];
     }
     return PZS_OK;
 }
 
 static pzs_status influence(analysis *analysis)
 {
-    const scene *scene = analysis->design.scene;
-    memcpy(analysis->influence, scene->influence.matrix,
-           (size_t)scene->influence.outputs * (size_t)scene->amplifiers * sizeof(double));
+    const design *design = &analysis->design;
+    memcpy(analysis->influence, design->measured.matrix,
+           (size_t)design->measured.outputs * (size_t)design->amplifiers * sizeof(double));
     return PZS_OK;
 }
 

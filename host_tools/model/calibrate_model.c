@@ -41,7 +41,7 @@ static int copy_influence(const calibration_model *model, analysis *analysis, co
 {
     const design *design = &analysis->design;
     if (design->targets != (int)pokes->outputs || design->amplifiers != (int)pokes->actuators)
-        return scene_fault(design->scene, design->scene->target.what.at, error,
+        return scene_fault(design->scene->target.what.at, error,
                            "the scene has %d target nodes and %d amplifiers, the pokes %lu outputs "
                            "and %lu actuators",
                            design->targets, design->amplifiers, (unsigned long)pokes->outputs,
@@ -67,9 +67,8 @@ static int model_influence(const calibration_model *model, const scene *nominal,
 {
     scene scene;
     analysis analysis;
-    if (scene_read(&scene, nominal->path, (const char *const *)nominal->set, nominal->sets, error) <
-        0)
-        return -1;
+    if (scene_vary(&scene, nominal) < 0)
+        return scene_fault(nominal->at_surface, error, "out of memory");
     scene.kinematics = KINEMATICS_LINEAR;
     for (int k = 0; k < model->factors; k++) {
         const model_factor *factor = &model->factor[k];
@@ -81,7 +80,7 @@ static int model_influence(const calibration_model *model, const scene *nominal,
         failed = copy_influence(model, &analysis, pokes, influence, error);
         analysis_free(&analysis);
     }
-    scene_free(&scene);
+    scene_vary_free(&scene);
     return failed;
 }
 
@@ -231,7 +230,7 @@ static int fit_factors(calibration_model *model, const scene *nominal, const pok
     fit fit;
     double change = 1;
     int failed = fit_open(&fit, model, pokes) < 0
-                     ? scene_fault(nominal, nominal->at_surface, error, "out of memory")
+                     ? scene_fault(nominal->at_surface, error, "out of memory")
                      : 0;
     for (int again = 0; !failed && again < ITERATIONS && change > settled; again++) {
         failed = model_influence(model, nominal, pokes, model->influence, error);
@@ -276,7 +275,7 @@ int calibration_model_fit(calibration_model *model, const scene *nominal, const 
     model->influence = calloc(given->outputs * given->actuators + 1, sizeof *model->influence);
     model->place = calloc(given->outputs + 1, sizeof *model->place);
     if (!model->voltage || !model->influence || !model->place || list_factors(model, nominal) < 0)
-        return scene_fault(nominal, nominal->at_surface, error, "out of memory");
+        return scene_fault(nominal->at_surface, error, "out of memory");
     pokes acting = *given;
     acting.voltage = model->voltage;
     for (int again = 0; again < ROUNDS; again++) {
@@ -286,7 +285,7 @@ int calibration_model_fit(calibration_model *model, const scene *nominal, const 
             return -1;
         const int faults = wiring_find(fault, given, model->influence);
         if (faults < 0)
-            return scene_fault(nominal, nominal->at_surface, error, "out of memory");
+            return scene_fault(nominal->at_surface, error, "out of memory");
         if (are_same(fault, faults, model->fault, model->faults))
             break;
         memcpy(model->fault, fault, sizeof fault);

@@ -134,10 +134,10 @@ static bool factor_hessian(gains *gains)
  * Whether every reading of the scene's `estimate` section is a displacement, so that its values are
  * output rows of the structure.
  */
-static bool reads_displacements(const scene *scene)
+static bool reads_displacements(const design *design)
 {
-    for (int i = 0; i < scene->estimate.readings; i++)
-        if (scene->output[scene->estimate.reading[i].output].electric != ELECTRIC_NONE)
+    for (int i = 0; i < design->estimate.readings; i++)
+        if (design->output[design->estimate.reading[i].output].electric != ELECTRIC_NONE)
             return false;
     return true;
 }
@@ -151,11 +151,10 @@ static void estimated_shape(const gains *gains, const estimator *estimator,
                             const double *mode_shape)
 {
     const design *design = &gains->analysis->design;
-    const scene *scene = design->scene;
     int sensor = 0;
     memset(gains->shape, 0, (size_t)design->targets * sizeof *gains->shape);
-    for (int i = 0; i < scene->estimate.readings; i++) {
-        const int output = scene->estimate.reading[i].output;
+    for (int i = 0; i < design->estimate.readings; i++) {
+        const int output = design->estimate.reading[i].output;
         for (int row = design->named_first[output]; row < design->named_first[output + 1]; row++) {
             const double shown =
                 pzs_model_observe_row(&design->structure, mode_shape, (uint32_t)row);
@@ -203,7 +202,7 @@ static bool fill_gains(gains *gains)
 {
     estimator estimator;
     char ignored[SCENE_ERROR];
-    const scene *scene = gains->analysis->design.scene;
+    const design *design = &gains->analysis->design;
     gains->moving = list_amplifiers(&gains->analysis->design, gains->amplifier);
     if (!factor_hessian(gains))
         return false;
@@ -212,8 +211,8 @@ static bool fill_gains(gains *gains)
             gains->modal_response[i * gains->moving + j] =
                 vibration_static(gains->vibration, &gains->analysis->design,
                                  gains->vibration->rigid + (int)i, (int)gains->amplifier[j]);
-    const int wanted = scene->estimate.given && scene->simulate.sight != SIGHT_MEASURED;
-    const int estimates = wanted && reads_displacements(scene) &&
+    const int wanted = design->estimate.given && design->simulate.sight != SIGHT_MEASURED;
+    const int estimates = wanted && reads_displacements(design) &&
                           estimator_open(&estimator, gains->analysis, ignored) == 0;
     gains->assumes_measured = wanted && !estimates;
     for (size_t mode = 0; mode < gains->modes; mode++)
@@ -304,20 +303,20 @@ static double scan_rates(const assessed_loop *loop)
  * Damping ratios [modes] of the modes in the loop. The caller frees the array; NULL where memory
  * runs out.
  */
-static double *loop_damping(const certificate *certificate, const scene *scene)
+static double *loop_damping(const certificate *certificate, const design *design)
 {
     const int first = vibration_first(&certificate->vibration);
     double *damping = malloc((size_t)certificate->modes * sizeof *damping);
     for (int i = 0; damping && i < certificate->modes; i++)
         damping[i] =
-            modal_damping(&scene->dynamics, i, sqrt(certificate->vibration.square[first + i]));
+            modal_damping(&design->dynamics, i, sqrt(certificate->vibration.square[first + i]));
     return damping;
 }
 
 static void assess(certificate *certificate, const analysis *analysis)
 {
-    const scene *scene = analysis->design.scene;
-    const int first = vibration_first(&certificate->vibration), delay = scene->simulate.delay,
+    const design *design = &analysis->design;
+    const int first = vibration_first(&certificate->vibration), delay = design->simulate.delay,
               most = STATE_LIMIT / (delay + 3);
     const double *square = certificate->vibration.square + first;
     certificate->modes = certificate->vibration.count - first;
@@ -336,7 +335,7 @@ static void assess(certificate *certificate, const analysis *analysis)
                  "the voltage problem is singular; add a regularisation, limits.regularisation");
         return;
     }
-    double *damping = loop_damping(certificate, scene);
+    double *damping = loop_damping(certificate, design);
     if (!damping) {
         snprintf(certificate->reason, sizeof certificate->reason, "out of memory");
         free(loop);
@@ -357,17 +356,17 @@ static void assess(certificate *certificate, const analysis *analysis)
 
 void certificate_make(certificate *certificate, const analysis *analysis)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     if (certificate->is_made)
         return;
     memset(certificate, 0, sizeof *certificate);
     certificate->is_made = true;
-    certificate->damping = scene->dynamics.damping;
-    certificate->has_own_damping = scene->dynamics.damping_given;
-    certificate->rate = scene->control.rate;
+    certificate->damping = design->dynamics.damping;
+    certificate->has_own_damping = design->dynamics.damping_given;
+    certificate->rate = design->control.rate;
     certificate->radius = certificate->gain = certificate->stable_rate = (double)NAN;
     certificate->has_modes =
-        vibration_solve(&certificate->vibration, &analysis->design, scene->dynamics.modes,
+        vibration_solve(&certificate->vibration, &analysis->design, design->dynamics.modes,
                         MASS_LUMPED, certificate->reason) == 0;
     if (certificate->has_modes)
         assess(certificate, analysis);

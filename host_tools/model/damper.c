@@ -192,7 +192,7 @@ static int take_memory(builder *builder)
 static double damping_ratio(const builder *builder, size_t mode)
 {
     const int number = (int)mode - vibration_first(builder->vibration);
-    return modal_damping(&builder->analysis->design.scene->dynamics, number,
+    return modal_damping(&builder->analysis->design.dynamics, number,
                          sqrt(builder->vibration->square[mode]));
 }
 
@@ -204,12 +204,11 @@ static double damping_ratio(const builder *builder, size_t mode)
 static void fill_readings(builder *builder, size_t mode, size_t k, double scale)
 {
     const design *design = &builder->analysis->design;
-    const scene *scene = design->scene;
     const double *mode_shape = builder->vibration->shape + mode * (size_t)design->mesh.free_dof;
     const size_t modes = builder->model.modes;
     size_t sensor = 0;
-    for (int reading = 0; reading < scene->estimate.readings; reading++) {
-        const int output = scene->estimate.reading[reading].output;
+    for (int reading = 0; reading < design->estimate.readings; reading++) {
+        const int output = design->estimate.reading[reading].output;
         for (int row = design->named_first[output]; row < design->named_first[output + 1]; row++)
             builder->reading[sensor++ * modes + k] =
                 pzs_model_observe_row(&design->structure, mode_shape, (uint32_t)row) * scale;
@@ -249,7 +248,7 @@ static void fill_modes(builder *builder)
 static void fill_noise(const builder *builder, double *noise)
 {
     const design *design = &builder->analysis->design;
-    const scene_estimate *estimate = &design->scene->estimate;
+    const scene_estimate *estimate = &design->estimate;
     for (int reading = 0; reading < estimate->readings; reading++) {
         const int output = estimate->reading[reading].output;
         const int rows = design->named_first[output + 1] - design->named_first[output];
@@ -361,11 +360,11 @@ static void fill_tables(builder *builder)
 
 static int build(builder *builder, char *error)
 {
-    const scene *scene = builder->analysis->design.scene;
+    const design *design = &builder->analysis->design;
     if (choose_modes(builder, error) < 0)
         return -1;
     if (take_memory(builder) < 0)
-        return scene_fault(scene, scene->simulate.at, error, "out of memory");
+        return scene_fault(design->simulate.at, error, "out of memory");
     fill_modes(builder);
     fill_precision(builder);
     fill_products(builder);
@@ -380,7 +379,7 @@ static int build(builder *builder, char *error)
     model->lift = builder->lift;
     model->square = builder->square;
     if (damper_compute(&builder->gains, model, &builder->settings) < 0)
-        return scene_fault(scene, scene->simulate.at, error,
+        return scene_fault(design->simulate.at, error,
                            "the observer of %zu modes cannot be computed; add sensors or lower "
                            "the rate",
                            model->modes);
@@ -391,10 +390,10 @@ static int build(builder *builder, char *error)
 }
 
 /* Whether every reading of the scene's `estimate` section is a displacement. */
-static bool reads_displacements(const scene *scene)
+static bool reads_displacements(const design *design)
 {
-    for (int i = 0; i < scene->estimate.readings; i++)
-        if (scene->output[scene->estimate.reading[i].output].electric != ELECTRIC_NONE)
+    for (int i = 0; i < design->estimate.readings; i++)
+        if (design->output[design->estimate.reading[i].output].electric != ELECTRIC_NONE)
             return false;
     return true;
 }
@@ -405,13 +404,13 @@ static bool reads_displacements(const scene *scene)
  */
 static bool is_possible(damper *damper, const analysis *analysis, const estimator *estimator)
 {
-    const scene *scene = analysis->design.scene;
-    if (estimator && !reads_displacements(scene))
+    const design *design = &analysis->design;
+    if (estimator && !reads_displacements(design))
         snprintf(damper->reason, sizeof damper->reason,
                  "a reading of the estimate is electric, which the damper does not observe");
-    else if (scene->simulate.delay > PZS_DELAY_LIMIT)
+    else if (design->simulate.delay > PZS_DELAY_LIMIT)
         snprintf(damper->reason, sizeof damper->reason, "delay of %d ticks: at most %d",
-                 scene->simulate.delay, PZS_DELAY_LIMIT);
+                 design->simulate.delay, PZS_DELAY_LIMIT);
     return !damper->reason[0];
 }
 
@@ -420,8 +419,8 @@ damper_options damper_options_of(const analysis *analysis)
     const certificate *certificate = &analysis->certificate;
     const damper_settings settings =
         certificate->has_settings ? certificate->settings : damper_default_settings();
-    return (damper_options){certificate->rate,
-                            analysis->design.scene->simulate.delay + settings.later, settings};
+    return (damper_options){certificate->rate, analysis->design.simulate.delay + settings.later,
+                            settings};
 }
 
 int damper_make(damper *damper, const analysis *analysis, const estimator *estimator,
@@ -442,10 +441,9 @@ int damper_make(damper *damper, const analysis *analysis, const estimator *estim
     damper->rate = options->rate;
     builder.mode = calloc(builder.amplifiers + 1, sizeof *builder.mode);
     builder.column = calloc(builder.targets + 1, sizeof *builder.column);
-    const int failed =
-        builder.mode && builder.column
-            ? build(&builder, error)
-            : scene_fault(design->scene, design->scene->simulate.at, error, "out of memory");
+    const int failed = builder.mode && builder.column
+                           ? build(&builder, error)
+                           : scene_fault(design->simulate.at, error, "out of memory");
     free(builder.mode);
     free(builder.column);
     vibration_free(&builder.more);

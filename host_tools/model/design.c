@@ -140,6 +140,12 @@ static void append_output(const mesh *mesh, const scene_output *output, int node
     append_row(rows, dense, mesh->free_dof);
 }
 
+int design_pieces(const design *design, const scene_patches *patches, int electrode, int element,
+                  bool draws_outline, outline_draw *draw, void *context)
+{
+    return outline_pieces(design->scene, patches, electrode, element, draws_outline, draw, context);
+}
+
 int design_row(const design *design, int target)
 {
     const scene_influence *influence = &design->scene->influence;
@@ -161,11 +167,11 @@ static int refuse_value(const design *design, int target, scene_at at, char *err
 {
     const expr_point place = mesh_place(&design->mesh, design->target_node[target]);
     if (isnan(place.theta1))
-        return scene_fault(design->scene, at, error,
+        return scene_fault(at, error,
                            "the target value or free function is not a finite number at output "
                            "%d, x = %g, y = %g; correct its formula",
                            design_row(design, target) + 1, place.x, place.y);
-    return scene_fault(design->scene, at, error,
+    return scene_fault(at, error,
                        "the target value or free function is not a finite number at %s; correct "
                        "its formula",
                        mesh_node_text(&design->mesh, design->target_node[target]).text);
@@ -177,7 +183,7 @@ int design_target_values(const design *design, const expr *wanted, scene_at at, 
     const mesh *mesh = &design->mesh;
     const int rows = expr_rows(wanted);
     if (rows >= 0 && !design->scene->influence.given && rows != design->targets)
-        return scene_fault(design->scene, at, error,
+        return scene_fault(at, error,
                            "%d values for %d target nodes; give one for each, in the order of the "
                            "tables, or coordinates beside the values",
                            rows, design->targets);
@@ -208,8 +214,8 @@ static int build_targets(design *design, row_builder *rows, double *dense, int *
     double *area = calloc((size_t)mesh->nodes, sizeof *area), sum = 0;
     if (!design->target || !design->weight || !design->target_node || !area) {
         free(area);
-        return scene_fault(design->scene, target->what.at, error,
-                           "%d target nodes do not fit into memory", design->targets);
+        return scene_fault(target->what.at, error, "%d target nodes do not fit into memory",
+                           design->targets);
     }
     mesh_node_areas(mesh, area);
     for (int i = 0; i < design->targets; i++)
@@ -261,7 +267,7 @@ static int build_named(design *design, row_builder *rows, double *dense, int *no
 {
     design->named_first = calloc((size_t)design->scene->outputs + 1, sizeof *design->named_first);
     if (!design->named_first || build_places(design, node) < 0)
-        return scene_fault(design->scene, design->scene->at_surface, error,
+        return scene_fault(design->scene->at_surface, error,
                            "%d outputs do not fit into memory; name fewer nodes",
                            design->scene->outputs);
     for (int k = 0; k < design->scene->outputs; k++) {
@@ -652,7 +658,7 @@ int design_load_values(const mesh *mesh, const scene_load *load, double *value, 
         const expr_point at = mesh_place(mesh, node);
         value[node] = expr_value(load->value, &at);
         if (!isfinite(value[node]))
-            return scene_fault(mesh->scene, load->at, error,
+            return scene_fault(load->at, error,
                                "the load is not a finite number at %s; correct its formula",
                                mesh_node_text(mesh, node).text);
     }
@@ -684,7 +690,7 @@ static int check_moment(const mesh *mesh, const scene_load *load, int *node, cha
     mesh_select(mesh, &load->where, node);
     if (springs_rotation(&mesh->point[node[0]], &load->about, weight) == 0)
         return 0;
-    return scene_fault(mesh->scene, load->at, error,
+    return scene_fault(load->at, error,
                        "the axis of the moment is normal to the surface at %s, where a shell has "
                        "no rotation; choose an axis in the surface, or use two forces",
                        mesh_node_text(mesh, node[0]).text);
@@ -776,14 +782,14 @@ int design_structure(design *design, char *error)
            *value = calloc(nodes, sizeof *value);
     int *node = calloc(nodes, sizeof *node), status = -1;
     if (!dense || !value || !node)
-        scene_fault(design->scene, design->scene->at_surface, error,
+        scene_fault(design->scene->at_surface, error,
                     "the inputs of %d free dof do not fit into memory; use fewer elements",
                     design->mesh.free_dof);
     else
         status = build_all(design, &columns, &rows, dense, value, node, error);
     if (status == 0 &&
         (columns.is_full || rows.is_full || columns.rows > UINT16_MAX || rows.rows > UINT16_MAX))
-        status = scene_fault(design->scene, design->scene->at_surface, error,
+        status = scene_fault(design->scene->at_surface, error,
                              "too many inputs or outputs (%zu, %zu); at most %u each", columns.rows,
                              rows.rows, (unsigned)UINT16_MAX);
     fill_structure(design, &columns, &rows);
@@ -840,6 +846,8 @@ void design_free(design *design)
     free(design->step_limit);
     free(design->reference_voltage);
     free(design->park);
+    free(design->amplifier_name);
+    free(design->electrode_name);
     mesh_free(&design->mesh);
     memset(design, 0, sizeof *design);
 }

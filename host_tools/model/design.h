@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 #include "../mesh/mesh.h"
+#include "../scene/outline_pieces.h"
 
 /*
  * Largest number of free functions of a target. A free function is a shape, such as a tilt, that
@@ -29,8 +30,12 @@ typedef struct common_limits {
     double lower, upper; /* common limits for LIMITS_GIVEN, finite with lower <= upper (V) */
 } common_limits;
 
+/*
+ * A design. The members after `problem` are what the scene says to the stages after the design,
+ * copied by design_build; their texts and lists belong to the scene, which outlives the design.
+ */
 typedef struct design {
-    const scene *scene;
+    const scene *scene; /* for the functions of the design alone; later stages do not use it */
     mesh mesh;
     pzs_structure structure; /* Inputs in this order: amplifiers, loads, extra inputs, electrodes of
                                 sensors. Outputs: target nodes, then named outputs. The extra inputs
@@ -74,6 +79,40 @@ typedef struct design {
                                                                voltages (V) */
     double *park; /* [amplifiers] voltages to which the supervisor parks the amplifiers (V) */
     pzs_problem problem;
+
+    const char *name, *about, *path; /* name, purpose (may be NULL) and file of the scene */
+    scene_at at, at_layers;          /* positions for errors on the structure and on its layers */
+    scene_unit_names units;
+    char (*amplifier_name)[SCENE_LABEL]; /* [amplifiers] name of the actuator, with the position in
+                                            its grid if it has several amplifiers */
+    char (*electrode_name)[SCENE_LABEL]; /* [electrodes of sensors] name of the sensor, with the
+                                            position in its grid if it has several electrodes */
+    scene_kinematics kinematics;
+    double tolerance; /* largest relative error that linear kinematics may cause where the scene
+                         says kinematics: auto */
+    scene_equilibrium equilibrium; /* settings of the solver for the nonlinear equilibrium */
+    int materials, layers, patch_grids, actuators, sensors, supports, springs, outputs, compares;
+    const scene_material *material; /* [materials] */
+    const scene_layer *layer;       /* [layers] */
+    const scene_patches *patches;   /* [patch_grids] */
+    const scene_actuator *actuator; /* [actuators] */
+    const scene_actuator *sensor;   /* [sensors] */
+    const scene_support *support;   /* [supports] */
+    const scene_spring *spring;     /* [springs] */
+    const scene_load *load;         /* [loads] */
+    const scene_output *output;     /* [outputs] named outputs */
+    const scene_compare *compare;   /* [compares] voltages given for comparison */
+    const scene_quads *quads;       /* mesh from a file, or NULL */
+    scene_contact contact;
+    scene_limits limits;
+    scene_target goal; /* component, place and formula of the target */
+    scene_estimate estimate;
+    scene_simulate simulate;
+    scene_dynamics dynamics;
+    scene_control control;
+    scene_safety safety;
+    scene_hysteresis hysteresis;
+    scene_influence measured; /* measured influence matrix in place of a structure */
 } design;
 
 /*
@@ -110,6 +149,12 @@ int design_limits(const design *design, common_limits common, double *lower, dou
 bool design_is_held(const design *design, int amplifier);
 
 void design_free(design *design);
+
+/*
+ * Copy the scene of a design, to build a design with other material constants, loads or kinematics
+ * from the copy (scene_vary). Returns 0, or -1 where memory runs out.
+ */
+int design_vary(const design *design, scene *copy);
 
 /*
  * Resultants that 1 V (or 1 K) of one amplifier of an actuator causes in one element, times the
@@ -149,6 +194,13 @@ typedef struct design_part {
  */
 int design_patches_in(const mesh *mesh, int element, const scene_patches *patches,
                       design_part *list);
+
+/*
+ * Draw the part of an electrode of any outline that lies in one element, as areas or as lines
+ * (outline_pieces). Returns 0, or -1 where memory runs out.
+ */
+int design_pieces(const design *design, const scene_patches *patches, int electrode, int element,
+                  bool draws_outline, outline_draw *draw, void *context);
 
 /*
  * Index of the value that belongs to a target row, in lists of values that the scene gives. For a

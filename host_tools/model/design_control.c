@@ -123,7 +123,7 @@ static int check_limits(const limits *bounds, const char *which, char *error)
             char name[SCENE_LABEL];
             scene_amplifier_name(bounds->scene, k, name);
             return scene_fault(
-                bounds->scene, bounds->scene->limits.at, error,
+                bounds->scene->limits.at, error,
                 "%s has no voltage left between %g and %g: %sits own limits and the material's "
                 "field_limit do not overlap; widen one of them",
                 name, bounds->lower[k], bounds->upper[k], which);
@@ -191,16 +191,15 @@ int design_control(design *design, const double *influence, char *error)
     const size_t amplifiers = (size_t)design->amplifiers, inputs = design->structure.input.count;
     pzs_problem *problem = &design->problem;
     if (!design->scene->target.given)
-        return scene_fault(design->scene, design->scene->limits.at, error,
+        return scene_fault(design->scene->limits.at, error,
                            "no target: add `target: {u3: middle, at: nodes, value: ...}`");
     if (amplifiers == 0)
-        return scene_fault(design->scene, design->scene->limits.at, error,
-                           "no amplifiers: add `actuators`");
+        return scene_fault(design->scene->limits.at, error, "no amplifiers: add `actuators`");
     if (!allocate_control(design))
-        return scene_fault(design->scene, design->scene->limits.at, error,
-                           "%d amplifiers do not fit into memory", design->amplifiers);
+        return scene_fault(design->scene->limits.at, error, "%d amplifiers do not fit into memory",
+                           design->amplifiers);
     if (design->fixed_rows == design->targets)
-        return scene_fault(design->scene, design->scene->target.what.at, error,
+        return scene_fault(design->scene->target.what.at, error,
                            "all %d target rows lie on constrained dof and "
                            "cannot move; choose other nodes or another direction",
                            design->targets);

@@ -39,7 +39,7 @@ static int make_weights(design *design, char *error)
     if (!scene->target.weight_area)
         return 0;
     if (point_areas(count, scene->influence.place, design->weight) < 0)
-        return scene_fault(scene, scene->target.what.at, error, "out of memory");
+        return scene_fault(scene->target.what.at, error, "out of memory");
     for (size_t i = 0; i < count; i++)
         sum += design->weight[i];
     for (size_t i = 0; i < count; i++)
@@ -64,8 +64,7 @@ int design_measured(design *design, char *error)
     design->place_first = calloc(1, sizeof *design->place_first);
     if (!make_outputs(design) || !design->target || !design->weight || !design->target_node ||
         !design->named_first || !design->place_first)
-        return scene_fault(scene, scene->influence.at, error, "%zu outputs do not fit into memory",
-                           count);
+        return scene_fault(scene->influence.at, error, "%zu outputs do not fit into memory", count);
     for (size_t i = 0; i < count; i++)
         design->target_node[i] = (int)i;
     return make_weights(design, error);

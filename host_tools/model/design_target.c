@@ -143,7 +143,7 @@ static int add_free(design *design, int j, char *error)
     remove_fit(design, j, value);
     const double size = sqrt(weighted_squares(design, value));
     if (!(size > 0))
-        return scene_fault(design->scene, from->at, error,
+        return scene_fault(from->at, error,
                            "free function '%s' is zero at the nodes of the target that can "
                            "move, or a combination of the free functions before it; remove it",
                            from->name);
@@ -206,8 +206,8 @@ int design_target_rows(design *design, char *error)
     design->fixed_weight = calloc(targets, sizeof *design->fixed_weight);
     design->free_value = calloc(targets * (size_t)target->frees + 1, sizeof *design->free_value);
     if (!design->fixed_weight || !design->free_value)
-        return scene_fault(design->scene, target->what.at, error,
-                           "%d target nodes do not fit into memory", design->targets);
+        return scene_fault(target->what.at, error, "%d target nodes do not fit into memory",
+                           design->targets);
     separate_fixed_rows(design);
     for (int j = 0; j < target->frees && design->fixed_rows < design->targets; j++)
         if (add_free(design, j, error) < 0)

@@ -200,8 +200,7 @@ int electrodes_build(design *design, char *error)
     free(list.part);
     free(dense);
     if (!ready || !dense || !dof || !value || list.is_full)
-        return scene_fault(design->scene, design->scene->at_surface, error,
-                           "electrodes do not fit into memory");
+        return scene_fault(design->scene->at_surface, error, "electrodes do not fit into memory");
     tables->crc = pzs_electrode_crc(tables, (uint32_t)inputs);
     return 0;
 }

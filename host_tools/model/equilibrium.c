@@ -78,29 +78,28 @@ static void append_actuator(resultant_builder *builder, const mesh *mesh,
 static pzs_status build_prescribed_resultants(equilibrium *equilibrium, double *value)
 {
     const design *design = equilibrium->design;
-    const scene *scene = design->scene;
     const int inputs = design->structure.input.count;
     resultant_builder builder;
     memset(&builder, 0, sizeof builder);
     builder.start = calloc((size_t)inputs + 1, sizeof *builder.start);
     if (!builder.start)
         return PZS_E_WORKSPACE;
-    for (int k = 0; k < scene->actuators; k++)
-        append_actuator(&builder, &design->mesh, &scene->actuator[k], scene->actuator[k].first);
+    for (int k = 0; k < design->actuators; k++)
+        append_actuator(&builder, &design->mesh, &design->actuator[k], design->actuator[k].first);
     for (int k = 0; k < design->sensor_first - design->amplifiers; k++) {
         double h0[LAMINATE_STRAINS];
         char error[SCENE_ERROR];
-        if (k < scene->loads && scene->load[k].type == LOAD_TEMPERATURE &&
-            design_load_values(&design->mesh, &scene->load[k], value, error) == 0)
+        if (k < design->loads && design->load[k].type == LOAD_TEMPERATURE &&
+            design_load_values(&design->mesh, &design->load[k], value, error) == 0)
             for (int element = 0; element < design->mesh.elements; element++) {
-                design_temperature_resultants(&design->mesh, &scene->load[k], element, h0);
+                design_temperature_resultants(&design->mesh, &design->load[k], element, h0);
                 append(&builder, element, h0);
             }
         builder.start[design->amplifiers + k + 1] = (uint32_t)builder.entries;
     }
-    for (int k = 0; k < scene->sensors; k++)
-        append_actuator(&builder, &design->mesh, &scene->sensor[k],
-                        design->sensor_first + scene->sensor[k].first);
+    for (int k = 0; k < design->sensors; k++)
+        append_actuator(&builder, &design->mesh, &design->sensor[k],
+                        design->sensor_first + design->sensor[k].first);
     equilibrium->tables.given.start = builder.start;
     equilibrium->tables.given.element = builder.element;
     equilibrium->tables.given.which = builder.which;
@@ -146,10 +145,10 @@ static pzs_status build_follower(equilibrium *equilibrium, const scene_load *loa
     char error[SCENE_ERROR];
     follower->pressure = pressure;
     follower->area = (const double(*)[4])area;
-    if (mesh->scene->element.cartesian)
+    if (mesh->formulation.cartesian)
         lean = calloc((size_t)mesh->types, sizeof *lean);
     follower->lean = (const double(*)[4][2])lean;
-    if (!pressure || !area || (mesh->scene->element.cartesian && !lean))
+    if (!pressure || !area || (mesh->formulation.cartesian && !lean))
         return PZS_E_WORKSPACE;
     if (design_load_values(mesh, load, pressure, error) < 0)
         return PZS_E_NONFINITE;
@@ -159,7 +158,7 @@ static pzs_status build_follower(equilibrium *equilibrium, const scene_load *loa
         follower->load_face = load->face == FACE_OUTER;
     follower->normal_face = load->follower == FOLLOWER_PRESSURE && load->face == FACE_INNER ? 0 : 1;
     follower->true_area = load->follower == FOLLOWER_PRESSURE;
-    set_shares(follower, mesh->scene->element.cartesian);
+    set_shares(follower, mesh->formulation.cartesian);
     for (int element = 0; element < mesh->elements; element++)
         for (int corner = 0; corner < 4; corner++) {
             const uint16_t type = mesh->element_type[element];
@@ -214,7 +213,7 @@ static double psi_gap(const pzs_body *body, const double x[3], double normal[3],
 
 static void build_body(equilibrium *equilibrium, double size)
 {
-    const scene_body *from = &equilibrium->design->scene->contact.body;
+    const scene_body *from = &equilibrium->design->contact.body;
     pzs_body *body = &equilibrium->body;
     memcpy(body->point, from->point, sizeof body->point);
     memcpy(body->axis, from->type == BODY_PLANE ? from->normal : from->axis, sizeof body->axis);
@@ -232,7 +231,7 @@ static void build_body(equilibrium *equilibrium, double size)
 static pzs_status build_contact(equilibrium *equilibrium, uint16_t input)
 {
     const mesh *mesh = &equilibrium->design->mesh;
-    const scene_contact *contact = &equilibrium->design->scene->contact;
+    const scene_contact *contact = &equilibrium->design->contact;
     const size_t nodes = (size_t)mesh->nodes, bytes = PZS_CONTACT_BYTES(nodes);
     double(*place)[3] = calloc(nodes, sizeof *place), (*triad)[3][3] = calloc(nodes, sizeof *triad);
     double *area = calloc(nodes, sizeof *area), low[3], high[3];
@@ -306,7 +305,7 @@ void equilibrium_penetration_text(const equilibrium *equilibrium, pzs_status sta
     const char *face = contact->info.side ? "outer" : "inner";
     char unit[SCENE_NAME + 1];
     char what[SCENE_NAME + 128];
-    const char *length_unit = equilibrium->design->scene->unit_length;
+    const char *length_unit = equilibrium->design->units.length;
     snprintf(unit, sizeof unit, "%s%s", *length_unit ? " " : "", length_unit);
     if (contact->info.penetration == PZS_PENETRATION_PASSED)
         snprintf(what, sizeof what, "it passes through the %s face in one load step", face);
@@ -391,8 +390,7 @@ static void set_full(equilibrium *equilibrium)
     const design *design = equilibrium->design;
     design_applied(design, equilibrium->full_input);
     for (int k = 0; k < design->loads; k++)
-        equilibrium->full_input[design->amplifiers + k] =
-            design->scene->load[k].follower == FOLLOWER_NONE;
+        equilibrium->full_input[design->amplifiers + k] = design->load[k].follower == FOLLOWER_NONE;
     for (int k = design->amplifiers + design->loads; k < design->sensor_first; k++)
         equilibrium->full_input[k] = 1;
 }
@@ -420,7 +418,7 @@ static pzs_status start(equilibrium *equilibrium, pzs_model *model)
     equilibrium->tables.format = PZS_TABLE_FORMAT;
     equilibrium->tables.scene = structure->scene;
     for (int k = 0; k < design->loads; k++)
-        input += design->scene->load[k].follower != FOLLOWER_NONE;
+        input += design->load[k].follower != FOLLOWER_NONE;
     equilibrium->tables.prescribed.count = (uint16_t)design->mesh.prescribed_count;
     equilibrium->tables.prescribed.input = (uint16_t)input;
     equilibrium->tables.prescribed.dof = design->mesh.prescribed_dof;
@@ -453,12 +451,11 @@ static pzs_status attach(equilibrium *equilibrium)
     int input = design->amplifiers + design->loads;
     pzs_status status = build_circuit(equilibrium);
     for (int k = 0; k < design->loads && status == PZS_OK; k++)
-        if (design->scene->load[k].follower != FOLLOWER_NONE)
-            status = build_follower(equilibrium, &design->scene->load[k], (uint16_t)input++);
+        if (design->load[k].follower != FOLLOWER_NONE)
+            status = build_follower(equilibrium, &design->load[k], (uint16_t)input++);
     input += design->mesh.prescribed_count > 0;
-    return status == PZS_OK && design->scene->contact.given
-               ? build_contact(equilibrium, (uint16_t)input)
-               : status;
+    return status == PZS_OK && design->contact.given ? build_contact(equilibrium, (uint16_t)input)
+                                                     : status;
 }
 
 pzs_status equilibrium_open(equilibrium *equilibrium, const design *design, pzs_model *model)
@@ -472,7 +469,7 @@ pzs_status equilibrium_open(equilibrium *equilibrium, const design *design, pzs_
         equilibrium_close(equilibrium);
         return status;
     }
-    const scene_equilibrium *choice = &design->scene->equilibrium;
+    const scene_equilibrium *choice = &design->equilibrium;
     set_full(equilibrium);
     equilibrium->solver.settings.load_steps = (uint16_t)choice->load_steps;
     equilibrium->solver.settings.tolerance = choice->tolerance;

@@ -94,7 +94,7 @@ static double default_deviation(const design *design, size_t amplifier)
 static void find_sizes(estimation *estimation)
 {
     const design *design = &estimation->analysis->design;
-    const scene_estimate *settings = &design->scene->estimate;
+    const scene_estimate *settings = &design->estimate;
     const size_t loads = estimation->loads;
     for (size_t i = 0; i < loads; i++)
         estimation->sigma[i] = settings->loads;
@@ -133,9 +133,9 @@ static int fill_sensitivity(estimation *estimation, size_t input, double *value,
         (pzs_open_voltages(&analysis->electric, value) != PZS_OK ||
          pzs_charges(&analysis->electric, value, charge) != PZS_OK))
         return -1;
-    for (int index = 0; index < design->scene->estimate.readings; index++) {
-        const int k = design->scene->estimate.reading[index].output;
-        const scene_output *output = &design->scene->output[k];
+    for (int index = 0; index < design->estimate.readings; index++) {
+        const int k = design->estimate.reading[index].output;
+        const scene_output *output = &design->output[k];
         for (int i = 0; i < analysis_outputs(analysis, k); i++, row++) {
             double *reading = &estimation->sensitivity[row * inputs + input];
             if (output->electric == ELECTRIC_NONE)
@@ -143,7 +143,7 @@ static int fill_sensitivity(estimation *estimation, size_t input, double *value,
                     analysis->influence[(size_t)(design->named_first[k] + i) * inputs + input];
             else
                 *reading = electric_reading(design, output, i, value, charge);
-            estimation->noise[row] = design->scene->estimate.reading[index].noise;
+            estimation->noise[row] = design->estimate.reading[index].noise;
         }
     }
     return 0;
@@ -373,7 +373,7 @@ static void measure_sensors(const estimation *estimation, estimator *estimator)
 
 static int no_memory(const analysis *analysis, char *error)
 {
-    return scene_fault(analysis->design.scene, analysis->design.scene->estimate.at, error,
+    return scene_fault(analysis->design.estimate.at, error,
                        "the estimator does not fit into memory; use fewer target nodes");
 }
 
@@ -402,18 +402,18 @@ static void fill_tables(estimator *estimator, const design *design)
 
 static int check_observability(const estimator *estimator, const analysis *analysis, char *error)
 {
-    const scene_estimate *settings = &analysis->design.scene->estimate;
+    const scene_estimate *settings = &analysis->design.estimate;
     char text[SCENE_ERROR];
     if (!(estimator->disturbed > 0))
         return scene_fault(
-            analysis->design.scene, settings->at, error,
+            settings->at, error,
             "nothing disturbs the shape: the standard deviations of all loads and voltages are "
             "0; give a load, or a voltage deviation above 0");
     if (!(estimator->remaining > settings->tolerance * estimator->disturbed))
         return 0;
     estimator_text(estimator, analysis, text);
     return scene_fault(
-        analysis->design.scene, settings->at, error,
+        settings->at, error,
         "these readings do not determine the shape: %s; add a reading there, or raise tolerance",
         text);
 }
@@ -463,9 +463,9 @@ int estimator_open(estimator *estimator, const analysis *analysis, char *error)
                              .loads = (size_t)design->loads,
                              .disturbances = (size_t)(design->loads + design->amplifiers)};
     memset(estimator, 0, sizeof *estimator);
-    for (int reading = 0; reading < design->scene->estimate.readings; reading++)
+    for (int reading = 0; reading < design->estimate.readings; reading++)
         estimation.sensors +=
-            (size_t)analysis_outputs(analysis, design->scene->estimate.reading[reading].output);
+            (size_t)analysis_outputs(analysis, design->estimate.reading[reading].output);
     estimator->sensors = (int)estimation.sensors;
     estimator->disturbances = (int)estimation.disturbances;
     const int failed = build_estimator(&estimation, estimator, error);

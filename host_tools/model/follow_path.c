@@ -388,18 +388,18 @@ static void continue_from_end(arc_search *arc_search)
  */
 static int check_scene(const analysis *analysis, char *error)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     const char *reason = NULL;
     if (!analysis->equilibrium.full_input)
         reason = "needs kinematics: nonlinear (or auto)";
-    else if (scene->contact.given)
+    else if (design->contact.given)
         reason = "does not follow contact; use equilibrium.load_steps";
     else if (analysis->design.mesh.prescribed_count > 0)
         reason = "does not follow prescribed displacements, which pass limit points by themselves; "
                  "use equilibrium.load_steps";
     else if (analysis->equilibrium.circuit_work)
         reason = "does not follow open electrodes";
-    return reason ? scene_fault(scene, scene->at_surface, error, "--path %s", reason) : 0;
+    return reason ? scene_fault(design->at, error, "--path %s", reason) : 0;
 }
 
 int load_path_follow(load_path *path, analysis *analysis, char *error)
@@ -408,16 +408,16 @@ int load_path_follow(load_path *path, analysis *analysis, char *error)
     memset(path, 0, sizeof *path);
     if (check_scene(analysis, error) < 0)
         return -1;
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     path->rows = (int)analysis->design.structure.output.count;
     path->value = calloc((size_t)LOAD_PATH_POINTS * ((size_t)path->rows + 1), sizeof *path->value);
     pzs_solver_reset(&analysis->equilibrium.solver);
     if (!path->value || arc_open(&arc_search, analysis) < 0)
-        return scene_fault(scene, scene->at_surface, error, "out of memory");
+        return scene_fault(design->at, error, "out of memory");
     if (!solve_both(&arc_search) ||
         !(scalar_product(&arc_search, arc_search.by_load, arc_search.by_load) > 0)) {
         free(arc_search.memory);
-        return scene_fault(scene, scene->at_surface, error,
+        return scene_fault(design->at, error,
                            "--path: the scene has no load, or its reference state is not stiff");
     }
     add_point(path, &arc_search);
@@ -425,8 +425,7 @@ int load_path_follow(load_path *path, analysis *analysis, char *error)
     continue_from_end(&arc_search);
     path->is_complete = arc_search.start_factor >= 1;
     if (!path->is_complete)
-        scene_fault(scene, scene->at_surface, error,
-                    "the load path ends at %.4g of the load after %d points",
+        scene_fault(design->at, error, "the load path ends at %.4g of the load after %d points",
                     arc_search.start_factor, path->points);
     free(arc_search.memory);
     return 0;

@@ -111,53 +111,53 @@ static size_t entries(const mesh *mesh)
     return SHELL_PACKED(4 * (size_t)mesh->dof_per_node);
 }
 
-int mass_missing(const scene *scene, char names[SCENE_ERROR])
+int mass_missing(const design *design, char names[SCENE_ERROR])
 {
     int missing = 0;
     size_t length = 0;
     names[0] = '\0';
-    for (int k = 0; k < scene->materials; k++) {
+    for (int k = 0; k < design->materials; k++) {
         int used = 0;
-        for (int i = 0; i < scene->layers; i++)
-            used |= scene->layer[i].material == k;
-        if (!used || scene->material[k].density > 0)
+        for (int i = 0; i < design->layers; i++)
+            used |= design->layer[i].material == k;
+        if (!used || design->material[k].density > 0)
             continue;
         if (length + SCENE_NAME + 8 < SCENE_ERROR / 2)
             length += (size_t)snprintf(names + length, SCENE_ERROR - length, "%s'%s'",
-                                       missing ? ", " : "", scene->material[k].name);
+                                       missing ? ", " : "", design->material[k].name);
         missing++;
     }
     return missing;
 }
 
 /* Refuse a scene in which a density is missing. Returns 0, or -1 with error filled. */
-static int check_densities(const scene *scene, char *error)
+static int check_densities(const design *design, char *error)
 {
     char names[SCENE_ERROR];
-    const int missing = mass_missing(scene, names);
+    const int missing = mass_missing(design, names);
     if (missing == 0)
         return 0;
-    return scene_fault(scene, scene->at_layers, error,
+    return scene_fault(design->at_layers, error,
                        "no density in %s%.200s: vibration needs the mass; add `density` to "
                        "materials, 7800 for steel in kg/m3",
                        missing == 1 ? "material " : "materials ", names);
 }
 
-int mass_build(mass *mass, const mesh *mesh, double lumped, char *error)
+int mass_build(mass *mass, const design *design, double lumped, char *error)
 {
-    const scene *scene = mesh->scene;
+    const mesh *mesh = &design->mesh;
     memset(mass, 0, sizeof *mass);
-    if (check_densities(scene, error) < 0)
+    if (check_densities(design, error) < 0)
         return -1;
     mass->mesh = mesh;
     mass->entry = malloc((size_t)mesh->elements * entries(mesh) * sizeof *mass->entry);
     if (!mass->entry)
-        return scene_fault(scene, scene->line[0].at, error,
-                           "the mass of %d elements does not fit into memory", mesh->elements);
+        return scene_fault(design->at, error, "the mass of %d elements does not fit into memory",
+                           mesh->elements);
     for (int element = 0; element < mesh->elements; element++) {
         double integral[FUNCTIONS][FUNCTIONS];
         moments(&mesh->laminate, &mesh->place[mesh->element_type[element]],
-                scene->dynamics.mass_per_area, integral);
+                design->dynamics.mass_per_area, integral);
         fill_element(mesh, element, lumped, integral,
                      mass->entry + (size_t)element * entries(mesh));
     }

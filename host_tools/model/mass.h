@@ -10,7 +10,7 @@
 #ifndef MASS_H
 #define MASS_H
 
-#include "../mesh/mesh.h"
+#include "design.h"
 
 /*
  * Default share of the lumped matrix in the mean of the lumped and the consistent mass matrix. Two
@@ -31,7 +31,7 @@ typedef struct mass {
  *   lumped in  weight of the lumped matrix, from 0 to 1
  * Returns 0, or -1 with error filled where a material has no density or memory runs out.
  */
-int mass_build(mass *mass, const mesh *mesh, double lumped, char *error);
+int mass_build(mass *mass, const design *design, double lumped, char *error);
 void mass_free(mass *mass);
 
 /* Packed lower triangle of the mass matrix of one element. */
@@ -60,6 +60,6 @@ double mass_rigid(const mass *mass, const pzs_model *model, const double shift[3
  * List the names of the layers' materials that have no density, quoted and separated by commas.
  * Returns the number of these materials.
  */
-int mass_missing(const scene *scene, char names[SCENE_ERROR]);
+int mass_missing(const design *design, char names[SCENE_ERROR]);
 
 #endif

@@ -18,30 +18,28 @@ double matrix_column_size(const scene *scene, int k)
  * Product of the transposed influence matrix with the influence matrix.
  *   gram [amplifiers][amplifiers] out
  */
-static void multiply(const scene *scene, double *gram)
+static void multiply(const scene_influence *influence, size_t amplifiers, double *gram)
 {
-    const size_t amplifiers = (size_t)scene->amplifiers;
-    for (size_t i = 0; i < (size_t)scene->influence.outputs; i++) {
-        const double *row = scene->influence.matrix + i * amplifiers;
+    for (size_t i = 0; i < (size_t)influence->outputs; i++) {
+        const double *row = influence->matrix + i * amplifiers;
         for (size_t j = 0; j < amplifiers; j++)
             for (size_t k = 0; k < amplifiers; k++)
                 gram[j * amplifiers + k] += row[j] * row[k];
     }
 }
 
-int matrix_facts_find(matrix_facts *facts, const scene *scene)
+int matrix_facts_find(matrix_facts *facts, const scene_influence *influence, size_t amplifiers)
 {
-    const size_t amplifiers = (size_t)scene->amplifiers;
     memset(facts, 0, sizeof *facts);
-    for (size_t i = 0; i < (size_t)scene->influence.outputs * amplifiers; i++)
-        facts->entry = fmax(facts->entry, fabs(scene->influence.matrix[i]));
+    for (size_t i = 0; i < (size_t)influence->outputs * amplifiers; i++)
+        facts->entry = fmax(facts->entry, fabs(influence->matrix[i]));
     facts->rank = -1;
     if (amplifiers > MATRIX_ACTUATORS)
         return 0;
     double *gram = calloc(2 * amplifiers * amplifiers, sizeof *gram);
     if (!gram)
         return -1;
-    multiply(scene, gram);
+    multiply(influence, amplifiers, gram);
     eigen_symmetric(gram, gram + amplifiers * amplifiers, amplifiers, 30, 0);
     for (size_t k = 0; k < amplifiers; k++)
         facts->most = fmax(facts->most, sqrt(fmax(gram[k * amplifiers + k], 0)));

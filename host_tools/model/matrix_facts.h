@@ -27,10 +27,10 @@ typedef struct matrix_facts {
 enum { MATRIX_ACTUATORS = 256 };
 
 /*
- * Compute the numbers that describe the scene's influence matrix. Returns 0, or -1 where memory
- * runs out.
+ * Compute the numbers that describe a measured influence matrix [outputs][amplifiers]. Returns 0,
+ * or -1 where memory runs out.
  */
-int matrix_facts_find(matrix_facts *facts, const scene *scene);
+int matrix_facts_find(matrix_facts *facts, const scene_influence *influence, size_t amplifiers);
 
 /* Euclidean norm of column k of the scene's influence matrix. */
 double matrix_column_size(const scene *scene, int k);

@@ -75,18 +75,18 @@ static int read_coarser(scene *coarse, const scene *fine, const int elements[2],
 {
     enum { CHANGE = 48 };
     char change[2][CHANGE];
-    const char **set = calloc((size_t)fine->sets + 2, sizeof *set);
+    const char **set = calloc((size_t)fine->origin->sets + 2, sizeof *set);
     if (!set) {
         snprintf(error, SCENE_ERROR, "out of memory");
         return -1;
     }
-    for (int i = 0; i < fine->sets; i++)
-        set[i] = fine->set[i];
+    for (int i = 0; i < fine->origin->sets; i++)
+        set[i] = fine->origin->set[i];
     for (int i = 0; i < 2; i++) {
         snprintf(change[i], CHANGE, "mesh.theta%d.elements=%d", i + 1, elements[i]);
-        set[fine->sets + i] = change[i];
+        set[fine->origin->sets + i] = change[i];
     }
-    const int failed = scene_read(coarse, fine->path, set, fine->sets + 2, error);
+    const int failed = scene_read(coarse, fine->origin->path, set, fine->origin->sets + 2, error);
     free(set);
     return failed;
 }

@@ -24,8 +24,7 @@ static void fill_mode(modal *modal, const design *design, const vibration *vibra
     const int of = vibration->rigid + (int)mode;
     const double *vector = vibration->shape + (size_t)of * (size_t)design->mesh.free_dof;
     modal->frequency[mode] = sqrt(vibration->square[of]);
-    modal->damping[mode] =
-        modal_damping(&design->scene->dynamics, (int)mode, modal->frequency[mode]);
+    modal->damping[mode] = modal_damping(&design->dynamics, (int)mode, modal->frequency[mode]);
     for (size_t row = 0; row < modal->rows; row++)
         modal->shape[row * modal->modes + mode] =
             pzs_model_observe_row(&design->structure, vector, (uint32_t)row);

@@ -55,7 +55,7 @@ static int run_mode(modes *modes, int k, analysis *analysis, const double *loade
                     const common_limits *limit, char *error)
 {
     design *design = &analysis->design;
-    const scene_mode *wanted = &design->scene->target.mode[k];
+    const scene_mode *wanted = &design->goal.mode[k];
     if (design_target_values(design, wanted->value, wanted->at, design->target, error) < 0)
         return -1;
     for (int i = 0; i < design->targets; i++)
@@ -71,7 +71,7 @@ static int run_mode(modes *modes, int k, analysis *analysis, const double *loade
 int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int limits, char *error)
 {
     design *design = &analysis->design;
-    const size_t targets = (size_t)design->targets, count = (size_t)design->scene->target.modes;
+    const size_t targets = (size_t)design->targets, count = (size_t)design->goal.modes;
     memset(modes, 0, sizeof *modes);
     modes->limits = limits;
     modes->mode = calloc(count + 1, sizeof *modes->mode);
@@ -79,10 +79,10 @@ int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int 
     double *kept = calloc(3 * targets + 1, sizeof *kept); /* [3][targets] copies of the design's
                                                              target and of its wanted displacements,
                                                              and their difference */
-    int failed = !modes->mode || !modes->left || !kept
-                     ? scene_fault(design->scene, design->scene->target.what.at, error,
-                                   "%zu modes do not fit into memory", count)
-                     : 0;
+    int failed =
+        !modes->mode || !modes->left || !kept
+            ? scene_fault(design->goal.what.at, error, "%zu modes do not fit into memory", count)
+            : 0;
     if (!failed) {
         memcpy(kept, design->target, targets * sizeof *kept);
         memcpy(kept + targets, design->wanted, targets * sizeof *kept);

@@ -138,8 +138,7 @@ static plausible_warning *warning_entry(plausible *warnings, const struct rule *
     return &warnings->warning[warnings->count++];
 }
 
-static void warn(plausible *warnings, const scene *scene, const struct rule *rule,
-                 const measured *found)
+static void warn(plausible *warnings, const struct rule *rule, const measured *found)
 {
     const int is_above = found->value > rule->high;
     plausible_warning *warning = warning_entry(warnings, rule, found);
@@ -152,8 +151,8 @@ static void warn(plausible *warnings, const scene *scene, const struct rule *rul
     warning->at = found->at;
     const char *space = *rule->unit ? " " : "";
     const char *side = is_above ? "above" : "below";
-    scene_fault(scene, found->at, warning->text, "%s: %.4g%s%s, %s %g; %s", found->what,
-                found->value, space, rule->unit, side, warning->limit, rule->cure);
+    scene_fault(found->at, warning->text, "%s: %.4g%s%s, %s %g; %s", found->what, found->value,
+                space, rule->unit, side, warning->limit, rule->cure);
 }
 
 static void apply(plausible *warnings, const struct rule *rule, const subject *of)
@@ -161,11 +160,12 @@ static void apply(plausible *warnings, const struct rule *rule, const subject *o
     measured found;
     for (int k = 0;; k++) {
         memset(&found, 0, sizeof found);
+        found.at.origin = of->scene->origin;
         found.value = (double)NAN;
         if (!rule->measure(of, k, &found))
             return;
         if (found.value > rule->high || found.value < rule->low)
-            warn(warnings, of->scene, rule, &found);
+            warn(warnings, rule, &found);
     }
 }
 

@@ -28,7 +28,8 @@ int measure_matrix_entry(const subject *of, int k, measured *found)
     static const units_unit unit = {{1, 0, -1, 0, 0, 0}, 0, 0};
     matrix_facts facts;
     int ten;
-    if (k > 0 || !has_column(of, k, found) || matrix_facts_find(&facts, of->scene) < 0)
+    if (k > 0 || !has_column(of, k, found) ||
+        matrix_facts_find(&facts, &of->scene->influence, (size_t)of->scene->amplifiers) < 0)
         return 0;
     if (scene_units_ten(of->scene, &unit, &ten) < 0)
         found->value = facts.entry * pow(10, -ten);

@@ -18,6 +18,6 @@ double spring_force(const design *design, int row, const double *u, const double
  * Name of a spring entry or stack actuator of the scene (springs.h): the name that the scene gives,
  * or a number counted from 1.
  */
-void spring_item_name(const scene *scene, int item, char name[SCENE_LABEL]);
+void spring_item_name(const design *design, int item, char name[SCENE_LABEL]);
 
 #endif

@@ -25,7 +25,7 @@ static double instructions(const design *design, double work)
 
 uint64_t tick_work_limit(const design *design)
 {
-    const scene_control *control = &design->scene->control;
+    const scene_control *control = &design->control;
     const uint32_t inputs = (uint32_t)design->amplifiers;
     const uint64_t least = PZS_WORK_LEAST(inputs);
     if (!(control->clock > 0) || !(control->rate > 0))
@@ -90,7 +90,7 @@ static uint64_t longest_work(const design *design, uint64_t limit, void *work, s
 void tick_work_make(tick_work *result, const design *design)
 {
     const uint32_t amplifiers = (uint32_t)design->amplifiers, targets = (uint32_t)design->targets;
-    const scene_control *control = &design->scene->control;
+    const scene_control *control = &design->control;
     memset(result, 0, sizeof *result);
     if (amplifiers == 0 || targets == 0 || design->problem.influence == NULL)
         return;

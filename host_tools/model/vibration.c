@@ -395,13 +395,12 @@ static int modes_below(search *search, double bound)
  */
 static int find_modes(search *search, size_t number, char *error)
 {
-    const scene *of = search->d->scene;
     int below = 0;
     size_t found = 0;
     for (int i = 0; i < CHECKS; i++) {
         found = iterate(search, number);
         if (found == 0)
-            return scene_fault(of, of->at_surface, error,
+            return scene_fault(search->d->at, error,
                                "the lowest %zu modes have not converged in %zu vectors; ask for "
                                "fewer",
                                number, search->done);
@@ -411,7 +410,7 @@ static int find_modes(search *search, size_t number, char *error)
         for (int k = 0; k < BLOCK; k++)
             append_random(search);
     }
-    return scene_fault(of, of->at_surface, error,
+    return scene_fault(search->d->at, error,
                        "%d modes lie below %.6g Hz, but %zu were found; ask for more or fewer",
                        below, sqrt(fmax(bound_above(search, found), 0)) / two_pi, found);
 }
@@ -569,9 +568,8 @@ static void free_search(search *search)
 
 static int search_modes(search *search, vibration *vibration, size_t number, char *error)
 {
-    const scene *of = search->d->scene;
     if (!choose_shift(search, (int)number))
-        return scene_fault(of, of->at_surface, error,
+        return scene_fault(search->d->at, error,
                            "the stiffness cannot be factored, not even with mass added: a dof "
                            "has neither");
     const int block = search->shift > 0 ? BLOCK_LOOSE : BLOCK;
@@ -580,7 +578,7 @@ static int search_modes(search *search, vibration *vibration, size_t number, cha
     if (find_modes(search, number, error) < 0)
         return -1;
     if (!allocate_results(vibration, number, search->n))
-        return scene_fault(of, of->at_surface, error, "%zu modes do not fit into memory", number);
+        return scene_fault(search->d->at, error, "%zu modes do not fit into memory", number);
     take_modes(search, vibration);
     take_masses(search, vibration);
     return 0;
@@ -594,19 +592,18 @@ int vibration_solve(vibration *vibration, const design *design, int number, doub
     memset(&search, 0, sizeof search);
     search.d = design;
     if (design->mesh.elements == 0)
-        return scene_fault(design->scene, design->scene->influence.at, error,
+        return scene_fault(design->measured.at, error,
                            "natural frequencies need a structure, and this scene has none: a "
                            "measured influence matrix tells nothing of mass");
     const int most = design->mesh.free_dof - design->mesh.prescribed_count;
     const int wanted = number < most ? number : most;
-    if (mass_build(&search.mass, &design->mesh, lumped, error) < 0)
+    if (mass_build(&search.mass, design, lumped, error) < 0)
         return -1;
     int failed = -1;
     if (wanted < 1)
-        scene_fault(design->scene, design->scene->at_surface, error,
-                    "%d modes of %d free dof; ask for at least 1", number, most);
+        scene_fault(design->at, error, "%d modes of %d free dof; ask for at least 1", number, most);
     else if (!allocate_search(&search, (size_t)wanted))
-        scene_fault(design->scene, design->scene->line[0].at, error,
+        scene_fault(design->mesh.line[0].at, error,
                     "%d modes of %d free dof do not fit into memory", wanted, most);
     else
         failed = search_modes(&search, vibration, (size_t)wanted, error);

@@ -96,8 +96,7 @@ static int explain(const analysis *analysis, pzs_status status, char *error)
 {
     if (status == PZS_E_LIMITS)
         return -1; /* the function design_limits has already filled `error` */
-    return scene_fault(analysis->design.scene, analysis->design.scene->limits.at, error, "%s",
-                       pzs_status_text(status));
+    return scene_fault(analysis->design.limits.at, error, "%s", pzs_status_text(status));
 }
 
 /*

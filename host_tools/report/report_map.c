@@ -19,18 +19,20 @@ static void write_ranges(const shell *map)
 {
     static const char *const names[2][2] = {{"x to the right", "y upwards"},
                                             {"θ₁ downwards", "θ₂ to the right"}};
-    const scene *scene = map->mesh->scene;
+    const design *design = map->design;
     const bool has_parameters = view_has_parameters(map->mesh);
     const double *normal = map->view.axis[2];
     if (map->mesh->quads)
         put(map->file, "<text class=\"value\" x=\"160\" y=\"%f\">seen along (%n, %n, %n)</text>\n",
             map->view.height + 5, normal[0], normal[1], normal[2]);
     for (int a = 0; a < 2 && !map->mesh->quads; a++) {
-        const scene_line *line = &scene->line[a];
+        const scene_line *line = &design->mesh.line[a];
         const double low = has_parameters ? line->point[0] : map->view.low[a];
         const double high = has_parameters ? line->point[line->elements] : map->view.high[a];
         char text[WORDS_UNIT];
-        words_unit(scene, has_parameters ? words_of_theta(scene, a) : QUANTITY_LENGTH, text);
+        words_unit(&design->units,
+                   has_parameters && map->mesh->is_angle[a] ? QUANTITY_ANGLE : QUANTITY_LENGTH,
+                   text);
         const put_unit unit = put_unit_of(fmax(fabs(low), fabs(high)), text);
         put(map->file, "<text class=\"value\" x=\"160\" y=\"%f\">%s from %n to %n%u</text>\n",
             map->view.height + 5 + 14 * a, names[has_parameters][a], low * unit.factor,
@@ -53,9 +55,10 @@ void shell_map(const shell *map, const double *value, const draw_scale *scale, c
  * Whether patches of two actuators overlap. Patches on the same layer do not overlap if one of them
  * has an arbitrary outline, even if both lie in the same element.
  */
-static bool do_overlap(const mesh *mesh, const scene_actuator *one, const scene_actuator *other)
+static bool do_overlap(const design *design, const scene_actuator *one, const scene_actuator *other)
 {
-    const scene_patches *patches = mesh->scene->patches;
+    const mesh *mesh = &design->mesh;
+    const scene_patches *patches = design->patches;
     for (int k = 0; k < one->drives * other->drives; k++) {
         const scene_patches *first = &patches[one->drive[k / other->drives].patches];
         const scene_patches *second = &patches[other->drive[k % other->drives].patches];
@@ -69,13 +72,13 @@ static bool do_overlap(const mesh *mesh, const scene_actuator *one, const scene_
     return false;
 }
 
-void shell_find_plans(const mesh *mesh, int *plan)
+void shell_find_plans(const design *design, int *plan)
 {
-    const scene_actuator *actuator = mesh->scene->actuator;
-    for (int k = 0; k < mesh->scene->actuators; k++) {
+    const scene_actuator *actuator = design->actuator;
+    for (int k = 0; k < design->actuators; k++) {
         plan[k] = actuator[k].drives > 0 || actuator[k].stacks ? 0 : -1;
         for (int other = 0; other < k; other++)
-            if (plan[other] == plan[k] && do_overlap(mesh, &actuator[k], &actuator[other])) {
+            if (plan[other] == plan[k] && do_overlap(design, &actuator[k], &actuator[other])) {
                 plan[k]++;
                 other = -1;
             }
@@ -151,8 +154,8 @@ static void draw_area(electrode *electrode, const char *style)
     draw_path(electrode->map->file, style);
     for (int e = 0; e < mesh->elements; e++)
         if (electrode->patches->outlines)
-            outline_pieces(mesh->scene, electrode->patches, electrode->index, e, false, draw_piece,
-                           electrode);
+            design_pieces(electrode->map->design, electrode->patches, electrode->index, e, false,
+                          draw_piece, electrode);
         else if (design_patches_in(mesh, e, electrode->patches, &found) > 0 &&
                  found.patch == electrode->index)
             draw_piece(electrode, e, square, 4);
@@ -169,8 +172,8 @@ static void draw_border(electrode *electrode, const char *style)
     }
     draw_path(electrode->map->file, style);
     for (int e = 0; e < mesh->elements; e++)
-        outline_pieces(mesh->scene, electrode->patches, electrode->index, e, true, draw_piece,
-                       electrode);
+        design_pieces(electrode->map->design, electrode->patches, electrode->index, e, true,
+                      draw_piece, electrode);
     draw_path_end(electrode->map->file);
 }
 
@@ -230,14 +233,12 @@ static void write_voltage(FILE *file, const draw_scale *scale, const text_room *
 }
 
 /* Begin the group of an amplifier, with a title that says its voltage. */
-static void begin_amplifier(FILE *file, const scene *scene, const shell_voltage_set *set,
+static void begin_amplifier(FILE *file, const design *design, const shell_voltage_set *set,
                             int amplifier)
 {
     static const char *const words[] = {"", ", limit active", ", beyond the limits of the scene"};
-    char name[SCENE_LABEL];
-    scene_amplifier_name(scene, amplifier, name);
-    put(file, "<g><title>%t: %q%s</title>", name, set->voltage[amplifier], set->scale->unit,
-        words[set->mark[amplifier]]);
+    put(file, "<g><title>%t: %q%s</title>", design->amplifier_name[amplifier],
+        set->voltage[amplifier], set->scale->unit, words[set->mark[amplifier]]);
 }
 
 /*
@@ -255,7 +256,7 @@ static void draw_electrode(electrode *electrode, const shell_voltage_set *set, i
     FILE *file = electrode->map->file;
     const double voltage = set->voltage[amplifier], rest = 1 - 0.86;
     const bool is_marked = set->mark[amplifier] != SHELL_FREE;
-    begin_amplifier(file, electrode->map->mesh->scene, set, amplifier);
+    begin_amplifier(file, electrode->map->design, set, amplifier);
     draw_area(electrode, draw_colour(set->scale, voltage));
     const text_room room = room_of(electrode);
     draw_border(electrode, electrode->patches->outlines ? "frame" : "patch");
@@ -279,8 +280,7 @@ static void draw_actuator(const shell *map, const scene_actuator *actuator,
     const int count = actuator->grid[0] * actuator->grid[1];
     for (int k = actuator->drives * count - 1; k >= 0; k--) {
         const scene_drive *drive = &actuator->drive[k / count];
-        electrode electrode =
-            open_electrode(map, &map->mesh->scene->patches[drive->patches], k % count);
+        electrode electrode = open_electrode(map, &map->design->patches[drive->patches], k % count);
         draw_electrode(&electrode, set, actuator->first + k % count);
     }
 }
@@ -322,7 +322,7 @@ static void draw_stacks(const shell *map, const scene_actuator *actuator,
         text_room room = {.width = 1.8 * radius, .height = 1.8 * radius};
         if (stack_at(map, actuator, k, room.middle) < 0)
             continue;
-        begin_amplifier(map->file, map->mesh->scene, set, amplifier);
+        begin_amplifier(map->file, map->design, set, amplifier);
         draw_disc(map->file, draw_colour(set->scale, voltage), room.middle, radius);
         if (is_marked)
             draw_disc(map->file, mark_style[set->mark[amplifier]], room.middle, radius - 1);
@@ -336,8 +336,8 @@ void shell_voltages(const shell *map, const int *plan, int which, const shell_vo
 {
     draw_begin(map->file, DRAW_GROUP, SHELL_MAP_WIDTH, map->view.height + FOOT,
                "Voltages of the amplifiers", "Every patch in the colour of its voltage");
-    for (int k = 0; k < map->mesh->scene->actuators; k++) {
-        const scene_actuator *actuator = &map->mesh->scene->actuator[k];
+    for (int k = 0; k < map->design->actuators; k++) {
+        const scene_actuator *actuator = &map->design->actuator[k];
         if (plan[k] == which)
             (actuator->stacks ? draw_stacks : draw_actuator)(map, actuator, set);
     }
@@ -346,26 +346,24 @@ void shell_voltages(const shell *map, const int *plan, int which, const shell_vo
     draw_end(map->file, DRAW_GROUP);
 }
 
-void shell_bars(FILE *file, const scene *scene, const shell_voltage_set *set)
+void shell_bars(FILE *file, const design *design, const shell_voltage_set *set)
 {
     enum { NAMES = 74, ROOM = 330 };
-    const double height = fmin(fmax((double)ROOM / scene->amplifiers, 2), 18);
+    const double height = fmin(fmax((double)ROOM / design->amplifiers, 2), 18);
     const double half = (SHELL_MAP_WIDTH - NAMES) / 2.0, middle = NAMES + half;
-    draw_begin(file, DRAW_GROUP, SHELL_MAP_WIDTH, height * scene->amplifiers + 4,
+    draw_begin(file, DRAW_GROUP, SHELL_MAP_WIDTH, height * design->amplifiers + 4,
                "Voltages of the amplifiers",
                "A bar for each amplifier, to the right for positive voltages");
-    for (int k = 0; k < scene->amplifiers; k++) {
+    for (int k = 0; k < design->amplifiers; k++) {
         const double share = set->scale->most > 0 ? set->voltage[k] / set->scale->most : 0;
-        char name[SCENE_LABEL];
-        scene_amplifier_name(scene, k, name);
-        begin_amplifier(file, scene, set, k);
+        begin_amplifier(file, design, set, k);
         for (int outline = 0; outline < 2; outline++)
             put(file, "<path class=\"%s\" d=\"M%f %fh%fv%fH%fz\"/>",
                 outline ? mark_style[set->mark[k]] : draw_colour(set->scale, set->voltage[k]),
                 middle, height * k + 1, half * share, height - 2, middle);
         put(file, "<text class=\"end\" style=\"font-size:%fpx\" x=\"%d\" y=\"%f\">%t</text></g>\n",
-            fmin(height, 11), NAMES - 6, height * (k + 0.8), name);
+            fmin(height, 11), NAMES - 6, height * (k + 0.8), design->amplifier_name[k]);
     }
-    put(file, "<path class=\"grid\" d=\"M%f 0V%f\"/>", middle, height * scene->amplifiers);
+    put(file, "<path class=\"grid\" d=\"M%f 0V%f\"/>", middle, height * design->amplifiers);
     draw_end(file, DRAW_GROUP);
 }

@@ -60,16 +60,16 @@ static void draw_load(const shell *shell, const scene_load *load)
 
 void shell_loads(const shell *shell)
 {
-    for (int k = 0; k < shell->mesh->scene->loads; k++)
-        if (shell->mesh->scene->load[k].type == LOAD_POINT)
-            draw_load(shell, &shell->mesh->scene->load[k]);
+    for (int k = 0; k < shell->design->loads; k++)
+        if (shell->design->load[k].type == LOAD_POINT)
+            draw_load(shell, &shell->design->load[k]);
 }
 
 void shell_outputs(const shell *shell)
 {
-    const scene *scene = shell->mesh->scene;
-    for (int k = 0; k < scene->outputs; k++) {
-        const scene_where *where = &scene->output[k].where;
+    const design *design = shell->design;
+    for (int k = 0; k < design->outputs; k++) {
+        const scene_where *where = &design->output[k].where;
         double at[2];
         if (where->type != WHERE_POINT && where->type != WHERE_PLACE)
             continue;
@@ -79,7 +79,7 @@ void shell_outputs(const shell *shell)
         const bool is_left = at[0] > shell->view.width * 0.65;
         put(shell->file, "<text class=\"tag%s\" x=\"%f\" y=\"%f\">%t</text>\n",
             is_left ? " end" : "", at[0] + (is_left ? -8 : 8), at[1] + 14 + 13 * (k % 3),
-            scene->output[k].name);
+            design->output[k].name);
     }
 }
 
@@ -104,7 +104,7 @@ void shell_directions(const shell *shell)
  */
 static double gap_at(const equilibrium *equilibrium, const double place[3], double normal[3])
 {
-    const double *move = equilibrium->design->scene->contact.move;
+    const double *move = equilibrium->design->contact.move;
     double from[3], hessian[3][3];
     for (int i = 0; i < 3; i++)
         from[i] = place[i] - equilibrium->solver.info.load_factor * move[i];
@@ -145,7 +145,7 @@ void shell_find_body(shell_body *body, const analysis *analysis, shell *shell)
     const equilibrium *equilibrium = &analysis->equilibrium;
     double foot[3] = {0, 0, 0}, axis[3] = {0, 0, 0}, along[2][3], unused[3];
     int least = 0;
-    body->is_given = analysis->nonlinear && analysis->design.scene->contact.given;
+    body->is_given = analysis->nonlinear && analysis->design.contact.given;
     if (!body->is_given)
         return;
     find_foot(equilibrium, shell, foot, body->normal);

@@ -19,10 +19,9 @@ int page_open(page *page, const report_job *job, const analysis *analysis)
     page->analysis = analysis;
     page->design = &analysis->design;
     page->mesh = mesh;
-    page->scene = analysis->design.scene;
     page->vector = calloc(7 * (size_t)mesh->nodes, sizeof *page->vector);
-    if (shell_open(&page->space, job->file, mesh, false) < 0 ||
-        shell_open(&page->map, job->file, mesh, true) < 0 || !page->vector)
+    if (shell_open(&page->space, job->file, page->design, false) < 0 ||
+        shell_open(&page->map, job->file, page->design, true) < 0 || !page->vector)
         return -1;
     page->wanted = page->vector + 3 * mesh->nodes;
     page->value = page->wanted + 3 * mesh->nodes;
@@ -76,14 +75,14 @@ static void write_structure_facts(const page *page, double residual)
     static const char *const kinematics[] = {"local", "Cartesian"};
     static const char *const metric[] = {"flat", "exact"};
     const mesh *mesh = page->mesh;
-    const scene_element *element = &page->scene->element;
+    const scene_element *element = &page->design->mesh.formulation;
     put(page->file,
         FACT("Mesh", "%d elements (types: %d), %d nodes") FACT("Free dof", "%d, half bandwidth %d")
             FACT("Element", "%s kinematics, %s metric, %d dof per node") FACT("Thickness", "%q")
                 FACT("Condition number, scaled", "%r") FACT("Solver residual", "%r"),
         mesh->elements, mesh->types, mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh),
         kinematics[element->cartesian], metric[element->metric], (int)mesh->dof_per_node,
-        mesh->laminate.thickness, page->scene->unit_length,
+        mesh->laminate.thickness, page->design->units.length,
         checked(page->analysis->model.info.condition), checked(residual));
     if (page->analysis->nonlinear)
         write_equilibrium(page->file, &page->analysis->equilibrium.solver.info);
@@ -95,17 +94,17 @@ static void write_structure_facts(const page *page, double residual)
 
 static void write_facts(const page *page, double residual)
 {
-    const scene *scene = page->scene;
+    const design *design = page->design;
     char hash[20];
-    snprintf(hash, sizeof hash, "%08lx", (unsigned long)scene->hash);
+    snprintf(hash, sizeof hash, "%08lx", (unsigned long)design->structure.scene);
     fputs("<dl>\n", page->file);
     if (page->analysis->source->has_structure)
         write_structure_facts(page, residual);
     else
         put(page->file, FACT("Measured matrix", "%d outputs, %d actuators, in %t"),
-            scene->influence.outputs, scene->amplifiers, scene->influence.file);
-    if (scene->target.given)
-        put(page->file, FACT("Target", "<code>%t</code>"), expr_text(scene->target.value));
+            design->measured.outputs, design->amplifiers, design->measured.file);
+    if (design->goal.given)
+        put(page->file, FACT("Target", "<code>%t</code>"), expr_text(design->goal.value));
     put(page->file, FACT("Scene", "%s") "</dl>\n", hash);
 }
 
@@ -135,19 +134,20 @@ static void write_warnings(const page *page)
 
 void page_begin(const page *page, const char *kind, double residual)
 {
-    const scene *scene = page->scene;
+    const design *design = page->design;
     put(page->file,
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta "
         "name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>%t</title>\n",
-        scene->name);
+        design->name);
     draw_page_style(page->file);
     put(page->file,
         "</head>\n<body>\n<main>\n<header>\n<p class=\"kicker\">%s</p>\n<h1>%t</h1>\n<p>%t</p>\n"
         "<p class=\"soft\">%s</p>\n",
-        kind, scene->name, scene->about ? scene->about : "",
-        words_unitless(scene) ? "The scene names no units: its numbers are in any consistent ones, "
-                                "angles in rad."
-                              : "");
+        kind, design->name, design->about ? design->about : "",
+        words_unitless(&design->units)
+            ? "The scene names no units: its numbers are in any consistent ones, "
+              "angles in rad."
+            : "");
     write_facts(page, residual);
     write_warnings(page);
     fputs("</header>\n", page->file);
@@ -164,14 +164,14 @@ enum { PICTURE_EDGE = 20, PICTURE_HEAD = 52, PICTURE_FOOT = 26 };
 
 void page_begin_picture(const page *page, const char *title, double width, double height)
 {
-    const scene *scene = page->scene;
+    const design *design = page->design;
     const double all[2] = {width + 2 * PICTURE_EDGE, height + PICTURE_HEAD + PICTURE_FOOT};
     put(page->file,
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
         "width=\"%f\" height=\"%f\" viewBox=\"0 0 %f %f\" role=\"img\">\n<title>%t: %t</title>"
         "<desc>%t Target: %t. Command: ",
-        all[0], all[1], all[0], all[1], scene->name, title, scene->about ? scene->about : "",
-        scene->target.given ? expr_text(scene->target.value) : "none");
+        all[0], all[1], all[0], all[1], design->name, title, design->about ? design->about : "",
+        design->goal.given ? expr_text(design->goal.value) : "none");
     write_command(page->job);
     fputs("</desc>\n", page->file);
     draw_picture_style(page->file);
@@ -179,7 +179,7 @@ void page_begin_picture(const page *page, const char *title, double width, doubl
         "<rect class=\"back\" x=\".5\" y=\".5\" width=\"%f\" height=\"%f\" rx=\"8\"/>\n"
         "<text class=\"title\" x=\"%d\" y=\"26\">%t</text><text x=\"%d\" y=\"43\">%t</text>\n"
         "<g transform=\"translate(%d %d)\">\n",
-        all[0] - 1, all[1] - 1, PICTURE_EDGE, scene->name, PICTURE_EDGE, title, PICTURE_EDGE,
+        all[0] - 1, all[1] - 1, PICTURE_EDGE, design->name, PICTURE_EDGE, title, PICTURE_EDGE,
         PICTURE_HEAD);
 }
 
@@ -238,7 +238,7 @@ void page_shape(page *page, const double *u, const double *reached, const double
     for (int t = 0; t < design->targets; t++) {
         const int node = design->target_node[t];
         double along[3];
-        shell_component(&page->mesh->point[node], page->scene->target.what.component, along);
+        shell_component(&page->mesh->point[node], page->design->goal.what.component, along);
         page->value[node] = reached[t] - target[t];
         page->misfit = fmax(page->misfit, fabs(page->value[node]));
         for (int i = 0; i < 3; i++)
@@ -261,7 +261,7 @@ void page_draw_shape(const page *page, const draw_scale *scale)
     shell_edges(&undeformed, "outline");
     shell_surface(&page->space, page->value, scale);
     shell_lines(&target, "wire");
-    if (page->scene->target.what.where.type == WHERE_POINT)
+    if (page->design->goal.what.where.type == WHERE_POINT)
         shell_node(&target, page->design->target_node[0], "dot", 3.5);
     shell_directions(&page->space);
     draw_end(page->file, DRAW_IMAGE);

@@ -15,9 +15,8 @@ typedef struct page {
     const report_job *job;
     FILE *file;
     const analysis *analysis;
-    const design *design;
     const mesh *mesh;
-    const scene *scene;
+    const design *design;
     shell space, map;
     draw_scale scale; /* colour scale of the values on the surface, common to all pictures in space
                          of the page */

@@ -81,8 +81,8 @@ static void fit_page(shape_page *shape)
 {
     page *page = &shape->page;
     double most = 0;
-    page->scale = (draw_scale){true, 0, page->scene->unit_length};
-    shape->voltage = (draw_scale){true, 0, page->scene->unit_voltage};
+    page->scale = (draw_scale){true, 0, page->design->units.length};
+    shape->voltage = (draw_scale){true, 0, page->design->units.voltage};
     for (int t = 0; t < page->design->targets; t++)
         most = fmax(most, fabs(page->design->target[t]));
     for (int k = 0; k < shape->results; k++) {
@@ -127,7 +127,7 @@ static void write_verdict(const shape_page *shape)
 
 static void write_row(const shape_page *shape, const voltages *result, double worst)
 {
-    const char *length = shape->page.scene->unit_length;
+    const char *length = shape->page.design->units.length;
     int beyond = 0;
     for (int k = 0; k < result->amplifiers; k++)
         beyond += is_beyond(shape, result, k);
@@ -178,13 +178,13 @@ static void write_notes(const shape_page *shape)
             design->fixed_rows, design->targets, result->fixed_off, result->error_all);
     for (int k = 0; k < design->free_functions; k++)
         put(file, "%s%t%s", k ? ", " : "<p>Free functions, taken out of target, RMS and error: ",
-            design->scene->target.free[k].name, k + 1 == design->free_functions ? ".</p>\n" : "");
+            design->goal.free[k].name, k + 1 == design->free_functions ? ".</p>\n" : "");
 }
 
 /* Draw target and reached values at the outputs of a measured matrix, on one scale. */
 static void draw_levels(const page *page, const voltages *result)
 {
-    draw_scale scale = {true, 0, page->scene->unit_length};
+    draw_scale scale = {true, 0, page->design->units.length};
     for (int t = 0; t < page->design->targets; t++) {
         draw_extend(&scale, result->aligned_target[t]);
         draw_extend(&scale, result->shape[t]);
@@ -200,19 +200,19 @@ static void draw_plan(const shape_page *shape, int which, const voltages *result
     if (shape->plans > 0)
         shell_voltages(&shape->page.map, shape->plan, which, &set);
     else
-        shell_bars(shape->page.file, shape->page.scene, &set);
+        shell_bars(shape->page.file, shape->page.design, &set);
 }
 
 static void draw_voltages(const shape_page *shape, const voltages *result)
 {
-    const scene *scene = shape->page.scene;
+    const design *design = shape->page.design;
     fputs("<figure>\n", shape->page.file);
     for (int which = 0; which < shape->plans || which == 0; which++)
         draw_plan(shape, which, result);
-    for (int k = 0; k < scene->actuators; k++)
-        if (scene->actuator[k].is_temperature)
-            put(shape->page.file, "<p class=\"keys\">%t: %q</p>\n", scene->actuator[k].name,
-                result->voltage[scene->actuator[k].first], scene->unit_temperature);
+    for (int k = 0; k < design->actuators; k++)
+        if (design->actuator[k].is_temperature)
+            put(shape->page.file, "<p class=\"keys\">%t: %q</p>\n", design->actuator[k].name,
+                result->voltage[design->actuator[k].first], design->units.temperature);
     page_caption(&shape->page, &shape->voltage,
                  "Voltages: largest <b>%q</b>. One scale for all results:", largest_voltage(result),
                  shape->voltage.unit);
@@ -223,7 +223,7 @@ static void draw_result(shape_page *shape, const voltages *result)
     page *page = &shape->page;
     take_shape(shape, result);
     find_marks(shape, result);
-    const draw_scale own = {true, page->misfit, page->scene->unit_length};
+    const draw_scale own = {true, page->misfit, page->design->units.length};
     put(page->file,
         is_limited(result) ? "<article class=\"set\">\n<h3>%t, %l"
                            : "<article class=\"set\">\n<h3>%t",
@@ -279,7 +279,7 @@ static void write_picture(shape_page *shape)
     char title[160];
     take_shape(shape, result);
     find_marks(shape, result);
-    const draw_scale own = {true, page->misfit, page->scene->unit_length};
+    const draw_scale own = {true, page->misfit, page->design->units.length};
     snprintf(title, sizeof title,
              "%.60s: relative RMS error %.3g %%. Colour: misfit, lines: target", result->name,
              100 * result->error);
@@ -298,13 +298,13 @@ static void write_picture(shape_page *shape)
 static int open_page(shape_page *shape, const report_job *job, const analysis *analysis)
 {
     const size_t amplifiers = (size_t)analysis->design.amplifiers;
-    const int actuators = analysis->design.scene->actuators;
+    const int actuators = analysis->design.actuators;
     shape->plan = calloc((size_t)actuators + 1, sizeof *shape->plan);
     shape->mark = calloc(amplifiers + 1, sizeof *shape->mark);
     shape->limit = calloc(2 * amplifiers + 1, sizeof *shape->limit);
     if (page_open(&shape->page, job, analysis) < 0 || !shape->plan || !shape->mark || !shape->limit)
         return -1;
-    shell_find_plans(shape->page.mesh, shape->plan);
+    shell_find_plans(shape->page.design, shape->plan);
     for (int k = 0; k < actuators; k++)
         shape->plans = shape->plan[k] >= shape->plans ? shape->plan[k] + 1 : shape->plans;
     fit_page(shape);

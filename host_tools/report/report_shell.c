@@ -28,7 +28,7 @@ static void fill_from_elements(shell *shell)
 /* Points and cells of the parameter plane of a mesh along lines of curvature. */
 static void fill_from_parameters(shell *shell)
 {
-    const scene_line *line = shell->mesh->scene->line;
+    const scene_line *line = shell->mesh->line;
     const int rows = line[0].elements, columns = line[1].elements, across = columns + 1;
     shell->points = (rows + 1) * across;
     for (int k = 0; k < shell->points; k++) {
@@ -49,18 +49,20 @@ static void fill_from_parameters(shell *shell)
  */
 static void find_supports(shell *shell, int *node)
 {
-    const scene *scene = shell->mesh->scene;
-    for (int s = 0; s < scene->supports; s++)
-        if (scene->support[s].where.type != WHERE_NODES)
-            for (int k = mesh_select(shell->mesh, &scene->support[s].where, node) - 1; k >= 0; k--)
+    const design *design = shell->design;
+    for (int s = 0; s < design->supports; s++)
+        if (design->support[s].where.type != WHERE_NODES)
+            for (int k = mesh_select(shell->mesh, &design->support[s].where, node) - 1; k >= 0; k--)
                 shell->is_held[node[k]] = true;
 }
 
-int shell_open(shell *shell, FILE *file, const mesh *mesh, bool is_map)
+int shell_open(shell *shell, FILE *file, const design *design, bool is_map)
 {
+    const mesh *mesh = &design->mesh;
     const size_t cells = (size_t)mesh->elements + 1, points = 2 * (size_t)mesh->nodes + 2;
     memset(shell, 0, sizeof *shell);
     shell->file = file;
+    shell->design = design;
     shell->mesh = mesh;
     shell->is_map = is_map;
     shell->points = mesh->nodes;
@@ -75,7 +77,7 @@ int shell_open(shell *shell, FILE *file, const mesh *mesh, bool is_map)
         !shell->side)
         return -1;
     view_begin(&shell->view, mesh, is_map);
-    if (!is_map && !mesh->quads == !mesh->scene->quads)
+    if (!is_map && (mesh->quads != NULL) == mesh->is_from_file)
         find_supports(shell, shell->node);
     if (is_map && view_has_parameters(mesh))
         fill_from_parameters(shell);

@@ -28,6 +28,7 @@ typedef struct shell_depth {
  */
 typedef struct shell {
     FILE *file;
+    const design *design;
     const mesh *mesh;
     view view;
     bool is_map;
@@ -47,7 +48,7 @@ typedef struct shell {
  * Prepare a picture of a mesh without displacement. shell_open returns 0, or -1 if memory runs out;
  * shell_close is called in both cases.
  */
-int shell_open(shell *shell, FILE *file, const mesh *mesh, bool is_map);
+int shell_open(shell *shell, FILE *file, const design *design, bool is_map);
 void shell_close(shell *shell);
 
 /* Include the undeformed mesh and the displaced mesh in the view in space. */
@@ -125,12 +126,12 @@ typedef struct shell_voltage_set {
  * without patches and stacks, such as the temperature of the whole shell, gets plan -1.
  *   plan [actuators]  out  index of the plan of each actuator
  */
-void shell_find_plans(const mesh *mesh, int *plan);
+void shell_find_plans(const design *design, int *plan);
 
 /* Draw one plan: the voltages in the patches of the actuators with plan[actuator] == which. */
 void shell_voltages(const shell *map, const int *plan, int which, const shell_voltage_set *set);
 
 /* Draw the voltages of all amplifiers as bars, for scenes without patches. */
-void shell_bars(FILE *file, const scene *scene, const shell_voltage_set *set);
+void shell_bars(FILE *file, const design *design, const shell_voltage_set *set);
 
 #endif

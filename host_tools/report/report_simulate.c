@@ -87,23 +87,24 @@ static void write_counts(const simulate_page *self)
 /* Write in what the simulated plant differs from the model of the controller. */
 static void write_plant(const simulate_page *self)
 {
-    const scene *scene = self->page.scene;
-    const scene_simulate *simulate = &scene->simulate;
+    const design *design = self->page.design;
+    const scene_simulate *simulate = &design->simulate;
     const simulation *simulation = self->simulation;
     char imperfections[400];
     imperfections_text(self->page.design, imperfections, sizeof imperfections);
     put(self->page.file,
         "<p>A %s plant: ", simulation->plant.analysis.nonlinear ? "nonlinear" : "linear");
-    for (int i = 0; i < scene->materials; i++)
-        put(self->page.file, "%t stiffness × %n, d × %n; ", scene->material[i].name,
+    for (int i = 0; i < design->materials; i++)
+        put(self->page.file, "%t stiffness × %n, d × %n; ", design->material[i].name,
             simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
     put(self->page.file,
         "imperfections: %t. Sensors: %d, noise %q, delay %d ticks. Amplifiers: steps of %q, dead "
         "band %q. The controller’s influence matrix is that of the %s.</p>\n",
         *imperfections ? imperfections : "none",
         simulation->estimates ? simulation->estimator.sensors : self->page.design->targets,
-        simulation->estimates ? (double)NAN : simulate->noise, scene->unit_length, simulate->delay,
-        simulate->step, scene->unit_voltage, simulate->dead_band, scene->unit_voltage,
+        simulation->estimates ? (double)NAN : simulate->noise, design->units.length,
+        simulate->delay, simulate->step, design->units.voltage, simulate->dead_band,
+        design->units.voltage,
         simulate->at_target ? "nonlinear optimum of its model" : "undeformed shell");
 }
 
@@ -148,7 +149,7 @@ static void draw_time(const simulate_page *self, double bottom)
     for (int k = 1; k < self->simulation->phases; k++)
         put(file, "M%f %dV%f", draw_on(&self->time, self->simulation->phase[k].from), TOP, bottom);
     put(file, "\"/><text class=\"end\" x=\"%d\" y=\"%f\">tick, of %q in all</text>\n", RIGHT,
-        bottom + 28, self->record->ticks / self->page.scene->control.rate, "s");
+        bottom + 28, self->record->ticks / self->page.design->control.rate, "s");
 }
 
 /* Draw all errors over time on a logarithmic axis of at most six powers of ten. */
@@ -235,7 +236,7 @@ static void write_voltages(const simulate_page *self)
     FILE *file = self->page.file;
     const int rows = self->record->amplifiers;
     const double height = fmax(4, fmin(14, 420.0 / rows)), bottom = TOP + height * rows;
-    draw_scale scale = {true, 0, self->page.scene->unit_voltage};
+    draw_scale scale = {true, 0, self->page.design->units.voltage};
     for (int i = 0; i < self->record->bins * rows; i++)
         draw_extend(&scale, self->record->voltage[i]);
     fputs("<figure>\n", file);
@@ -243,11 +244,10 @@ static void write_voltages(const simulate_page *self)
                "A row for each amplifier, with a line where a limit is active");
     fputs("<g class=\"flat\">\n", file);
     for (int k = 0; k < rows; k++) {
-        char name[SCENE_LABEL];
-        scene_amplifier_name(self->page.scene, k, name);
         draw_row(self, k, &scale, TOP + height * k, height);
         put(file, "<text class=\"end\" style=\"font-size:%fpx\" x=\"%d\" y=\"%f\">%t</text>\n",
-            fmin(height, 11), LEFT - 6, TOP + height * (k + 0.8), name);
+            fmin(height, 11), LEFT - 6, TOP + height * (k + 0.8),
+            self->page.design->amplifier_name[k]);
     }
     fputs("</g>\n", file);
     draw_time(self, bottom);
@@ -266,7 +266,7 @@ static void write_shape(simulate_page *self, const simulate_phase *last)
     for (int t = 0; t < page->design->targets; t++)
         self->aim[t] = course->shape[t] - self->aim[t];
     page_shape(page, course->displacement, course->shape, self->aim);
-    page->scale = (draw_scale){true, page->misfit, page->scene->unit_length};
+    page->scale = (draw_scale){true, page->misfit, page->design->units.length};
     page->space.factor = view_magnification(page->mesh, page->largest, 0.3);
     shell_include(&page->space);
     view_fit(&page->space.view, 600, 400, 180);

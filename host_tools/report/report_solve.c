@@ -31,8 +31,8 @@ static double value_of(const solve_page *solve, int k, int i)
 /* Range, mean and unit of the values of output k, which has one value for each of its places. */
 static spread spread_of(const solve_page *solve, int k)
 {
-    const scene *scene = solve->page.scene;
-    const double reference = scene->output[k].reference;
+    const design *design = solve->page.design;
+    const double reference = design->output[k].reference;
     spread spread = {HUGE_VAL, -HUGE_VAL, 0, 0, analysis_outputs(solve->page.analysis, k), ""};
     for (int i = 0; i < spread.count; i++) {
         const double value = value_of(solve, k, i);
@@ -43,13 +43,13 @@ static spread spread_of(const solve_page *solve, int k)
     spread.most = fmax(fabs(spread.low), fabs(spread.high));
     if (isfinite(reference))
         spread.most = fmax(spread.most, fabs(reference));
-    words_unit(scene, words_of_output(&scene->output[k]), spread.unit);
+    words_unit(&design->units, words_of_output(&design->output[k]), spread.unit);
     return spread;
 }
 
 static void write_output(const solve_page *solve, int k)
 {
-    const scene_output *output = &solve->page.scene->output[k];
+    const scene_output *output = &solve->page.design->output[k];
     const spread all = spread_of(solve, k);
     const double ratio = value_of(solve, k, 0) / output->reference;
     if (all.count == 1)
@@ -69,7 +69,7 @@ static void write_outputs(const solve_page *solve)
         "Outputs; the ratio is value over reference, of the first value where there are more. "
         "--json gives all values.",
         "Output|Value|Reference|Ratio");
-    for (int k = 0; k < solve->page.scene->outputs; k++)
+    for (int k = 0; k < solve->page.design->outputs; k++)
         write_output(solve, k);
     put_table_end(solve->page.file);
 }
@@ -83,7 +83,7 @@ static void write_outputs(const solve_page *solve)
 static int list_values(const solve_page *solve, int k, int along, double *theta, double *value)
 {
     const analysis *analysis = solve->page.analysis;
-    const scene_output *output = &solve->page.scene->output[k];
+    const scene_output *output = &solve->page.design->output[k];
     const int count = analysis_outputs(analysis, k);
     const double *first = NULL;
     if (output->electric != ELECTRIC_NONE || output->contact != CONTACT_NONE || count < 2)
@@ -103,25 +103,26 @@ static int list_values(const solve_page *solve, int k, int along, double *theta,
 static void draw_lines(const solve_page *solve, int along)
 {
     const page *page = &solve->page;
-    const scene *scene = page->scene;
-    const scene_line *line = &scene->line[along];
+    const design *design = page->design;
+    const scene_line *line = &design->mesh.line[along];
     draw_axis x = {line->point[0], line->point[line->elements], 84, 604, false, "%n", {1, ""}};
     draw_axis y = {0, 0, 240, 6, false, "%n", {1, ""}};
     char unit[WORDS_UNIT];
-    for (int k = 0; k < scene->outputs; k++)
+    for (int k = 0; k < design->outputs; k++)
         draw_widen(&y, page->value, list_values(solve, k, along, page->wanted, page->value));
     if (!(y.high > y.low))
         return;
-    words_unit(scene, words_of_theta(scene, along), unit);
+    words_unit(&design->units, page->mesh->is_angle[along] ? QUANTITY_ANGLE : QUANTITY_LENGTH,
+               unit);
     x.unit = put_unit_of(fmax(fabs(x.low), fabs(x.high)), unit);
-    y.unit = put_unit_of(fmax(-y.low, y.high), scene->unit_length);
+    y.unit = put_unit_of(fmax(-y.low, y.high), design->units.length);
     put(page->file, "<section>\n<h2>Along lines of %s</h2>\n<figure class=\"chart\">\n",
         along ? "θ₂" : "θ₁");
     draw_begin(page->file, DRAW_CHART, 720, 274, "Outputs along lines of the mesh",
                "A curve for each output");
     draw_grid(page->file, &x, &y, true);
     draw_grid(page->file, &x, &y, false);
-    for (int k = 0; k < scene->outputs; k++) {
+    for (int k = 0; k < design->outputs; k++) {
         const int count = list_values(solve, k, along, page->wanted, page->value);
         draw_curve(page->file, "wire", &x, page->wanted, &y, page->value, count);
         const int named = (4 - k % 4) * (count - 1) / 4; /* index of the curve's point beside which
@@ -129,7 +130,7 @@ static void draw_lines(const solve_page *solve, int along)
         if (count > 0)
             put(page->file, "<text class=\"tag\" x=\"%f\" y=\"%f\">%t</text>\n",
                 draw_on(&x, page->wanted[named]) + 4, draw_on(&y, page->value[named]) + 4,
-                scene->output[k].name);
+                design->output[k].name);
     }
     draw_end(page->file, DRAW_CHART);
     page_caption(page, NULL, "Displacement (%t) over the parameter (%t).", y.unit.name,
@@ -144,7 +145,7 @@ static void draw_lines(const solve_page *solve, int along)
 static void fit_deformed(solve_page *solve)
 {
     page *page = &solve->page;
-    page->scale = (draw_scale){false, page->largest, page->scene->unit_length};
+    page->scale = (draw_scale){false, page->largest, page->design->units.length};
     page->space.factor = 1;
     if (!page->analysis->nonlinear)
         page->space.factor = view_magnification(page->mesh, page->scale.most, 0.1);
@@ -213,14 +214,14 @@ static void write_contact_map(const page *page)
 {
     const pzs_contact_info *info = &page->analysis->equilibrium.contact.info;
     char unit[WORDS_UNIT];
-    draw_scale scale = {false, 0, words_unit(page->scene, QUANTITY_PRESSURE, unit)};
+    draw_scale scale = {false, 0, words_unit(&page->design->units, QUANTITY_PRESSURE, unit)};
     for (int n = 0; n < page->mesh->nodes; n++)
         draw_extend(&scale, info->pressure[n]);
     fputs("<section>\n<h2>Contact pressure</h2>\n", page->file);
     page_map(page, info->pressure, &scale, "Contact pressure",
              "%d nodes in contact, largest pressure %q, per undeformed area; the body is at most "
              "%q deep between nodes, which is the sag of the elements",
-             (int)info->nodes, scale.most, unit, info->sag, page->scene->unit_length);
+             (int)info->nodes, scale.most, unit, info->sag, page->design->units.length);
     fputs("</section>\n", page->file);
 }
 

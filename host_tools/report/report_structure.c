@@ -7,14 +7,14 @@
 
 static void write_layers(const page *page)
 {
-    const scene *scene = page->scene;
+    const design *design = page->design;
     put_table(page->file, "Layers from the inner face to the outer face",
               "Layer|<Material|Thickness|Angle|<Where");
-    for (int k = 0; k < scene->layers; k++) {
-        const scene_layer *layer = &scene->layer[k];
+    for (int k = 0; k < design->layers; k++) {
+        const scene_layer *layer = &design->layer[k];
         const char *place = layer->present ? "in its sets" : "everywhere";
         put_row(page->file, "%d %t|<%t|%q|%n°|<%s", k + 1, layer->name,
-                scene->material[layer->material].name, layer->thickness, scene->unit_length,
+                design->material[layer->material].name, layer->thickness, design->units.length,
                 layer->angle, layer->patched ? "in patches" : place);
     }
     put_table_end(page->file);
@@ -23,12 +23,12 @@ static void write_layers(const page *page)
 /* Write the table of the material constants; d31 or e31, whichever the scene contains. */
 static void write_materials(const page *page)
 {
-    const scene *scene = page->scene;
+    const design *design = page->design;
     char unit[WORDS_UNIT];
-    words_unit(scene, QUANTITY_PRESSURE, unit);
+    words_unit(&design->units, QUANTITY_PRESSURE, unit);
     put_table(page->file, "Materials", "Material|E₁|E₂|ν₁₂|G₁₂|d₃₁|e₃₁");
-    for (int k = 0; k < scene->materials; k++) {
-        const scene_material *material = &scene->material[k];
+    for (int k = 0; k < design->materials; k++) {
+        const scene_material *material = &design->material[k];
         put_row(page->file, "%t|%q|%q|%n|%q|%n|%n", material->name, material->e[0], unit,
                 material->e[1], unit, material->nu12, material->g12, unit,
                 material->has_d ? material->d31 : (double)NAN,
@@ -40,7 +40,7 @@ static void write_materials(const page *page)
 /* Write the text of the scene file, if the file can be read again. */
 static void write_scene(const page *page)
 {
-    FILE *text = fopen(page->scene->path, "r");
+    FILE *text = fopen(page->design->path, "r");
     char line[1024];
     if (!text)
         return;
@@ -76,11 +76,9 @@ void page_voltages(const page *page, const voltages *result, int results)
     for (int i = 0; i < results; i++)
         put(page->file, "<th scope=\"col\">%t</th>", result[i].name);
     for (int k = 0; k < page->design->amplifiers; k++) {
-        char name[SCENE_LABEL];
-        scene_amplifier_name(page->scene, k, name);
-        put(page->file, "</tr>\n<tr><th scope=\"row\">%t</th>", name);
+        put(page->file, "</tr>\n<tr><th scope=\"row\">%t</th>", page->design->amplifier_name[k]);
         for (int i = 0; i < results; i++)
-            put(page->file, "<td>%q</td>", result[i].voltage[k], page->scene->unit_voltage);
+            put(page->file, "<td>%q</td>", result[i].voltage[k], page->design->units.voltage);
     }
     fputs("</tr>\n", page->file);
     put_table_end(page->file);
@@ -91,7 +89,7 @@ void page_voltages(const page *page, const voltages *result, int results)
 static void write_modes(const page *page, const modes *modes, int limits)
 {
     put(page->file, "<section>\n<h2>Mode by mode within %l</h2>\n", modes->left[limits].limit,
-        page->scene->unit_voltage);
+        page->design->units.voltage);
     put_table(page->file,
               "Relative RMS error of each mode of the target alone. At 100\xc2\xa0% nothing is "
               "gained.",
@@ -100,9 +98,10 @@ static void write_modes(const page *page, const modes *modes, int limits)
     for (int k = 0; k < modes->count; k++) {
         const mode *mode = &modes->mode[k];
         const mode_left *left = &modes->left[k * modes->limits + limits];
-        put_row(page->file, "%t|%q|%p|%q|%p|%b|%d", page->scene->target.mode[k].name, mode->size,
-                page->scene->unit_length, mode->unconstrained_error, mode->largest_voltage,
-                page->scene->unit_voltage, left->clipped, left->optimum, 1.0, left->active_limits);
+        put_row(page->file, "%t|%q|%p|%q|%p|%b|%d", page->design->goal.mode[k].name, mode->size,
+                page->design->units.length, mode->unconstrained_error, mode->largest_voltage,
+                page->design->units.voltage, left->clipped, left->optimum, 1.0,
+                left->active_limits);
     }
     put_table_end(page->file);
     fputs("</section>\n", page->file);

@@ -49,7 +49,7 @@ static void look_at_parameters(view *view, const mesh *mesh)
 {
     double metric[2] = {0, 0}, range[2];
     for (int a = 0; a < 2; a++) {
-        const scene_line *line = &mesh->scene->line[a];
+        const scene_line *line = &mesh->line[a];
         range[a] = line->point[line->elements] - line->point[0];
         for (int n = 0; n < mesh->nodes; n++)
             metric[a] += mesh->point[n].a[a] / mesh->nodes;
@@ -72,7 +72,7 @@ static double mean_normal(const mesh *mesh, double normal[3])
 
 bool view_has_parameters(const mesh *mesh)
 {
-    return mesh->elements > 0 && !mesh->quads && mesh->scene->surface.type != SURFACE_POLAR;
+    return mesh->elements > 0 && !mesh->quads && !mesh->is_polar;
 }
 
 void view_begin(view *view, const mesh *mesh, bool is_map)

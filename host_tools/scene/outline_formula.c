@@ -19,7 +19,7 @@ int formula_sample(const scene *scene, const outline_cell *cell, const scene_out
             const expr_point point = outline_cell_point(scene, cell, natural);
             value[i][j] = expr_value(outline->inside, &point);
             if (!isfinite(value[i][j]))
-                return scene_fault(scene, outline->at, error,
+                return scene_fault(outline->at, error,
                                    "the outline '%.60s' is not a finite number at x = %g, y = %g, "
                                    "z = %g; correct its formula",
                                    expr_text(outline->inside), point.x, point.y, point.z);

@@ -94,7 +94,7 @@ static bool do_share_elements(const electrode_pair *pair, clip_room *room)
 
 static int refuse_overlap(const electrode_pair *pair, char *error)
 {
-    return scene_fault(pair->scene, outline_of(pair, 1)->at, error,
+    return scene_fault(outline_of(pair, 1)->at, error,
                        "electrode %d of patches '%s' and electrode %d of patches '%s' overlap on "
                        "one layer; move one, or cut it back to its part",
                        pair->electrode[0] + 1, pair->patches[0]->name, pair->electrode[1] + 1,
@@ -139,7 +139,7 @@ static int check_whole(const scene *scene, const scene_patches *outlined,
     for (int element = 0; element < outlines->elements; element++)
         for (size_t i = outlines->start[element]; i < outlines->start[element + 1]; i++)
             if (outlines->share[i] > 1e-3 && has_patch(scene, whole, element))
-                return scene_fault(scene, outlines->electrode[outlines->electrode_of[i]].at, error,
+                return scene_fault(outlines->electrode[outlines->electrode_of[i]].at, error,
                                    "electrode %d of patches '%s' and patches '%s' overlap on one "
                                    "layer; move one",
                                    outlines->electrode_of[i] + 1, outlined->name, whole->name);

@@ -73,7 +73,7 @@ typedef struct electrode_sums {
 
 static int refuse_steep(const outline_work *work, int electrode, const outline_cell *cell)
 {
-    return scene_fault(work->scene, work->patches->outlines->electrode[electrode].at, work->error,
+    return scene_fault(work->patches->outlines->electrode[electrode].at, work->error,
                        "electrode %d of patches '%s' reaches an element near x = %g, y = %g, z = "
                        "%g that stands upright on the plane of the outline or is folded there; "
                        "choose another 'plane'",
@@ -123,7 +123,7 @@ static int check_place(const outline_work *work, int electrode, const electrode_
     const double outside = 1 - sums->plane_area / outline_plane_area(outline);
     const bool is_folded = sums->is_mirrored && sums->is_direct;
     if (is_folded || outside < -0.01)
-        return scene_fault(work->scene, outline->at, work->error,
+        return scene_fault(outline->at, work->error,
                            "electrode %d of patches '%s' meets the surface twice in the plane of "
                            "the outlines; choose another 'plane', or give the layer 'sets' on one "
                            "side alone",
@@ -131,7 +131,7 @@ static int check_place(const outline_work *work, int electrode, const electrode_
     if (work->patches->cut ||
         outside <= (work->patches->plane == OUTLINE_THETA ? theta_most : space_most))
         return 0;
-    return scene_fault(work->scene, outline->at, work->error,
+    return scene_fault(outline->at, work->error,
                        "%.3g %% of electrode %d of patches '%s' lie outside the surface or the "
                        "layer; move or shrink it, or keep the part inside by 'cut: true'",
                        100 * outside, electrode + 1, work->patches->name);
@@ -148,13 +148,13 @@ static int add_electrode(outline_work *work, int electrode)
     clip_room room;
     int status = clip_room_open(&room, outline_most_points(outline));
     if (status < 0)
-        scene_fault(work->scene, outline->at, work->error, "the outlines do not fit into memory");
+        scene_fault(outline->at, work->error, "the outlines do not fit into memory");
     for (int element = 0; element < work->elements && status == 0; element++)
         if (has_layer(work, element))
             status = add_share(work, electrode, element, &room, &sums);
     clip_room_close(&room);
     if (status == 0 && work->list.count == before)
-        return scene_fault(work->scene, outline->at, work->error,
+        return scene_fault(outline->at, work->error,
                            "electrode %d of patches '%s' lies outside the surface or its layer; "
                            "move it",
                            electrode + 1, work->patches->name);
@@ -195,13 +195,13 @@ int outline_find_shares(const scene *scene, scene_patches *patches, char *error)
     int status = 0;
     work.cell = calloc((size_t)work.elements, sizeof *work.cell);
     if (!work.cell)
-        return scene_fault(scene, patches->at, error, "the outlines do not fit into memory");
+        return scene_fault(patches->at, error, "the outlines do not fit into memory");
     for (int element = 0; element < work.elements; element++)
         outline_cell_of(scene, patches->plane, element, &work.cell[element]);
     for (int k = 0; k < patches->outlines->electrodes && status == 0; k++)
         status = add_electrode(&work, k);
     if (status == 0 && sort_entries(&work.list, work.elements, patches->outlines) < 0)
-        status = scene_fault(scene, patches->at, error, "the outlines do not fit into memory");
+        status = scene_fault(patches->at, error, "the outlines do not fit into memory");
     free(work.cell);
     free(work.list.entry);
     return status;

@@ -92,6 +92,17 @@ static void free_geometry(scene *scene)
     free(scene->line[1].point);
 }
 
+static void free_origin(scene_origin *origin)
+{
+    if (!origin)
+        return;
+    for (int i = 0; i < origin->sets; i++)
+        free(origin->set[i]);
+    free(origin->set);
+    free(origin->path);
+    free(origin);
+}
+
 void scene_free(scene *scene)
 {
     free_quads(scene);
@@ -100,12 +111,9 @@ void scene_free(scene *scene)
     free_target(&scene->target);
     free_geometry(scene);
     free_simulate(&scene->simulate);
-    for (int i = 0; i < scene->sets; i++)
-        free(scene->set[i]);
+    free_origin(scene->origin);
     for (int i = 0; i < scene->compares; i++)
         free(scene->compare[i].value);
-    free(scene->path);
-    free(scene->set);
     free(scene->about);
     free(scene->material);
     free(scene->layer);
@@ -120,6 +128,35 @@ void scene_free(scene *scene)
     free(scene->influence.place);
     free(scene->influence.output_name);
     memset(scene, 0, sizeof *scene);
+}
+
+/* Allocate a copy of an array, with room for one more item. Returns NULL where memory runs out. */
+static void *copy_items(const void *items, size_t count, size_t size)
+{
+    void *copy = calloc(count + 1, size);
+    return copy && count > 0 ? memcpy(copy, items, count * size) : copy;
+}
+
+int scene_vary(scene *copy, const scene *original)
+{
+    const size_t entries = (size_t)original->influence.outputs * (size_t)original->amplifiers;
+    *copy = *original;
+    copy->material =
+        copy_items(original->material, (size_t)original->materials, sizeof *copy->material);
+    copy->load = copy_items(original->load, (size_t)original->loads, sizeof *copy->load);
+    copy->influence.matrix = copy_items(original->influence.matrix, entries, sizeof(double));
+    if (copy->material && copy->load && copy->influence.matrix)
+        return 0;
+    scene_vary_free(copy);
+    return -1;
+}
+
+void scene_vary_free(scene *copy)
+{
+    free(copy->material);
+    free(copy->load);
+    free(copy->influence.matrix);
+    memset(copy, 0, sizeof *copy);
 }
 
 static void name_of(const scene_actuator *actuator, int k, char name[SCENE_LABEL])
@@ -185,12 +222,15 @@ int scene_find_sensor(const scene *scene, const char *name, int *first, int *cou
     return find(scene->sensor, scene->sensors, name, first, count);
 }
 
-int scene_fault(const scene *scene, scene_at at, char *error, const char *format, ...)
+int scene_fault(scene_at at, char *error, const char *format, ...)
 {
     va_list list;
     va_start(list, format);
-    tree_message(error, scene->path, (const char *const *)(const void *)scene->set, at, format,
-                 list);
+    if (at.origin)
+        tree_message(error, at.origin->path, (const char *const *)(const void *)at.origin->set, at,
+                     format, list);
+    else
+        vsnprintf(error, SCENE_ERROR, format, list);
     va_end(list);
     return -1;
 }

@@ -701,14 +701,17 @@ typedef struct scene_hysteresis {
                       voltage (V) */
 } scene_hysteresis;
 
+/* Units of the numbers of a scene, as text; empty if the scene names none. */
+typedef struct scene_unit_names {
+    char length[SCENE_NAME], force[SCENE_NAME], voltage[SCENE_NAME], temperature[SCENE_NAME];
+} scene_unit_names;
+
 typedef struct scene {
-    char *path; /* path of the scene file */
-    char **set; /* [sets] changes of the form key=value that are applied to the scene file */
-    int sets;
+    scene_origin *origin; /* scene file and changes from which the scene was read; NULL where the
+                             scene was not read from a file */
     char name[SCENE_NAME];
     char *about;
-    char unit_length[SCENE_NAME], unit_force[SCENE_NAME], unit_voltage[SCENE_NAME],
-        unit_temperature[SCENE_NAME];
+    scene_unit_names units;
     uint32_t hash; /* hash of the text of the scene file and of the changes of --set */
     scene_element element;
     scene_kinematics kinematics;
@@ -769,6 +772,16 @@ int scene_read_text(scene *scene, const char *path, const char *text, size_t byt
 void scene_free(scene *scene);
 
 /*
+ * Copy a scene so that its kinematics, material constants, loads and measured influence matrix may
+ * be changed, with room for one more load. All other lists and texts are those of the original,
+ * which must outlive the copy. Returns 0, or -1 where memory runs out, with nothing to release.
+ */
+int scene_vary(scene *copy, const scene *original);
+
+/* Release a copy from scene_vary; the formulas of added loads are released by who added them. */
+void scene_vary_free(scene *copy);
+
+/*
  * Write the name of amplifier number k: the name of its actuator, followed by _i_j (position in the
  * grid, counted from 1) if the grid has more than one patch.
  */
@@ -799,11 +812,5 @@ int scene_find_sensor(const scene *scene, const char *name, int *first, int *cou
  * Returns the number of nodes that are marked.
  */
 size_t scene_mark_nodes(const scene *scene, const scene_where *where, unsigned char *in_set);
-
-/*
- * Write an error message of the form file:line:column: text for a fault that is found after reading
- * the scene. Returns -1.
- */
-int scene_fault(const scene *scene, scene_at at, char *error, const char *format, ...);
 
 #endif

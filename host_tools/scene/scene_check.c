@@ -25,8 +25,8 @@ static const double full_turn = 6.283185307179586;
  * Report an error if two items have the same name. The array has count items of `stride` bytes
  * each, and the first member of every item is its name. Returns 0, or -1 with error filled.
  */
-static int check_names(const scene *scene, const char *what, const void *items, int count,
-                       size_t stride, size_t at_offset, char *error)
+static int check_names(const char *what, const void *items, int count, size_t stride,
+                       size_t at_offset, char *error)
 {
     const char *first = items;
     int i, j;
@@ -39,13 +39,13 @@ static int check_names(const scene *scene, const char *what, const void *items, 
         if (j == i || !*name)
             continue;
         memcpy(&at, name + at_offset, sizeof at);
-        return scene_fault(scene, at, error, "there are two %s named '%s'; rename one", what, name);
+        return scene_fault(at, error, "there are two %s named '%s'; rename one", what, name);
     }
     return 0;
 }
 
 #define CHECK_NAMES(what, items, count, type)                                                      \
-    check_names(scene, what, scene->items, scene->count, sizeof(type), offsetof(type, at), error)
+    check_names(what, scene->items, scene->count, sizeof(type), offsetof(type, at), error)
 
 int scene_check_names(const scene *scene, char *error)
 {
@@ -62,7 +62,7 @@ int scene_check_names(const scene *scene, char *error)
     for (i = 0; i < scene->actuators; i++)
         if (scene_find_amplifier(scene, scene->actuator[i].name, &first, &count) &&
             first != scene->actuator[i].first)
-            return scene_fault(scene, scene->actuator[i].at, error,
+            return scene_fault(scene->actuator[i].at, error,
                                "'%s' is also the name of an amplifier of another "
                                "actuator; rename it",
                                scene->actuator[i].name);
@@ -70,7 +70,7 @@ int scene_check_names(const scene *scene, char *error)
         if (scene_find_amplifier(scene, scene->sensor[i].name, &first, &count) ||
             (scene_find_sensor(scene, scene->sensor[i].name, &first, &count) &&
              first != scene->sensor[i].first))
-            return scene_fault(scene, scene->sensor[i].at, error,
+            return scene_fault(scene->sensor[i].at, error,
                                "'%s' is also the name of another electrode; rename it",
                                scene->sensor[i].name);
     return 0;
@@ -114,8 +114,7 @@ static int check_poles(const scene *scene, char *error)
     }
     if (least > 1e-12 * largest)
         return 0;
-    return scene_fault(scene, line->at, error,
-                       "the mesh reaches a pole, where A2 = 0; %s (theta1 = %g)",
+    return scene_fault(line->at, error, "the mesh reaches a pole, where A2 = 0; %s (theta1 = %g)",
                        surface_type_of(&scene->surface)->pole_cure, at);
 }
 
@@ -129,7 +128,7 @@ static int check_meridian(const scene *scene, char *error)
     for (i = 0; i <= SAMPLES && scene->surface.meridian; i++) {
         const double theta1 = sample(&scene->line[0], i);
         if (surface_at(&scene->surface, theta1, 0).a[0] < 0.05)
-            return scene_fault(scene, scene->at_surface, error,
+            return scene_fault(scene->at_surface, error,
                                "the meridian turns back on itself near theta1 = %g; give more "
                                "points there, or smooth less",
                                theta1);
@@ -152,7 +151,7 @@ static int check_depth(const scene *scene, double thickness, char *error)
             for (face = 0; face < 2; face++)
                 if (!(1 + point.k[direction] * height[face] > on_line))
                     return scene_fault(
-                        scene, scene->at_layers, error,
+                        scene->at_layers, error,
                         "the layers reach %g %s the reference surface, past the "
                         "axis or centre of curvature at %g; use thinner layers or a larger radius",
                         fabs(height[face]), face ? "above" : "below", fabs(1 / point.k[direction]));
@@ -169,7 +168,7 @@ static int check_formula(const scene *scene, char *error)
     enum { STRIDE = SAMPLES / 40 };
     const double most = 0.966;
     if (surface_is_general(&scene->surface) && !scene->element.cartesian)
-        return scene_fault(scene, scene->at_surface, error,
+        return scene_fault(scene->at_surface, error,
                            "the published element needs coordinates along lines of curvature; use "
                            "`element: improved` on a surface given by formulas");
     for (int i = 0; i <= SAMPLES && surface_is_general(&scene->surface); i += STRIDE)
@@ -179,13 +178,13 @@ static int check_formula(const scene *scene, char *error)
             const double cosine = surface_formula_cosine(&scene->surface, theta1, theta2);
             if (!isfinite(point.x[0] + point.x[1] + point.x[2] + point.k[0] + point.k[1]) ||
                 isnan(cosine))
-                return scene_fault(scene, scene->at_surface, error,
+                return scene_fault(scene->at_surface, error,
                                    "the formulas have no finite position, normal and curvature at "
                                    "theta1 = %g, theta2 = %g; correct them, or leave the point out "
                                    "of the mesh",
                                    theta1, theta2);
             if (fabs(cosine) > most)
-                return scene_fault(scene, scene->at_surface, error,
+                return scene_fault(scene->at_surface, error,
                                    "the coordinate lines meet at an angle of %.3g degrees at "
                                    "theta1 = %g, theta2 = %g; at least 15 are needed",
                                    acos(fabs(cosine)) * 57.29577951308232, theta1, theta2);
@@ -200,7 +199,7 @@ static int check_turn(const scene *scene, int direction, char *error)
     if (!surface_closes(&scene->surface, direction) || span <= full_turn * (1 + on_line))
         return 0;
     return scene_fault(
-        scene, line->at, error,
+        line->at, error,
         "theta%d spans %g, more than a full turn; angles of a surface are radians: write "
         "90*pi/180 for 90 degrees",
         direction, span);
@@ -265,7 +264,7 @@ static int check_region(const scene *scene, scene_where *where, char *error)
     if (found)
         return 0;
     return scene_fault(
-        scene, where->at, error,
+        where->at, error,
         "no node of the mesh lies in this rectangle; write [from, to], ascending and within the "
         "mesh");
 }
@@ -282,9 +281,8 @@ static int check_where(const scene *scene, scene_where *where, char *error)
         where->node[k] = snap(&scene->line[k], &where->theta[k], &on[k]);
     if (on[0] && on[1])
         return 0;
-    return scene_fault(scene, where->at, error,
-                       "(%g, %g) is no node of the mesh; the nearest is (%g, %g)", wanted[0],
-                       wanted[1], scene->line[0].point[where->node[0]],
+    return scene_fault(where->at, error, "(%g, %g) is no node of the mesh; the nearest is (%g, %g)",
+                       wanted[0], wanted[1], scene->line[0].point[where->node[0]],
                        scene->line[1].point[where->node[1]]);
 }
 
@@ -334,18 +332,18 @@ static int check_layers(scene *scene, char *error)
             if (scene->patches[grid].layer == i)
                 break;
         if (scene->layer[i].patched && grid == scene->patch_grids)
-            return scene_fault(scene, scene->layer[i].at, error,
+            return scene_fault(scene->layer[i].at, error,
                                "this layer is patched but no patches lie on it; add patches "
                                "or remove 'patched'");
     }
     if (whole == 0)
-        return scene_fault(scene, scene->at_layers, error,
+        return scene_fault(scene->at_layers, error,
                            "every layer is patched; at least one must cover the whole surface");
     if (scene->reference_is_middle)
         scene->reference = thickness / 2;
     if (scene->reference <= thickness * (1 + on_line))
         return 0;
-    return scene_fault(scene, scene->at_layers, error,
+    return scene_fault(scene->at_layers, error,
                        "'reference: %g' lies above the outer face at %g; use middle or a "
                        "height within the layers",
                        scene->reference, thickness);
@@ -357,7 +355,7 @@ static int check_edges(const scene *scene, const scene_patches *patches, int dir
     const scene_line *line = &scene->line[direction];
     int i, on;
     if (!(theta[0] < theta[1]))
-        return scene_fault(scene, patches->at, error,
+        return scene_fault(patches->at, error,
                            "patches '%s': theta%d runs from %g to %g; write [from, to] ascending",
                            patches->name, direction + 1, theta[0], theta[1]);
     for (i = 0; i <= patches->grid[direction]; i++) {
@@ -366,7 +364,7 @@ static int check_edges(const scene *scene, const scene_patches *patches, int dir
         const int near = snap(line, &edge, &on);
         if (!on)
             return scene_fault(
-                scene, patches->at, error,
+                patches->at, error,
                 "patches '%s': the edge theta%d = %g is no mesh line, the nearest is "
                 "%g; move it or choose elements to fit",
                 patches->name, direction + 1, wanted, line->point[near]);
@@ -395,7 +393,7 @@ static int check_patches(scene *scene, char *error)
             return -1;
         for (j = 0; j < i; j++)
             if (!scene->patches[j].outlines && overlap(patches, &scene->patches[j]))
-                return scene_fault(scene, patches->at, error,
+                return scene_fault(patches->at, error,
                                    "patches '%s' and '%s' overlap on one layer; move one",
                                    scene->patches[j].name, patches->name);
     }
@@ -438,17 +436,17 @@ static int check_loads(const scene *scene, char *error)
     int i;
     for (i = 0; i < scene->loads; i++) {
         if (scene->load[i].type == LOAD_WEIGHT && !any_material(scene, has_density))
-            return scene_fault(scene, scene->load[i].at, error,
+            return scene_fault(scene->load[i].at, error,
                                "weight without density; give a layer's material 'density'");
         if (scene->load[i].type == LOAD_TEMPERATURE && !scene_expands(scene) &&
             !any_material(scene, is_pyroelectric))
-            return scene_fault(scene, scene->load[i].at, error,
+            return scene_fault(scene->load[i].at, error,
                                "a temperature moves nothing; give a layer's material 'alpha'");
     }
     for (i = 0; i < scene->actuators; i++)
         if (scene->actuator[i].is_temperature && !scene_expands(scene) &&
             !any_material(scene, is_pyroelectric))
-            return scene_fault(scene, scene->actuator[i].at, error,
+            return scene_fault(scene->actuator[i].at, error,
                                "a temperature moves nothing; give a layer's material 'alpha'");
     return 0;
 }
@@ -462,10 +460,10 @@ static int check_kinematics(const scene *scene, char *error)
         return 0;
     for (i = 0; i < scene->supports; i++)
         if (scene->support[i].value)
-            return scene_fault(scene, scene->support[i].at, error,
+            return scene_fault(scene->support[i].at, error,
                                "a support with a 'value' needs kinematics: nonlinear");
     if (scene->contact.given)
-        return scene_fault(scene, scene->contact.at, error, "contact needs kinematics: nonlinear");
+        return scene_fault(scene->contact.at, error, "contact needs kinematics: nonlinear");
     return 0;
 }
 

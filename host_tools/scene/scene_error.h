@@ -1,10 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Positions in a scene file, and the size of an error message about such a position. */
+/* Positions in a scene file, and error messages about such a position. */
 #ifndef SCENE_ERROR_H
 #define SCENE_ERROR_H
 
 /* Size in bytes of an error message including the terminating NUL. */
 enum { SCENE_ERROR = 400 };
+
+/* Origin of the values of a scene, which error messages name. */
+typedef struct scene_origin {
+    char *path; /* path of the scene file */
+    char **set; /* [sets] changes of the form key=value that are applied to the scene file */
+    int sets;
+} scene_origin;
 
 /*
  * Position of a value in the scene file for error messages: line and column, counted from 1. Line
@@ -12,6 +19,14 @@ enum { SCENE_ERROR = 400 };
  */
 typedef struct scene_at {
     int line, column;
+    const scene_origin *origin; /* file and changes that line and column refer to; NULL in a YAML
+                                   tree, which has its own path, and for values of no file */
 } scene_at;
+
+/*
+ * Write an error message of the form file:line:column: text for a fault that is found after reading
+ * the scene; without an origin the message is the text alone. Returns -1.
+ */
+int scene_fault(scene_at at, char *error, const char *format, ...);
 
 #endif

@@ -434,17 +434,17 @@ static int check_function(const scene *scene, const expr *function, scene_at at,
 {
     const int rows = expr_rows(function);
     if (rows >= 0 && rows != scene->influence.file_outputs)
-        return scene_fault(scene, at, error,
+        return scene_fault(at, error,
                            "%d values for %d outputs of the matrix; give one for each, ignored "
                            "ones included",
                            rows, scene->influence.file_outputs);
     if (expr_uses_theta(function))
-        return scene_fault(scene, at, error,
+        return scene_fault(at, error,
                            "theta1 and theta2 are coordinates of a surface; a measured matrix has "
                            "x, y, z");
     if (rows >= 0 || expr_is_constant(function) || scene->influence.place)
         return 0;
-    return scene_fault(scene, at, error,
+    return scene_fault(at, error,
                        "a function of the coordinates, but the outputs have none; add "
                        "influence.coordinates, or give a list of values");
 }
@@ -469,6 +469,6 @@ int scene_check_influence(const scene *scene, char *error)
             return -1;
     if (!target->weight_area || scene->influence.place)
         return 0;
-    return scene_fault(scene, target->what.at, error,
+    return scene_fault(target->what.at, error,
                        "weight: area needs the places of the outputs; add influence.coordinates");
 }

@@ -28,7 +28,7 @@ typedef struct migration {
 
 static int out_of_memory(const migration *migration)
 {
-    const scene_at whole = {0, 0};
+    const scene_at whole = {.line = 0};
     return tree_fault_at(&migration->tree, whole, "out of memory");
 }
 

@@ -414,6 +414,7 @@ static int read_material(reader *reader, int node, scene_material *to)
                    material->name) != 0)
         return -1;
     material->at = reader->t->node[node].key_at;
+    material->at.origin = reader->s->origin;
     if (read_map(reader, node, material_fields, &text) != 0 ||
         check_material(reader, node, &text) != 0)
         return -1;

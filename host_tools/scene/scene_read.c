@@ -6,10 +6,10 @@
 #include "scene_parts.h"
 
 static const field units_fields[] = {
-    {"length", read_name, offsetof(scene, unit_length), .help = "Unit of length, such as m."},
-    {"force", read_name, offsetof(scene, unit_force), .help = "Unit of force, such as N."},
-    {"voltage", read_name, offsetof(scene, unit_voltage), .help = "Unit of voltage, such as V."},
-    {"temperature", read_name, offsetof(scene, unit_temperature),
+    {"length", read_name, offsetof(scene, units.length), .help = "Unit of length, such as m."},
+    {"force", read_name, offsetof(scene, units.force), .help = "Unit of force, such as N."},
+    {"voltage", read_name, offsetof(scene, units.voltage), .help = "Unit of voltage, such as V."},
+    {"temperature", read_name, offsetof(scene, units.temperature),
      .help = "Unit of temperature differences, such as K."},
     {.key = NULL}};
 
@@ -236,16 +236,31 @@ static char *duplicate(const char *text)
  */
 static int keep_origin(scene *scene, const char *path, const char *const *set, int sets)
 {
-    scene->path = duplicate(path);
-    scene->set = calloc((size_t)sets + 1, sizeof *scene->set);
-    if (!scene->path || !scene->set)
+    scene_origin *origin = calloc(1, sizeof *origin);
+    scene->origin = origin;
+    if (!origin)
         return -1;
-    for (; scene->sets < sets; scene->sets++) {
-        scene->set[scene->sets] = duplicate(set[scene->sets]);
-        if (!scene->set[scene->sets])
+    origin->path = duplicate(path);
+    origin->set = calloc((size_t)sets + 1, sizeof *origin->set);
+    if (!origin->path || !origin->set)
+        return -1;
+    for (; origin->sets < sets; origin->sets++) {
+        origin->set[origin->sets] = duplicate(set[origin->sets]);
+        if (!origin->set[origin->sets])
             return -1;
     }
     return 0;
+}
+
+/* Set the positions of sections that the scene may lack to the scene file as a whole. */
+static void set_positions(scene *scene)
+{
+    scene_at *const at[] = {&scene->equilibrium.at, &scene->line[0].at,     &scene->line[1].at,
+                            &scene->contact.at,     &scene->limits.at,      &scene->estimate.at,
+                            &scene->simulate.at,    &scene->target.what.at, &scene->influence.at,
+                            &scene->at_surface,     &scene->at_layers};
+    for (size_t i = 0; i < sizeof at / sizeof *at; i++)
+        at[i]->origin = scene->origin;
 }
 
 static void set_defaults(scene *scene)
@@ -265,7 +280,7 @@ static void set_defaults(scene *scene)
 
 static int fill(scene *scene, tree *tree, char *error)
 {
-    scene_at whole = {0, 0};
+    const scene_at whole = {.line = 0};
     reader reader;
     reader.t = tree;
     reader.s = scene;
@@ -274,6 +289,7 @@ static int fill(scene *scene, tree *tree, char *error)
         return tree_fault_at(tree, whole, "out of memory");
     scene->hash = tree->hash;
     set_defaults(scene);
+    set_positions(scene);
     if (tree->node[tree->root].kind == TREE_MAP && tree_find(tree, tree->root, "influence"))
         return fill_measured(&reader, error);
     return read_map(&reader, tree->root, sections, scene) == 0 ? scene_check(scene, error) : -1;

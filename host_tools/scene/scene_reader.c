@@ -11,7 +11,9 @@ const char *node_text(const reader *reader, int node)
 
 scene_at node_at(const reader *reader, int node)
 {
-    return reader->t->node[node].at;
+    scene_at at = reader->t->node[node].at;
+    at.origin = reader->s->origin;
+    return at;
 }
 
 int find_named(const void *items, int count, size_t size, const char *name)

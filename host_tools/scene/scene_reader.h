@@ -19,7 +19,7 @@ typedef struct reader {
 /* Return the text of a YAML node that is a scalar, or NULL for a list or mapping. */
 const char *node_text(const reader *reader, int node);
 
-/* Return the line and column of a YAML node in the scene file. */
+/* Return the position of a YAML node in the scene file, with its origin. */
 scene_at node_at(const reader *reader, int node);
 
 /*

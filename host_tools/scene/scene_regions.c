@@ -18,7 +18,7 @@ static int check_overlaps(const scene *scene, char *error)
                 continue; /* electrodes given by outlines are compared in outline_overlap.c */
             for (size_t element = 0; element < scene->quads->mesh.elements; element++)
                 if (own->patch[element] >= 0 && other->patch[element] >= 0)
-                    return scene_fault(scene, own->at, error,
+                    return scene_fault(own->at, error,
                                        "patches '%s' and '%s' overlap on one layer, in element "
                                        "%lld; use other sets",
                                        other->name, own->name,
@@ -31,7 +31,7 @@ static int check_layer_sets(const scene *scene, char *error)
 {
     for (int i = 0; i < scene->layers; i++)
         if (scene->layer[i].patched && scene->layer[i].present)
-            return scene_fault(scene, scene->layer[i].at, error,
+            return scene_fault(scene->layer[i].at, error,
                                "this layer has 'sets' and is patched; patches say where it is, "
                                "remove 'sets'");
     return 0;
@@ -77,7 +77,7 @@ int check_regions(scene *scene, char *error)
     mesh->region = calloc(mesh->elements, sizeof *mesh->region);
     mesh->element_region = calloc(mesh->elements, sizeof *mesh->element_region);
     if (!mesh->region || !mesh->element_region)
-        return scene_fault(scene, scene->quads->at, error, "the mesh does not fit into memory");
+        return scene_fault(scene->quads->at, error, "the mesh does not fit into memory");
     for (size_t element = 0; element < mesh->elements; element++)
         mesh->element_region[element] =
             region_of(mesh, layers_in(scene, element), scene->quads->direction);

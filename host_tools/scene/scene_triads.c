@@ -144,7 +144,7 @@ static int plane_normal(triads *triads, const scene_support *support, double nor
         normal[i] /= length;
     if (length > 0)
         return 0;
-    return scene_fault(triads->scene, support->at, triads->error,
+    return scene_fault(support->at, triads->error,
                        "the edges of this set have no common normal; give direction: [x, y, z], "
                        "the normal of the symmetry plane");
 }
@@ -166,14 +166,14 @@ static int apply_plane(triads *triads, const scene_support *support, const doubl
         for (int i = 0; i < 3; i++)
             size = fmax(size, fabs(mesh->position[node][i] - mesh->position[0][i]));
         if (!(project(mesh->director[node], normal) > 0.5))
-            return scene_fault(triads->scene, support->at, triads->error,
+            return scene_fault(support->at, triads->error,
                                "the director of node %lld of the mesh file stands across the "
                                "symmetry plane; give direction: [x, y, z], its normal",
                                label(triads, node));
     }
     if (high - low <= 1e-4 * size)
         return 0;
-    return scene_fault(triads->scene, support->at, triads->error,
+    return scene_fault(support->at, triads->error,
                        "the nodes of this symmetric support lie %g apart across the plane; a "
                        "symmetry plane is flat: divide the set, or give direction: [x, y, z]",
                        high - low);
@@ -198,14 +198,14 @@ static int hold(triads *triads, const scene_support *support, size_t node,
     double axis[3];
     memcpy(axis, direction, sizeof axis);
     if (!(project(axis, triads->mesh->director[node]) > nearly))
-        return scene_fault(triads->scene, support->at, triads->error,
+        return scene_fault(support->at, triads->error,
                            "the direction of this support is that of the director at node %lld of "
                            "the mesh file; choose one in the surface, or fix u3",
                            label(triads, node));
     const double cosine =
         triads->fixed[node] ? fabs(vector_dot(axis, triads->mesh->axis[node])) : 1;
     if ((cosine > nearly || support->value) && cosine < sqrt(1 - nearly * nearly))
-        return scene_fault(triads->scene, support->at, triads->error,
+        return scene_fault(support->at, triads->error,
                            "node %lld of the mesh file has another support whose direction is "
                            "turned by %.1f degrees; supports at one node need equal or "
                            "perpendicular directions: clamp it, or leave it out of one set",
@@ -245,7 +245,7 @@ static int hold_global(triads *triads, const scene_support *support, size_t node
     }
     double direction[3] = {own == 0, own == 1, own == 2};
     if (fabs(triads->mesh->director[node][own]) > nearly)
-        return scene_fault(triads->scene, support->at, triads->error,
+        return scene_fault(support->at, triads->error,
                            "at node %lld of the mesh file %c is neither in the surface nor along "
                            "the director; fix [x, y, z], or u3",
                            label(triads, node), "xyz"[own]);
@@ -261,7 +261,7 @@ static int hold_listed(triads *triads, const scene_support *support, size_t node
     if (vector_dot(support->direction, support->direction) > 0)
         return hold(triads, support, node, support->direction, bits);
     if (exchanged(bits) != bits)
-        return scene_fault(triads->scene, support->at, triads->error,
+        return scene_fault(support->at, triads->error,
                            "u1 and u2 are directions in the surface that a mesh from a file does "
                            "not have; add direction: [x, y, z] for u1, or fix x, y or z");
     triads->mesh->constrained[node] |= (uint8_t)bits;
@@ -308,11 +308,11 @@ static int find_nodes(triads *triads, const scene_support *support)
     const bool needs_edges = support->fix & (FIX_SIMPLE | FIX_SYMMETRIC) &&
                              vector_dot(support->direction, support->direction) == 0;
     if (scene_mark_nodes(triads->scene, &support->where, triads->in_set) == 0)
-        return scene_fault(triads->scene, support->at, triads->error,
-                           "set '%s' of the mesh file has no nodes", support->where.set);
+        return scene_fault(support->at, triads->error, "set '%s' of the mesh file has no nodes",
+                           support->where.set);
     if (!needs_edges || find_normals(triads, support) > 0)
         return 0;
-    return scene_fault(triads->scene, support->at, triads->error,
+    return scene_fault(support->at, triads->error,
                        "this set has no edges, so that '%s' has no direction; name a set of edges, "
                        "or add direction: [x, y, z]",
                        support->fix & FIX_SIMPLE ? "simple" : "symmetric");
@@ -336,7 +336,7 @@ static int hold_support(triads *triads, const scene_support *support)
 {
     double plane[3] = {0, 0, 0};
     if (support->value && support->fix & ~(unsigned)ALL)
-        return scene_fault(triads->scene, support->at, triads->error,
+        return scene_fault(support->at, triads->error,
                            "on a mesh from a file a prescribed displacement is u3, or u1 with "
                            "direction: [x, y, z]");
     if (find_nodes(triads, support) != 0)
@@ -396,7 +396,7 @@ int check_triads(scene *scene, char *error)
     if (triads.mesh->constrained && triads.in_set && triads.fixed && triads.normal)
         status = apply_supports(&triads);
     else
-        scene_fault(scene, scene->quads->at, error, "the mesh does not fit into memory");
+        scene_fault(scene->quads->at, error, "the mesh does not fit into memory");
     free(triads.in_set);
     free(triads.fixed);
     free(triads.normal);

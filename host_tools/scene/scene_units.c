@@ -247,10 +247,10 @@ static const dimension base_dimension[UNITS_BASES] = {OF_LENGTH,      OF_FORCE, 
 static const char *base_text(const scene *scene, int base)
 {
     switch (base) {
-    case UNITS_LENGTH: return scene->unit_length;
-    case UNITS_FORCE: return scene->unit_force;
-    case UNITS_VOLTAGE: return scene->unit_voltage;
-    case UNITS_TEMPERATURE: return scene->unit_temperature;
+    case UNITS_LENGTH: return scene->units.length;
+    case UNITS_FORCE: return scene->units.force;
+    case UNITS_VOLTAGE: return scene->units.voltage;
+    case UNITS_TEMPERATURE: return scene->units.temperature;
     default: return NULL;
     }
 }

@@ -197,7 +197,7 @@ static scene_at mark_at(const builder *builder, yaml_mark_t mark)
  */
 static scene_at byte_at(const builder *builder, size_t offset)
 {
-    scene_at at = {1, 1};
+    scene_at at = {.line = 1, .column = 1};
     size_t i;
     for (i = 0; i < offset && i < builder->bytes; i++) {
         at.column = builder->text[i] == '\n' ? 1 : at.column + 1;
@@ -573,7 +573,7 @@ static int put(tree *tree, const char *path, size_t length, int value, scene_at 
 static int apply_change(tree *tree, int k)
 {
     const char *change = tree->set[k], *equals = strchr(change, '=');
-    scene_at at = {-(k + 1), 1};
+    scene_at at = {.line = -(k + 1), .column = 1};
     int value;
     if (!equals)
         return tree_fault_at(tree, at, "no '='; write --set a.b.c=value");
@@ -600,7 +600,7 @@ static uint32_t hash_more(uint32_t hash, const char *bytes, size_t count)
 
 static int read_bytes(tree *tree, FILE *file, char **text, size_t *bytes)
 {
-    scene_at whole = {0, 0};
+    scene_at whole = {.line = 0};
     *text = malloc(TREE_BYTES + 1);
     if (!*text)
         return tree_fault_at(tree, whole, "out of memory");
@@ -615,7 +615,7 @@ static int read_bytes(tree *tree, FILE *file, char **text, size_t *bytes)
 
 static int read_file(tree *tree, char **text, size_t *bytes)
 {
-    scene_at whole = {0, 0};
+    scene_at whole = {.line = 0};
     struct stat info;
     FILE *file;
     int status;
@@ -641,7 +641,7 @@ static int read_file(tree *tree, char **text, size_t *bytes)
  */
 static int read_tree(tree *tree, const char *text, size_t bytes)
 {
-    scene_at start = {1, 1};
+    scene_at start = {.line = 1, .column = 1};
     int i;
     tree->hash = hash_more(2166136261u, text, bytes);
     tree->root = build(tree, text, bytes, 0);

@@ -105,13 +105,13 @@ static int retable(trial *trial, const damper_options *options, char *error)
 
 static int open_trial(trial *trial, analysis *analysis, char *error)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     memset(trial, 0, sizeof *trial);
     trial->analysis = analysis;
-    const bool needs_estimator = loop_estimates(scene) || loop_feeds(scene);
+    const bool needs_estimator = loop_estimates(design) || loop_feeds(design);
     if (needs_estimator && estimator_open(&trial->estimator, analysis, error) < 0)
         return -1;
-    trial->few = loop_estimates(scene) ? &trial->estimator : NULL;
+    trial->few = loop_estimates(design) ? &trial->estimator : NULL;
     return storm_open(&trial->rig, analysis, trial->few, error);
 }
 
@@ -285,7 +285,7 @@ static int try_choice(trial *trial, int choice, damper_options *options, certifi
         loop->observed_from = trial->damper.frequency[0];
         loop->observed_to = trial->damper.frequency[loop->observed - 1];
     }
-    loop->delay = trial->analysis->design.scene->simulate.delay;
+    loop->delay = trial->analysis->design.simulate.delay;
     if (!loop->is_stable)
         return 0;
     return count_ages(trial, 1, 1, &loop->older, error) < 0 ||
@@ -333,7 +333,7 @@ static int choose(trial *trial, char *error)
 {
     certificate *certificate = &trial->analysis->certificate;
     damper_options options = damper_options_of(trial->analysis);
-    const int delay = trial->analysis->design.scene->simulate.delay;
+    const int delay = trial->analysis->design.simulate.delay;
     double fastest = 0;
     options.settings = damper_default_settings();
     for (int i = 0; i < CHOICES && !tolerates_all(&certificate->loop); i++) {
@@ -363,7 +363,7 @@ static int has_damper(const analysis *analysis, bool *has, char *error)
 {
     estimator estimator;
     damper damper;
-    const bool estimates = loop_estimates(analysis->design.scene);
+    const bool estimates = loop_estimates(&analysis->design);
     *has = false;
     if (analysis->quasi_static || !certificate_refuses(&analysis->certificate))
         return 0;

@@ -18,14 +18,14 @@ static const double creep_time[CREEPS] = {0.1, 1, 10};
 
 static const scene_imperfections *of(const imperfections *on)
 {
-    return &on->design->scene->simulate.imperfections;
+    return &on->design->simulate.imperfections;
 }
 
 /* ---- actuators -------------------------------------------------------- */
 
 static bool has_bandwidth(const design *design)
 {
-    return design->scene->simulate.imperfections.bandwidth > 0;
+    return design->simulate.imperfections.bandwidth > 0;
 }
 
 /*
@@ -45,7 +45,7 @@ static void apply_lag(const imperfections *on, double *voltage, double interval)
 
 static bool has_swaps(const design *design)
 {
-    return design->scene->simulate.imperfections.swaps > 0;
+    return design->simulate.imperfections.swaps > 0;
 }
 
 static void swap_cables(const imperfections *on, double *voltage, double interval)
@@ -62,7 +62,7 @@ static void swap_cables(const imperfections *on, double *voltage, double interva
 
 static bool has_reversals(const design *design)
 {
-    return design->scene->simulate.imperfections.reversals > 0;
+    return design->simulate.imperfections.reversals > 0;
 }
 
 static void reverse_wires(const imperfections *on, double *voltage, double interval)
@@ -121,7 +121,7 @@ static void apply_hysteresis(const imperfections *on, double *voltage, double in
 
 static bool has_creep(const design *design)
 {
-    return design->scene->simulate.imperfections.creep > 0;
+    return design->simulate.imperfections.creep > 0;
 }
 
 static void add_creep(const imperfections *on, double *voltage, double interval)
@@ -154,20 +154,19 @@ static bool is_piezoelectric(const scene_material *material)
 
 double imperfections_hysteresis(const design *design)
 {
-    const scene *scene = design->scene;
     bool is_active = false;
-    if (scene->simulate.hysteresis_given)
-        return scene->simulate.hysteresis;
-    for (int i = 0; i < scene->layers; i++)
-        is_active |= is_piezoelectric(&scene->material[scene->layer[i].material]);
+    if (design->simulate.hysteresis_given)
+        return design->simulate.hysteresis;
+    for (int i = 0; i < design->layers; i++)
+        is_active |= is_piezoelectric(&design->material[design->layer[i].material]);
     for (int k = 0; k < design->amplifiers; k++)
         is_active = is_active && isfinite(design->upper[k] - design->lower[k]);
     return is_active ? usual_hysteresis : 0;
 }
 
-bool imperfections_vary(const scene *scene)
+bool imperfections_vary(const design *design)
 {
-    return scene->simulate.imperfections.bandwidth > 0;
+    return design->simulate.imperfections.bandwidth > 0;
 }
 
 void imperfections_actuate(const imperfections *on, const double *output, double interval,
@@ -265,22 +264,22 @@ double imperfections_sense(const imperfections *on, int sensor, double value)
  * Largest deviation from 1 among the gains by which the plant's influence matrix differs from the
  * measured one.
  */
-static double largest_gain_error(const scene *scene)
+static double largest_gain_error(const design *design)
 {
     double most = 0;
-    for (int k = 0; k < scene->amplifiers && scene->simulate.gain; k++)
-        most = fmax(most, fabs(scene->simulate.gain[k] - 1));
+    for (int k = 0; k < design->amplifiers && design->simulate.gain; k++)
+        most = fmax(most, fabs(design->simulate.gain[k] - 1));
     return most;
 }
 
 void imperfections_text(const design *design, char *text, size_t room)
 {
-    const scene_imperfections *settings = &design->scene->simulate.imperfections;
+    const scene_imperfections *settings = &design->simulate.imperfections;
     const struct {
         const char *format;
         double value;
-    } rows[] = {{"entries of the matrix wrong by %g", design->scene->simulate.scatter},
-                {"gains of the matrix up to %g off", largest_gain_error(design->scene)},
+    } rows[] = {{"entries of the matrix wrong by %g", design->simulate.scatter},
+                {"gains of the matrix up to %g off", largest_gain_error(design)},
                 {"hysteresis %g of the range", imperfections_hysteresis(design)},
                 {"creep %g a decade", settings->creep},
                 {"amplifiers of %g Hz", settings->bandwidth},

@@ -65,7 +65,7 @@ typedef struct imperfections {
 double imperfections_hysteresis(const design *design);
 
 /* Whether the voltages on the ceramic vary between the ticks. */
-bool imperfections_vary(const scene *scene);
+bool imperfections_vary(const design *design);
 
 /*
  * Let a time interval pass under constant commands to the amplifiers.

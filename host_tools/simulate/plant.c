@@ -11,21 +11,17 @@
 /* ---- open ------------------------------------------------------------- */
 
 /*
- * Append a temperature change of 1 K to the loads of the scene. Returns 0, or -1 where memory runs
- * out.
+ * Append a temperature change of 1 K to the loads of the plant's scene. Returns 0, or -1 where
+ * memory runs out.
  */
-static int add_temperature(scene *scene)
+static int add_temperature(plant *plant)
 {
     const char *why;
     int column;
-    scene_load *more = realloc(scene->load, ((size_t)scene->loads + 1) * sizeof *more);
-    if (!more)
-        return -1;
-    scene->load = more;
-    memset(&more[scene->loads], 0, sizeof *more);
-    more[scene->loads].type = LOAD_TEMPERATURE;
-    more[scene->loads].value = expr_compile("1", &column, &why);
-    return more[scene->loads++].value ? 0 : -1;
+    plant->kelvin = expr_compile("1", &column, &why);
+    plant->scene.load[plant->scene.loads++] =
+        (scene_load){.type = LOAD_TEMPERATURE, .value = plant->kelvin};
+    return plant->kelvin ? 0 : -1;
 }
 
 static int has_temperature_events(const scene_simulate *simulate)
@@ -61,15 +57,16 @@ static void scale_matrix(scene *scene)
     }
 }
 
-static int change_scene(scene *scene)
+static int change_scene(plant *plant)
 {
+    scene *scene = &plant->scene;
     const scene_simulate *simulate = &scene->simulate;
     scale_matrix(scene);
     scene->kinematics = simulate->kinematics;
     for (int i = 0; i < scene->materials; i++)
         material_scale(&scene->material[i], simulate->stiffness ? simulate->stiffness[i] : 1,
                        simulate->d ? simulate->d[i] : 1);
-    return has_temperature_events(simulate) ? add_temperature(scene) : 0;
+    return has_temperature_events(simulate) ? add_temperature(plant) : 0;
 }
 
 /*
@@ -80,21 +77,21 @@ static int change_scene(scene *scene)
  */
 static bool wants_inertia(plant *plant)
 {
-    const scene *scene = &plant->scene;
+    const design *design = &plant->analysis.design;
     char names[SCENE_ERROR];
     const char *why = NULL;
-    for (int i = 0; i < scene->estimate.readings && scene->simulate.sight != SIGHT_MEASURED; i++)
-        if (scene->output[scene->estimate.reading[i].output].electric != ELECTRIC_NONE)
+    for (int i = 0; i < design->estimate.readings && design->simulate.sight != SIGHT_MEASURED; i++)
+        if (design->output[design->estimate.reading[i].output].electric != ELECTRIC_NONE)
             why = "a sensor is an electrode";
-    if (scene->contact.given)
+    if (design->contact.given)
         why = "the plant has a contact";
     if (!plant->analysis.source->has_structure)
         why = "a measured influence matrix tells nothing of mass";
-    if (scene->simulate.inertia_given && !scene->simulate.inertia)
+    if (design->simulate.inertia_given && !design->simulate.inertia)
         why = "the scene says inertia: false";
     if (why)
         snprintf(plant->reason, sizeof plant->reason, "%s", why);
-    else if (mass_missing(scene, names) > 0)
+    else if (mass_missing(design, names) > 0)
         snprintf(plant->reason, sizeof plant->reason, "no density of %.300s", names);
     return plant->reason[0] == '\0';
 }
@@ -105,12 +102,11 @@ static int prepare_modes(plant *plant, char *error)
     const design *design = &plant->analysis.design;
     const size_t inputs = (size_t)(design->amplifiers + design->loads);
     if (!wants_inertia(plant))
-        return plant->scene.simulate.inertia
-                   ? scene_fault(&plant->scene, plant->scene.simulate.at, error,
+        return design->simulate.inertia
+                   ? scene_fault(design->simulate.at, error,
                                  "a plant with inertia is not possible: %.300s", plant->reason)
                    : 0;
-    if (vibration_solve(&plant->vibration, design, plant->scene.simulate.modes, MASS_LUMPED,
-                        error) < 0)
+    if (vibration_solve(&plant->vibration, design, design->simulate.modes, MASS_LUMPED, error) < 0)
         return -1;
     plant->modal_input = calloc(inputs + 1, sizeof *plant->modal_input);
     plant->deviation = calloc((size_t)design->structure.output.count + 1, sizeof *plant->deviation);
@@ -118,20 +114,17 @@ static int prepare_modes(plant *plant, char *error)
     if (!plant->modal_input || !plant->deviation ||
         !modal_open(&plant->modal, design, &plant->vibration, inputs) ||
         !inertia_open(&plant->inertia, &plant->modal))
-        return scene_fault(&plant->scene, plant->scene.simulate.at, error, "out of memory");
+        return scene_fault(design->simulate.at, error, "out of memory");
     return 0;
 }
 
-int plant_open(plant *plant, const scene *nominal, char *error)
+int plant_open(plant *plant, const design *nominal, char *error)
 {
     memset(plant, 0, sizeof *plant);
-    if (scene_read(&plant->scene, nominal->path, (const char *const *)nominal->set, nominal->sets,
-                   error) < 0)
-        return -1;
     plant->temperature = -1;
-    int failed = change_scene(&plant->scene);
+    int failed = design_vary(nominal, &plant->scene) < 0 || change_scene(plant) < 0;
     if (failed)
-        scene_fault(nominal, nominal->simulate.at, error, "out of memory");
+        scene_fault(nominal->simulate.at, error, "out of memory");
     failed = failed || analysis_prepare(&plant->analysis, &plant->scene, error) < 0 ||
              analysis_influence(&plant->analysis, error) < 0 || prepare_modes(plant, error) < 0;
     const design *design = &plant->analysis.design;
@@ -143,7 +136,7 @@ int plant_open(plant *plant, const scene *nominal, char *error)
             calloc((size_t)design->structure.input.count, sizeof *plant->scene_input);
         plant->value = calloc((size_t)design->structure.output.count + 1, sizeof *plant->value);
         failed = !plant->input || !plant->computed_input || !plant->scene_input || !plant->value
-                     ? scene_fault(nominal, nominal->simulate.at, error, "out of memory")
+                     ? scene_fault(nominal->simulate.at, error, "out of memory")
                      : 0;
     }
     if (failed) {
@@ -153,7 +146,7 @@ int plant_open(plant *plant, const scene *nominal, char *error)
     if (plant->analysis.nonlinear)
         memcpy(plant->scene_input, plant->analysis.equilibrium.full_input,
                (size_t)design->structure.input.count * sizeof *plant->scene_input);
-    if (has_temperature_events(&plant->scene.simulate))
+    if (has_temperature_events(&design->simulate))
         plant->temperature = design->amplifiers + design->loads - 1;
     plant_rest(plant);
     return 0;
@@ -161,9 +154,10 @@ int plant_open(plant *plant, const scene *nominal, char *error)
 
 void plant_close(plant *plant)
 {
-    if (plant->analysis.design.scene)
+    if (plant->analysis.source)
         analysis_free(&plant->analysis);
-    scene_free(&plant->scene);
+    scene_vary_free(&plant->scene);
+    expr_free(plant->kelvin);
     inertia_close(&plant->inertia);
     modal_close(&plant->modal);
     vibration_free(&plant->vibration);
@@ -186,10 +180,10 @@ static int input_of(const plant *plant, int load)
 {
     const design *design = &plant->analysis.design;
     int extra = design->amplifiers + design->loads;
-    if (!plant->analysis.nonlinear || plant->scene.load[load].follower == FOLLOWER_NONE)
+    if (!plant->analysis.nonlinear || plant->analysis.design.load[load].follower == FOLLOWER_NONE)
         return design->amplifiers + load;
     for (int k = 0; k < load; k++)
-        extra += plant->scene.load[k].follower != FOLLOWER_NONE;
+        extra += plant->analysis.design.load[k].follower != FOLLOWER_NONE;
     return extra;
 }
 
@@ -353,7 +347,7 @@ static pzs_status compute_outputs(plant *plant)
 int plant_readings(plant *plant, double *reading, char *error)
 {
     const analysis *analysis = &plant->analysis;
-    const scene_estimate *estimate = &plant->scene.estimate;
+    const scene_estimate *estimate = &plant->analysis.design.estimate;
     const pzs_status status = compute_outputs(plant);
     for (size_t i = 0; i < analysis->design.structure.output.count && plant->has_inertia; i++)
         plant->value[i] += plant->deviation[i];

@@ -16,7 +16,8 @@
 #include "inertia.h"
 
 typedef struct plant {
-    scene scene; /* copy of the scene with the constants of the plant */
+    scene scene;  /* copy of the scene with the constants of the plant */
+    expr *kelvin; /* formula of the temperature change that is added to the loads, or NULL */
     analysis analysis;
     double *input; /* [inputs] inputs for the next shape: voltages, loads, temperature change, and
                       on a nonlinear structure the prescribed displacements and the motion of a
@@ -41,11 +42,11 @@ typedef struct plant {
 } plant;
 
 /*
- * Read the scene again and apply the material constants and kinematics of its `simulate` section.
+ * Build the structure with the material constants and kinematics of the scene's `simulate` section.
  * All loads have the factor 1, and the temperature change is zero. Returns 0, or -1 with error
  * filled and the plant empty.
  */
-int plant_open(plant *plant, const scene *nominal, char *error);
+int plant_open(plant *plant, const design *nominal, char *error);
 void plant_close(plant *plant);
 
 /* Set the factor of a load (1: the load given in the scene), or the temperature change. */

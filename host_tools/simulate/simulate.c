@@ -29,8 +29,7 @@ static const double diverged = 4;
 
 static int no_memory(const analysis *nominal, char *error)
 {
-    return scene_fault(nominal->design.scene, nominal->design.scene->simulate.at, error,
-                       "out of memory");
+    return scene_fault(nominal->design.simulate.at, error, "out of memory");
 }
 
 /* ---- open ------------------------------------------------------------- */
@@ -54,7 +53,7 @@ static int begin_phase(simulation *simulation, int tick, int first)
     if (simulation->phases > 1)
         phase[-1].until = tick;
     phase->from = tick;
-    phase->until = design->scene->simulate.ticks;
+    phase->until = design->simulate.ticks;
     phase->first = first;
     phase->optimum = (double)NAN;
     bool rooms = true;
@@ -73,7 +72,7 @@ static int begin_phase(simulation *simulation, int tick, int first)
  */
 static int lay_out_phases(simulation *simulation)
 {
-    const scene_simulate *simulate = &simulation->nominal->design.scene->simulate;
+    const scene_simulate *simulate = &simulation->nominal->design.simulate;
     int faults_end = simulate->fault_chance > 0 && simulate->fault_until < simulate->ticks
                          ? simulate->fault_until
                          : -1,
@@ -99,13 +98,13 @@ static int lay_out_phases(simulation *simulation)
  */
 static int check_readings(const design *design, char *error)
 {
-    const scene_estimate *estimate = &design->scene->estimate;
+    const scene_estimate *estimate = &design->estimate;
     for (int reading = 0; reading < estimate->readings; reading++)
-        if (design->scene->output[estimate->reading[reading].output].electric != ELECTRIC_NONE)
-            return scene_fault(design->scene, estimate->reading[reading].at, error,
+        if (design->output[estimate->reading[reading].output].electric != ELECTRIC_NONE)
+            return scene_fault(estimate->reading[reading].at, error,
                                "'%s' is read by an electrode, whose gains are made in the "
                                "undeformed state; write influence: undeformed in simulate",
-                               design->scene->output[estimate->reading[reading].output].name);
+                               design->output[estimate->reading[reading].output].name);
     return 0;
 }
 
@@ -117,7 +116,7 @@ int simulate_tables(analysis *nominal, char *error)
 {
     design *design = &nominal->design;
     voltages best;
-    if (!design->scene->simulate.at_target)
+    if (!design->simulate.at_target)
         return 0;
     if (check_readings(design, error) < 0)
         return -1;
@@ -148,7 +147,7 @@ static int check_range(const design *design, char *error)
 {
     for (int k = 0; k < design->amplifiers; k++)
         if (!isfinite(design->upper[k] - design->lower[k]) && imperfections_hysteresis(design) > 0)
-            return scene_fault(design->scene, design->scene->simulate.at, error,
+            return scene_fault(design->simulate.at, error,
                                "hysteresis is a part of the range of the voltages; add "
                                "limits: {voltage: [lowest, highest]}");
     return 0;
@@ -161,10 +160,10 @@ static int check_range(const design *design, char *error)
  */
 static int check_free(const design *design, char *error)
 {
-    if (design->free_functions == 0 || !design->scene->simulate.finds)
+    if (design->free_functions == 0 || !design->simulate.finds)
         return 0;
     return scene_fault(
-        design->scene, design->scene->simulate.at, error,
+        design->simulate.at, error,
         "announced: detected does not work with target.free: the fault detector needs the whole "
         "predicted displacement; write announced: TICKS or remove target.free");
 }
@@ -175,12 +174,12 @@ static int check_free(const design *design, char *error)
  */
 static int check_inertia(const simulation *simulation, char *error)
 {
-    const scene *scene = simulation->nominal->design.scene;
-    for (int i = 0; i < scene->simulate.events && !simulation->plant.has_inertia; i++) {
-        const scene_event *event = &scene->simulate.event[i];
+    const design *design = &simulation->nominal->design;
+    for (int i = 0; i < design->simulate.events && !simulation->plant.has_inertia; i++) {
+        const scene_event *event = &design->simulate.event[i];
         if (event->type == EVENT_IMPULSE || event->type == EVENT_LATE ||
             event->type == EVENT_JITTER)
-            return scene_fault(scene, event->at, error,
+            return scene_fault(event->at, error,
                                "this event needs a plant with inertia, which this one has not: %s",
                                simulation->plant.reason);
     }
@@ -193,11 +192,11 @@ static int check_inertia(const simulation *simulation, char *error)
  */
 static int prepare_controller(simulation *simulation, char *error)
 {
-    const scene *scene = simulation->nominal->design.scene;
+    const design *design = &simulation->nominal->design;
     simulation->problem = &simulation->nominal->design.problem;
-    simulation->estimates = loop_estimates(scene);
-    simulation->feeds = loop_feeds(scene);
-    simulation->quantises = loop_quantises(scene);
+    simulation->estimates = loop_estimates(design);
+    simulation->feeds = loop_feeds(design);
+    simulation->quantises = loop_quantises(design);
     if ((simulation->estimates || simulation->feeds) &&
         estimator_open(&simulation->estimator, simulation->nominal, error) < 0)
         return -1;
@@ -233,8 +232,7 @@ static int regularise(simulation *simulation, char *error)
     const pzs_status status =
         failed ? PZS_OK : clipped_tune(&clipped, voltage, &simulation->regularisation);
     if (status != PZS_OK)
-        failed = scene_fault(design->scene, design->scene->limits.at, error, "%s",
-                             pzs_status_text(status));
+        failed = scene_fault(design->limits.at, error, "%s", pzs_status_text(status));
     simulation->compared_regularisation = simulation->regularisation * clipped.scale;
     clipped_close(&clipped);
     free(voltage);
@@ -261,7 +259,7 @@ int simulate_open(simulation *simulation, analysis *nominal, char *error)
     memset(simulation, 0, sizeof *simulation);
     simulation->nominal = nominal;
     if (check_range(design, error) < 0 || check_free(design, error) < 0 ||
-        plant_open(&simulation->plant, design->scene, error) < 0)
+        plant_open(&simulation->plant, design, error) < 0)
         return -1;
     const double squares = design_squares(design, design->target, NULL);
     simulation->reference = squares > 0 ? sqrt(squares) : 1;
@@ -339,7 +337,7 @@ typedef struct course_log {
 static int ticks_of_end(const simulation *simulation)
 {
     const double period =
-        plant_period(&simulation->plant) * simulation->nominal->design.scene->control.rate;
+        plant_period(&simulation->plant) * simulation->nominal->design.control.rate;
     return (int)fmin(fmax(ceil(period), LAST), LAST_MOST);
 }
 
@@ -519,7 +517,7 @@ static void mark_diverged(simulation *simulation, const simulate_phase *from, si
 static int run_ticks(simulation *simulation, loop *loop, course_log *record, simulate_law law,
                      simulate_tick_callback *callback, void *context, char *error)
 {
-    const int ticks = loop->design->scene->simulate.ticks;
+    const int ticks = loop->design->simulate.ticks;
     simulate_phase *phase = simulation->phase;
     for (int tick = 0; tick < ticks; tick++) {
         if (loop_tick(loop, tick, error) < 0)

@@ -177,7 +177,7 @@ static void end_faults(loop *loop)
  */
 static void set_next_loads(loop *loop, int tick)
 {
-    const scene_simulate *simulate = &loop->design->scene->simulate;
+    const scene_simulate *simulate = &loop->design->simulate;
     memcpy(loop->next_load, loop->known_load,
            (size_t)loop->design->loads * sizeof *loop->known_load);
     for (int k = loop->next_event; k < simulate->events && simulate->event[k].tick == tick + 1; k++)
@@ -187,7 +187,7 @@ static void set_next_loads(loop *loop, int tick)
 
 static void run_events(loop *loop, int tick)
 {
-    const scene_simulate *simulate = &loop->design->scene->simulate;
+    const scene_simulate *simulate = &loop->design->simulate;
     if (simulate->fault_chance > 0 && tick < simulate->fault_until &&
         random_uniform(&loop->random) < simulate->fault_chance)
         random_fault(loop, tick);
@@ -236,7 +236,7 @@ static void set_waves(loop *loop, double time)
 /* Whether voltages or loads vary between this tick and the next one. */
 static bool varies(const loop *loop)
 {
-    bool is_varying = imperfections_vary(loop->design->scene);
+    bool is_varying = imperfections_vary(loop->design);
     for (int k = 0; k < loop->design->loads; k++)
         is_varying = is_varying || loop->wave[k].until > 0;
     return is_varying;
@@ -272,7 +272,7 @@ static double random_part(loop *loop, const disturbance *disturbance, int tick)
 /* Let the time between the last tick and the present one pass. */
 static void elapse_interval(loop *loop, int tick)
 {
-    const double nominal = 1 / loop->design->scene->control.rate;
+    const double nominal = 1 / loop->design->control.rate;
     const double late = random_part(loop, &loop->late, tick);
     const double sign = tick < loop->jitter.until && random_int(&loop->random, 2) ? -1 : 1;
     const double interval = nominal * (1 + sign * random_part(loop, &loop->jitter, tick));
@@ -505,7 +505,7 @@ static double converted(double voltage, double step)
 static void set_outputs(loop *loop)
 {
     const design *design = loop->design;
-    const scene_simulate *simulate = &design->scene->simulate;
+    const scene_simulate *simulate = &design->simulate;
     for (int k = 0; k < design->amplifiers; k++) {
         const double before = loop->output[k], step_limit = step_limit_of(loop, k);
         const double limited = law_limited(
@@ -591,8 +591,8 @@ int loop_tick(loop *loop, int tick, char *error)
     loop->not_finite = count_not_finite(loop);
     if (!PZS_IS_ERROR(loop->status))
         return 0;
-    return scene_fault(loop->design->scene, loop->design->scene->simulate.at, error, "tick %d: %s",
-                       tick, pzs_status_text(loop->status));
+    return scene_fault(loop->design->simulate.at, error, "tick %d: %s", tick,
+                       pzs_status_text(loop->status));
 }
 
 /* ---- open ------------------------------------------------------------- */
@@ -626,7 +626,7 @@ static int take_memory(loop *loop)
 static void reset_loop(loop *loop)
 {
     const design *design = loop->design;
-    loop->random = (uint64_t)design->scene->simulate.seed;
+    loop->random = (uint64_t)design->simulate.seed;
     loop->factor = loop->scheduled_factor = 1;
     memcpy(loop->goal, design->target, (size_t)design->targets * sizeof *loop->goal);
     memcpy(loop->command, loop->controller.info.voltage,
@@ -669,23 +669,23 @@ static int start_board(loop *loop, char *error)
 
 int loop_open(loop *loop, simulation *simulation, simulate_law law, char *error)
 {
-    const scene *scene = simulation->nominal->design.scene;
+    const design *design = &simulation->nominal->design;
     memset(loop, 0, sizeof *loop);
     loop->design = &simulation->nominal->design;
     loop->simulation = simulation;
     loop->law = law;
     loop->is_damped = law == LAW_CONTROLLER && simulation->damper.is_used;
     if (!take_memory(loop))
-        return scene_fault(scene, scene->simulate.at, error, "out of memory");
+        return scene_fault(design->simulate.at, error, "out of memory");
     if (law != LAW_CONTROLLER &&
         !law_open(&loop->compared, simulation->problem,
                   law == LAW_REGULARISED ? simulation->compared_regularisation : 0))
-        return scene_fault(scene, scene->simulate.at, error, "out of memory");
+        return scene_fault(design->simulate.at, error, "out of memory");
     const pzs_status status = open_controller(loop);
     const pzs_block_type *block = loop->controller.info.block;
     if (status != PZS_OK)
-        return scene_fault(scene, scene->limits.at, error, "%s: %s",
-                           block ? block->name : "control loop", pzs_status_text(status));
+        return scene_fault(design->limits.at, error, "%s: %s", block ? block->name : "control loop",
+                           pzs_status_text(status));
     reset_loop(loop);
     return simulation->board && law == LAW_CONTROLLER ? start_board(loop, error) : 0;
 }

@@ -9,7 +9,7 @@ int record_open(simulate_record *record, const simulation *simulation)
 {
     const design *design = &simulation->nominal->design;
     memset(record, 0, sizeof *record);
-    record->ticks = design->scene->simulate.ticks;
+    record->ticks = design->simulate.ticks;
     record->bins = record->ticks < RECORD_BINS ? record->ticks : RECORD_BINS;
     record->amplifiers = design->amplifiers;
     record->lower = design->lower;

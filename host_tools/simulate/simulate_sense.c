@@ -15,15 +15,15 @@
 static void take_noise(loop *loop)
 {
     const simulation *simulation = loop->simulation;
-    const scene *scene = loop->design->scene;
+    const design *design = loop->design;
     double *deviation = loop->noise;
     for (int i = 0; i < loop->sensors && !simulation->estimates; i++)
-        deviation[i] = scene->simulate.noise;
-    for (int reading = 0; reading < scene->estimate.readings && simulation->estimates; reading++)
+        deviation[i] = design->simulate.noise;
+    for (int reading = 0; reading < design->estimate.readings && simulation->estimates; reading++)
         for (int i = 0;
-             i < analysis_outputs(simulation->nominal, scene->estimate.reading[reading].output);
+             i < analysis_outputs(simulation->nominal, design->estimate.reading[reading].output);
              i++)
-            *deviation++ = scene->estimate.reading[reading].noise;
+            *deviation++ = design->estimate.reading[reading].noise;
 }
 
 /* Number of ticks whose readings must be stored because they may arrive later. */
@@ -42,7 +42,7 @@ int sense_open(loop *loop)
     const design *design = loop->design;
     loop->sensors = simulation->estimates ? simulation->estimator.sensors : design->targets;
     const size_t loads = (size_t)design->loads, k = (size_t)loop->sensors;
-    loop->history_ticks = kept_ticks(&design->scene->simulate);
+    loop->history_ticks = kept_ticks(&design->simulate);
     const size_t kept = (size_t)loop->history_ticks;
     double *at = loop->sense_memory = calloc((3 + kept) * k + (kept + 2) * loads + 1, sizeof *at);
     loop->sensor = calloc(k + 1, sizeof *loop->sensor);
@@ -99,7 +99,7 @@ static int store_tick(loop *loop, int tick, char *error)
  */
 static void read_sensors(loop *loop, int tick)
 {
-    const int delay = loop->design->scene->simulate.delay, then = tick > delay ? tick - delay : 0;
+    const int delay = loop->design->simulate.delay, then = tick > delay ? tick - delay : 0;
     const int extra = tick < loop->delay.until ? (int)loop->delay.size : 0;
     const double *delayed =
         ring_entry(loop, loop->late_reading, then > extra ? then - extra : 0, loop->sensors);
@@ -126,7 +126,7 @@ int sense_tick(loop *loop, int tick, char *error)
 
 const double *sense_known_loads(const loop *loop, int tick)
 {
-    const int delay = loop->design->scene->simulate.delay;
+    const int delay = loop->design->simulate.delay;
     return ring_entry(loop, loop->late_load, tick > delay ? tick - delay : 0, loop->design->loads);
 }
 

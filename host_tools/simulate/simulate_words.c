@@ -5,9 +5,9 @@
 #include <string.h>
 #include "../text/words.h"
 
-const char *simulate_words_influence(const scene *scene)
+const char *simulate_words_influence(const design *design)
 {
-    return scene->simulate.at_target ? "at the target" : "at rest";
+    return design->simulate.at_target ? "at the target" : "at rest";
 }
 
 /* Name of the type of a load, for a text. */
@@ -23,14 +23,14 @@ static const char *name_of_load(const scene_load *load)
  * Write the value of a load after an event: a number with its unit for a uniform load, otherwise
  * the factor relative to the load of the scene.
  */
-static void name_value(const scene *scene, const scene_event *event, char *text, size_t room)
+static void name_value(const design *design, const scene_event *event, char *text, size_t room)
 {
-    const scene_load *load = &scene->load[event->load];
+    const scene_load *load = &design->load[event->load];
     const expr_point anywhere = {0, 0, 0, 0, 0};
     const bool is_uniform =
         expr_is_constant(load->value) && !load->outer && load->type != LOAD_WEIGHT;
     char unit[WORDS_UNIT];
-    words_unit(scene, words_of_load(load), unit);
+    words_unit(&design->units, words_of_load(load), unit);
     if (event->amount == 0)
         snprintf(text, room, "off");
     else if (is_uniform)
@@ -44,22 +44,20 @@ static void name_value(const scene *scene, const scene_event *event, char *text,
  * Write the name and the value of a load after an event, with the number of the load where the
  * scene has several loads.
  */
-static void name_load(const scene *scene, const scene_event *event, char *text, size_t room)
+static void name_load(const design *design, const scene_event *event, char *text, size_t room)
 {
     char value[2 * WORDS_UNIT], number[24] = "";
-    name_value(scene, event, value, sizeof value);
-    if (scene->loads > 1)
+    name_value(design, event, value, sizeof value);
+    if (design->loads > 1)
         snprintf(number, sizeof number, " (load %d)", event->load);
-    snprintf(text, room, "%s%s %s%s", name_of_load(&scene->load[event->load]), number, value,
+    snprintf(text, room, "%s%s %s%s", name_of_load(&design->load[event->load]), number, value,
              event->known ? ", known" : "");
 }
 
-static void name_electrodes(const scene *scene, const scene_event *event, const char *word,
+static void name_electrodes(const design *design, const scene_event *event, const char *word,
                             char *text, size_t room)
 {
-    char name[SCENE_LABEL] = "";
-    if (event->amplifiers > 0)
-        scene_amplifier_name(scene, event->amplifier[0], name);
+    const char *name = event->amplifiers > 0 ? design->amplifier_name[event->amplifier[0]] : "";
     if (event->amplifiers > 1)
         snprintf(text, room, "%.60s and %d more %s", name, event->amplifiers - 1, word);
     else
@@ -67,9 +65,9 @@ static void name_electrodes(const scene *scene, const scene_event *event, const 
 }
 
 /* Write a text on an impulse or on a sinusoidal part of a load. */
-static void name_motion(const scene *scene, const scene_event *event, char *text, size_t room)
+static void name_motion(const design *design, const scene_event *event, char *text, size_t room)
 {
-    const char *name = name_of_load(&scene->load[event->load]);
+    const char *name = name_of_load(&design->load[event->load]);
     if (event->type == EVENT_IMPULSE)
         snprintf(text, room, "impulse of the %s during %g s", name, event->amount);
     else
@@ -77,16 +75,16 @@ static void name_motion(const scene *scene, const scene_event *event, char *text
                  event->frequency, event->ticks);
 }
 
-static void name_event(const scene *scene, const scene_event *event, char *text, size_t room)
+static void name_event(const design *design, const scene_event *event, char *text, size_t room)
 {
     char unit[WORDS_UNIT];
     switch (event->type) {
     case EVENT_TARGET: snprintf(text, room, "target x %g", event->amount); break;
     case EVENT_VALUE: snprintf(text, room, "another target"); break;
-    case EVENT_LOAD: name_load(scene, event, text, room); break;
+    case EVENT_LOAD: name_load(design, event, text, room); break;
     case EVENT_TEMPERATURE:
         snprintf(text, room, "temperature %g %s", event->amount,
-                 words_unit(scene, QUANTITY_TEMPERATURE, unit));
+                 words_unit(&design->units, QUANTITY_TEMPERATURE, unit));
         break;
     case EVENT_NAN:
     case EVENT_FROZEN:
@@ -95,7 +93,7 @@ static void name_event(const scene *scene, const scene_event *event, char *text,
         break;
     case EVENT_LOST: snprintf(text, room, "%d ticks lost", event->ticks); break;
     case EVENT_IMPULSE:
-    case EVENT_SINE: name_motion(scene, event, text, room); break;
+    case EVENT_SINE: name_motion(design, event, text, room); break;
     case EVENT_LATE:
         snprintf(text, room, "voltages up to %g of a tick late, %d ticks", event->amount,
                  event->ticks);
@@ -106,16 +104,16 @@ static void name_event(const scene *scene, const scene_event *event, char *text,
     case EVENT_DELAY:
         snprintf(text, room, "readings %g ticks later, %d ticks", event->amount, event->ticks);
         break;
-    case EVENT_DEAD: name_electrodes(scene, event, "dead", text, room); break;
-    case EVENT_STUCK: name_electrodes(scene, event, "stuck", text, room); break;
-    default: name_electrodes(scene, event, "alive", text, room);
+    case EVENT_DEAD: name_electrodes(design, event, "dead", text, room); break;
+    case EVENT_STUCK: name_electrodes(design, event, "stuck", text, room); break;
+    default: name_electrodes(design, event, "alive", text, room);
     }
 }
 
 void simulate_words_phase(const simulation *simulation, const simulate_phase *phase,
                           char text[SIMULATE_PHASE_TEXT])
 {
-    const scene_simulate *simulate = &simulation->nominal->design.scene->simulate;
+    const scene_simulate *simulate = &simulation->nominal->design.simulate;
     const bool ends_faults = simulate->fault_chance > 0 && phase->from == simulate->fault_until;
     const char *begin = "";
     size_t used = 0;
@@ -128,7 +126,7 @@ void simulate_words_phase(const simulation *simulation, const simulate_phase *ph
          k++) {
         if (k > phase->first)
             used += (size_t)snprintf(text + used, SIMULATE_PHASE_TEXT - used, ", ");
-        name_event(simulation->nominal->design.scene, &simulate->event[k], text + used,
+        name_event(&simulation->nominal->design, &simulate->event[k], text + used,
                    SIMULATE_PHASE_TEXT - used);
         used += strlen(text + used);
     }

@@ -9,7 +9,7 @@
 enum { SIMULATE_PHASE_TEXT = 160 };
 
 /* Text that names the shape at which the influence matrix of a simulation is computed. */
-const char *simulate_words_influence(const scene *scene);
+const char *simulate_words_influence(const design *design);
 
 /*
  * Describe the events with which a phase of the simulation begins.

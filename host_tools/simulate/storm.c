@@ -42,8 +42,7 @@ static const double diverged = 1e6;
 
 static int no_memory(const analysis *analysis, char *error)
 {
-    return scene_fault(analysis->design.scene, analysis->design.scene->simulate.at, error,
-                       "out of memory");
+    return scene_fault(analysis->design.simulate.at, error, "out of memory");
 }
 
 /*
@@ -52,7 +51,7 @@ static int no_memory(const analysis *analysis, char *error)
 static void list_rows(storm_rig *rig)
 {
     const design *design = &rig->analysis->design;
-    const scene_estimate *estimate = &design->scene->estimate;
+    const scene_estimate *estimate = &design->estimate;
     size_t at = 0;
     if (!rig->estimator) {
         for (size_t i = 0; i < rig->sensors; i++)
@@ -124,13 +123,13 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
     memset(rig, 0, sizeof *rig);
     rig->analysis = analysis;
     rig->estimator = estimator;
-    rig->interval = 1 / design->scene->control.rate;
+    rig->interval = 1 / design->control.rate;
     rig->targets = (size_t)design->targets;
     rig->amplifiers = (size_t)design->amplifiers;
     rig->sensors = estimator ? (size_t)estimator->sensors : rig->targets;
     if (vibration_solve(&rig->vibration, design,
-                        design->scene->simulate.given ? design->scene->simulate.modes : 100,
-                        MASS_LUMPED, error) < 0)
+                        design->simulate.given ? design->simulate.modes : 100, MASS_LUMPED,
+                        error) < 0)
         return -1;
     if (!take_memory(rig) || !modal_open(&rig->modal, design, &rig->vibration, rig->amplifiers))
         return no_memory(analysis, error);
@@ -417,8 +416,8 @@ static pzs_status find_best(storm *storm)
 
 static int explain(const storm *run, pzs_status status, char *error)
 {
-    const scene *scene = run->rig->analysis->design.scene;
-    return scene_fault(scene, scene->simulate.at, error, "storm: %s", pzs_status_text(status));
+    const design *design = &run->rig->analysis->design;
+    return scene_fault(design->simulate.at, error, "storm: %s", pzs_status_text(status));
 }
 
 static void close_storm(storm *storm)

@@ -17,19 +17,19 @@ static const double governor_part = 0.5;
 
 /* ---- conditions -------------------------------------------------------- */
 
-int loop_estimates(const scene *scene)
+int loop_estimates(const design *design)
 {
-    return scene->estimate.given && scene->simulate.sight != SIGHT_MEASURED;
+    return design->estimate.given && design->simulate.sight != SIGHT_MEASURED;
 }
 
-int loop_feeds(const scene *scene)
+int loop_feeds(const design *design)
 {
-    return scene->simulate.feeds;
+    return design->simulate.feeds;
 }
 
-int loop_quantises(const scene *scene)
+int loop_quantises(const design *design)
 {
-    return scene->simulate.step > 0 || scene->simulate.dead_band > 0;
+    return design->simulate.step > 0 || design->simulate.dead_band > 0;
 }
 
 static bool is_always(const loop_blocks *blocks)
@@ -40,12 +40,12 @@ static bool is_always(const loop_blocks *blocks)
 
 static bool has_delay(const loop_blocks *blocks)
 {
-    return blocks->design->scene->simulate.delay > 0 && !blocks->damper->is_used;
+    return blocks->design->simulate.delay > 0 && !blocks->damper->is_used;
 }
 
 static bool has_feed_forward(const loop_blocks *blocks)
 {
-    return loop_feeds(blocks->design->scene);
+    return loop_feeds(blocks->design);
 }
 
 /*
@@ -54,7 +54,7 @@ static bool has_feed_forward(const loop_blocks *blocks)
  */
 static bool has_estimator(const loop_blocks *blocks)
 {
-    return loop_estimates(blocks->design->scene) && !blocks->damper->is_used;
+    return loop_estimates(blocks->design) && !blocks->damper->is_used;
 }
 
 static bool has_damper(const loop_blocks *blocks)
@@ -64,7 +64,7 @@ static bool has_damper(const loop_blocks *blocks)
 
 static bool has_governor(const loop_blocks *blocks)
 {
-    return blocks->damper->is_used && blocks->design->scene->control.moving_target;
+    return blocks->damper->is_used && blocks->design->control.moving_target;
 }
 
 static bool has_compensation(const loop_blocks *blocks)
@@ -74,17 +74,17 @@ static bool has_compensation(const loop_blocks *blocks)
 
 static bool has_amplifier(const loop_blocks *blocks)
 {
-    return loop_quantises(blocks->design->scene);
+    return loop_quantises(blocks->design);
 }
 
 static bool has_detector(const loop_blocks *blocks)
 {
-    return blocks->design->scene->simulate.finds;
+    return blocks->design->simulate.finds;
 }
 
 static bool has_supervisor(const loop_blocks *blocks)
 {
-    return blocks->design->scene->safety.given;
+    return blocks->design->safety.given;
 }
 
 /* ---- tables for the host ---------------------------------------------- */
@@ -92,12 +92,12 @@ static bool has_supervisor(const loop_blocks *blocks)
 static const void *delay_tables(loop_blocks *blocks)
 {
     const design *design = blocks->design;
-    const bool is_few = loop_estimates(design->scene);
+    const bool is_few = loop_estimates(design);
     blocks->delay = (pzs_reading_delay){.scene = design->problem.scene,
                                         .inputs = design->problem.inputs,
                                         .sensors = is_few ? blocks->estimator->tables.sensors
                                                           : design->problem.outputs,
-                                        .delay = (uint16_t)design->scene->simulate.delay,
+                                        .delay = (uint16_t)design->simulate.delay,
                                         .direct = is_few ? blocks->estimator->tables.direct : NULL};
     (void)pzs_reading_delay_seal(&blocks->delay);
     return &blocks->delay;
@@ -105,7 +105,7 @@ static const void *delay_tables(loop_blocks *blocks)
 
 static const void *known_tables(loop_blocks *blocks)
 {
-    const int few = loop_estimates(blocks->design->scene);
+    const int few = loop_estimates(blocks->design);
     blocks->known_loads.shape = &blocks->estimator->shape_table;
     blocks->known_loads.readings = few ? &blocks->estimator->reading_table : NULL;
     return &blocks->known_loads;
@@ -140,14 +140,14 @@ static const void *compensation_tables(loop_blocks *blocks)
 
 static const void *amplifier_tables(loop_blocks *blocks)
 {
-    blocks->amplifier.step = blocks->design->scene->simulate.step;
-    blocks->amplifier.dead_band = blocks->design->scene->simulate.dead_band;
+    blocks->amplifier.step = blocks->design->simulate.step;
+    blocks->amplifier.dead_band = blocks->design->simulate.dead_band;
     return &blocks->amplifier;
 }
 
 static const void *detection_tables(loop_blocks *blocks)
 {
-    blocks->detection.delay = (uint16_t)blocks->design->scene->simulate.delay;
+    blocks->detection.delay = (uint16_t)blocks->design->simulate.delay;
     return &blocks->detection;
 }
 
@@ -174,18 +174,17 @@ static double target_rms(const design *design)
 static const void *supervision_tables(loop_blocks *blocks)
 {
     const design *design = blocks->design;
-    const scene *scene = design->scene;
     const double wanted = target_rms(design);
     pzs_supervision *tables = &blocks->supervision;
     *tables = (pzs_supervision){.scene = design->problem.scene,
                                 .inputs = design->problem.inputs,
-                                .timeout = (uint16_t)scene->safety.timeout,
-                                .ramp_ticks = (uint16_t)scene->safety.ramp_ticks,
+                                .timeout = (uint16_t)design->safety.timeout,
+                                .ramp_ticks = (uint16_t)design->safety.ramp_ticks,
                                 .alarm_ticks = 20,
-                                .waits = (uint16_t)scene->safety.waits,
+                                .waits = (uint16_t)design->safety.waits,
                                 .park = design->park,
                                 .fading = 0.98,
-                                .noise = fmax(scene->simulate.noise, 0.005 * wanted),
+                                .noise = fmax(design->simulate.noise, 0.005 * wanted),
                                 .load = 0.3 * wanted};
     if (blocks->damper->is_used && blocks->damper->modes > 0) {
         const double period = blocks->damper->rate / blocks->damper->frequency[0];
@@ -470,8 +469,8 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
     blocks->design = design;
     blocks->estimator = estimator;
     blocks->damper = damper;
-    compensation_fill(&blocks->compensation, &design->scene->hysteresis, &design->problem,
-                      design->scene->control.rate);
+    compensation_fill(&blocks->compensation, &design->hysteresis, &design->problem,
+                      design->control.rate);
     for (int k = 0; k < BLOCK_TYPES; k++)
         if (block_types[k].is_present(blocks))
             blocks->block[blocks->count++] =
@@ -480,8 +479,7 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
 
 static int count_readings(const loop_blocks *blocks)
 {
-    return loop_estimates(blocks->design->scene) ? blocks->estimator->sensors
-                                                 : blocks->design->targets;
+    return loop_estimates(blocks->design) ? blocks->estimator->sensors : blocks->design->targets;
 }
 
 size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single)
@@ -492,7 +490,7 @@ size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single)
                              .modes = blocks->damper->tables.modes,
                              .plays = blocks->compensation.tables.plays,
                              .creeps = blocks->compensation.tables.creeps,
-                             .delay = (size_t)blocks->design->scene->simulate.delay,
+                             .delay = (size_t)blocks->design->simulate.delay,
                              .damper_delay = blocks->damper->tables.delay};
     size_t bytes = loop_bytes(&of, is_single);
     for (int k = 0; k < BLOCK_TYPES; k++)
@@ -535,7 +533,7 @@ static void write_bytes(const emitter *emitter, const loop_blocks *blocks)
 
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
 {
-    const scene *scene = blocks->design->scene;
+    const design *design = blocks->design;
     for (int k = 0; k < BLOCK_TYPES; k++)
         if (block_types[k].write && block_types[k].is_present(blocks))
             block_types[k].write(emitter, blocks);
@@ -546,7 +544,7 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
             "#define %s_BLOCKS %d\n#define %s_READINGS %d\n#define %s_DELAY %d\n"
             "static const pzs_block %s_blocks[%s_BLOCKS] = {\n",
             emitter->upper, blocks->count, emitter->upper, readings, emitter->upper,
-            scene->simulate.delay, emitter->prefix, emitter->upper);
+            design->simulate.delay, emitter->prefix, emitter->upper);
     for (int k = 0; k < BLOCK_TYPES; k++)
         if (block_types[k].is_present(blocks))
             fprintf(emitter->file, "    {&pzs_%s_block, &%s_%s},\n", block_types[k].type_name,
@@ -577,13 +575,10 @@ static void write_index(const emitter *emitter, const char *kind, const char *na
 
 static void write_amplifiers(const emitter *emitter, const design *design)
 {
-    char name[SCENE_LABEL];
     emit_comment(emitter, "index of each amplifier in info.voltage and for pzs_hold");
     fputs("enum {\n", emitter->file);
-    for (int k = 0; k < design->amplifiers; k++) {
-        scene_amplifier_name(design->scene, k, name);
-        write_index(emitter, "INPUT", name, k);
-    }
+    for (int k = 0; k < design->amplifiers; k++)
+        write_index(emitter, "INPUT", design->amplifier_name[k], k);
     fputs("};\n", emitter->file);
 }
 
@@ -593,16 +588,16 @@ static void write_amplifiers(const emitter *emitter, const design *design)
  */
 static void write_sensors(const emitter *emitter, const analysis *analysis)
 {
-    const scene *scene = analysis->design.scene;
+    const design *design = &analysis->design;
     char name[SCENE_NAME + 16];
     int index = 0;
-    if (!loop_estimates(scene))
+    if (!loop_estimates(design))
         return;
     emit_comment(emitter, "index of each reading in the array of the sensors' readings");
     fputs("enum {\n", emitter->file);
-    for (int reading = 0; reading < scene->estimate.readings; reading++) {
-        const scene_output *output = &scene->output[scene->estimate.reading[reading].output];
-        const int count = analysis_outputs(analysis, scene->estimate.reading[reading].output);
+    for (int reading = 0; reading < design->estimate.readings; reading++) {
+        const scene_output *output = &design->output[design->estimate.reading[reading].output];
+        const int count = analysis_outputs(analysis, design->estimate.reading[reading].output);
         for (int i = 1; i <= count; i++) {
             if (count == 1)
                 snprintf(name, sizeof name, "%s", output->name);
@@ -620,11 +615,11 @@ static void write_sensors(const emitter *emitter, const analysis *analysis)
  */
 static void write_rows(const emitter *emitter, const design *design)
 {
-    const scene_influence *influence = &design->scene->influence;
+    const scene_influence *influence = &design->measured;
     emit_comment_begin(emitter);
     emit_comment_lines(emitter, "Outputs: rows of the file with the measured influence matrix");
     emit_comment_lines(emitter, influence->file);
-    fprintf(emitter->file, " * output  row  x  y  z (%s)\n", design->scene->unit_length);
+    fprintf(emitter->file, " * output  row  x  y  z (%s)\n", design->units.length);
     for (int i = 0; i < design->targets; i++) {
         const int row = influence->row[i];
         char line[SCENE_LABEL + 120];
@@ -646,15 +641,15 @@ static void write_nodes(const emitter *emitter, const design *design)
                                        [FACE_INNER] = "inner face",
                                        [FACE_MIDDLE] = "middle",
                                        [FACE_MEAN] = "mean of the faces"};
-    const scene_output *what = &design->scene->target.what;
+    const scene_output *what = &design->goal.what;
     emit_comment_begin(emitter);
     fprintf(emitter->file, " * Outputs: displacement %s (%s), %s.\n * output  node  %s\n",
-            component[what->component], design->scene->unit_length, face[what->face],
-            design->scene->quads ? "x  y  z" : "theta1  theta2");
+            component[what->component], design->units.length, face[what->face],
+            design->quads ? "x  y  z" : "theta1  theta2");
     for (int i = 0; i < design->targets; i++) {
         const int node = design->target_node[i];
         const double *theta = design->mesh.theta[node], *place = design->mesh.point[node].x;
-        if (design->scene->quads)
+        if (design->quads)
             fprintf(emitter->file, " * %6d %5d  %.6g  %.6g  %.6g\n", i, node, place[0], place[1],
                     place[2]);
         else
@@ -666,14 +661,14 @@ static void write_nodes(const emitter *emitter, const design *design)
 void loop_names_write(emitter *emitter, const analysis *analysis)
 {
     const design *design = &analysis->design;
-    if (design->scene->control.rate > 0) {
+    if (design->control.rate > 0) {
         emit_comment(emitter, "tick rate (1/s)");
         fprintf(emitter->file, "#define %s_TICK_RATE PZS_R(", emitter->upper);
-        emit_real(emitter->file, design->scene->control.rate);
+        emit_real(emitter->file, design->control.rate);
         fputs(")\n", emitter->file);
     }
     write_amplifiers(emitter, design);
     write_sensors(emitter, analysis);
-    (design->scene->influence.given ? write_rows : write_nodes)(emitter, design);
+    (design->measured.given ? write_rows : write_nodes)(emitter, design);
     fputs("\n", emitter->file);
 }

@@ -35,9 +35,9 @@ typedef struct loop_blocks {
  * (loop_estimates), compensates known loads by feed-forward (loop_feeds), and has amplifiers with a
  * voltage resolution or a dead band (loop_quantises).
  */
-int loop_estimates(const scene *scene);
-int loop_feeds(const scene *scene);
-int loop_quantises(const scene *scene);
+int loop_estimates(const design *design);
+int loop_feeds(const design *design);
+int loop_quantises(const design *design);
 
 /*
  * Fill the list of blocks of a scene, in the order in which a tick runs them. The list refers to

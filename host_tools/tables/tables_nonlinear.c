@@ -120,7 +120,7 @@ static void write_contact(emitter *emitter, const equilibrium *equilibrium)
                                       [BODY_CYLINDER] = "pzs_gap_cylinder",
                                       [BODY_SPHERE] = "pzs_gap_sphere"};
     static const int matrix[2] = {3, 3};
-    const scene_contact *contact = &equilibrium->design->scene->contact;
+    const scene_contact *contact = &equilibrium->design->contact;
     const size_t nodes = (size_t)equilibrium->design->mesh.nodes;
     const pzs_contact_face *face = &equilibrium->contact_face;
     if (!contact->given)

@@ -4,45 +4,38 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "../mesh/mesh.h"
 
 /* Write the unit of an electric charge: unit of force times unit of length over unit of voltage. */
-static void charge_unit(const scene *scene, char text[WORDS_UNIT])
+static void charge_unit(const scene_unit_names *units, char text[WORDS_UNIT])
 {
-    const bool is_si = strcmp(scene->unit_force, "N") == 0 && strcmp(scene->unit_voltage, "V") == 0;
-    if (is_si && strcmp(scene->unit_length, "m") == 0)
+    const bool is_si = strcmp(units->force, "N") == 0 && strcmp(units->voltage, "V") == 0;
+    if (is_si && strcmp(units->length, "m") == 0)
         strcpy(text, "C");
-    else if (is_si && strcmp(scene->unit_length, "mm") == 0)
+    else if (is_si && strcmp(units->length, "mm") == 0)
         strcpy(text, "mC");
-    else if (scene->unit_force[0] && scene->unit_length[0] && scene->unit_voltage[0])
-        snprintf(text, WORDS_UNIT, "%.63s %.63s/%.63s", scene->unit_force, scene->unit_length,
-                 scene->unit_voltage);
+    else if (units->force[0] && units->length[0] && units->voltage[0])
+        snprintf(text, WORDS_UNIT, "%.63s %.63s/%.63s", units->force, units->length,
+                 units->voltage);
 }
 
-const char *words_unit(const scene *scene, words_quantity quantity, char text[WORDS_UNIT])
+const char *words_unit(const scene_unit_names *units, words_quantity quantity,
+                       char text[WORDS_UNIT])
 {
-    const char *length = scene->unit_length, *force = scene->unit_force;
+    const char *length = units->length, *force = units->force;
     const char *const plain[] = {
-        length,  "rad", force, "", "", scene->unit_voltage, "", scene->unit_temperature,
-        "nodes", ""};
+        length, "rad", force, "", "", units->voltage, "", units->temperature, "nodes", ""};
     snprintf(text, WORDS_UNIT, "%s", plain[quantity]);
     if (quantity == QUANTITY_CHARGE)
-        charge_unit(scene, text);
+        charge_unit(units, text);
     if ((quantity == QUANTITY_LINE_FORCE || quantity == QUANTITY_PRESSURE) && *length && *force)
         snprintf(text, WORDS_UNIT, "%s/%s%s", force, length,
                  quantity == QUANTITY_PRESSURE ? "2" : "");
     return text;
 }
 
-bool words_unitless(const scene *scene)
+bool words_unitless(const scene_unit_names *units)
 {
-    return !scene->unit_length[0] && !scene->unit_force[0] && !scene->unit_voltage[0] &&
-           !scene->unit_temperature[0];
-}
-
-words_quantity words_of_theta(const scene *scene, int direction)
-{
-    return surface_is_angle(&scene->surface, direction + 1) ? QUANTITY_ANGLE : QUANTITY_LENGTH;
+    return !units->length[0] && !units->force[0] && !units->voltage[0] && !units->temperature[0];
 }
 
 words_quantity words_of_load(const scene_load *load)

@@ -26,19 +26,14 @@ enum { WORDS_UNIT = 3 * SCENE_NAME };
  * Write the unit of a quantity, composed of the units of the scene; the text is empty if the scene
  * does not name one of these units. Returns text.
  */
-const char *words_unit(const scene *scene, words_quantity quantity, char text[WORDS_UNIT]);
+const char *words_unit(const scene_unit_names *units, words_quantity quantity,
+                       char text[WORDS_UNIT]);
 
 /*
  * Return whether the scene names no units at all, so that its numbers are in arbitrary consistent
  * units.
  */
-bool words_unitless(const scene *scene);
-
-/*
- * Return the physical quantity that the surface coordinate theta1 (direction 0) or theta2
- * (direction 1) measures: a length or an angle.
- */
-words_quantity words_of_theta(const scene *scene, int direction);
+bool words_unitless(const scene_unit_names *units);
 
 /*
  * Return the physical quantity, such as force or voltage, that the value of a load (words_of_load)

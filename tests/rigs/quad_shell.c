@@ -32,7 +32,6 @@ void quad_shell_init(quad_shell *shell, double thickness, double young, double p
     shell->scene.material = shell->material;
     shell->scene.layers = shell->scene.materials = 1;
     shell->scene.reference_is_middle = 1;
-    shell->scene.path = (char *)(uintptr_t) "quads";
     shell->scene.element = (scene_element){1, 1, 0.09, 1, 1, 1, 1, 7, 0};
     shell->quads.regions = 1;
     shell->quads.region = grow(NULL, 1, sizeof *shell->quads.region);

@@ -128,7 +128,7 @@ static int try_structure(const struct structure *s, int count, law_kind from, ta
         return complain(s->name, run.error);
     for (int kind = (int)from; kind < LAWS_TRIED; kind++)
         for (int d = 0; d < count; d++) {
-            run.scene.simulate.delay = delays[d];
+            run.analysis.design.simulate.delay = delays[d];
             failed |= try_law(&rig, (law_kind)kind, delays[d], &t[kind], s->name) < 0;
         }
     storm_close(&rig);

@@ -379,7 +379,7 @@ static void test_general_mesh(void **state)
     static const char *const rule[] = {"irregular_mesh", "coarse_mesh", "twisted_strip",
                                        "narrow_element"};
     static const quad_report bad = {3, 2, 1, 4, 200, 0.3, 0.2}, good = {.jacobian = 0.31};
-    const scene scene = {.path = (char *)(uintptr_t) "scene"};
+    const scene scene = {.name = "scene"};
     const quad_mesh quads = {.nodes = 4};
     mesh mesh = {.scene = &scene, .quads = &quads, .elements = 1, .quad_report = bad};
     plausible warnings;

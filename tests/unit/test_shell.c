@@ -86,7 +86,6 @@ static void build(one *o, const scene_element *element, const char *surface, con
     o->scene.layer = o->layer;
     o->scene.material = o->material;
     o->scene.reference = -z_inner;
-    o->scene.path = (char *)(uintptr_t) "one";
     assert_int_equal(mesh_build(&o->mesh, &o->scene, error), 0);
 }
 

@@ -46,7 +46,7 @@ static void rig_open(rig *r, const char *name, const char *changes, double lumpe
         set[sets++] = part;
     if (scene_read(&r->scene, path, set, sets, error) < 0 ||
         design_build(&r->design, &r->scene, error) < 0 ||
-        mass_build(&r->mass, &r->design.mesh, lumped, error) < 0)
+        mass_build(&r->mass, &r->design, lumped, error) < 0)
         fail_msg("%s", error);
     const pzs_structure *s = &r->design.structure;
     const size_t bytes =
