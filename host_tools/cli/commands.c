@@ -6,7 +6,9 @@
 #define BIT(command) (1u << (command))
 #define ANALYSES                                                                                   \
     (BIT(COMMAND_CHECK) | BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_SIMULATE))
-#define ON_SCENE (ANALYSES | BIT(COMMAND_MODES) | BIT(COMMAND_TABLES) | BIT(COMMAND_CALIBRATE))
+#define ON_SCENE                                                                                   \
+    (ANALYSES | BIT(COMMAND_MODES) | BIT(COMMAND_TABLES) | BIT(COMMAND_FMU) |                      \
+     BIT(COMMAND_CALIBRATE))
 
 const char *const command_title =
     "shape control of piezoelectric shells: host simulation and precomputation";
@@ -113,6 +115,19 @@ const command_entry command_table[COMMANDS] = {
           "pzs simulate plate-closed-loop --set 'simulate.events=[]' --set simulate.ticks=300 "
           "--device netduinoplus2",
           NULL}},
+    [COMMAND_FMU] =
+        {"fmu",
+         "SCENE -o FILE.fmu",
+         ARGUMENT_SCENE,
+         NULL,
+         "plant or controller as an FMU, for Simulink, Modelica and Python",
+         "Writes a functional mock-up unit (FMI 2.0 for co-simulation) with complete C sources: "
+         "the plant of pzs simulate (linear; voltages and loads in, readings, displacements and "
+         "amplifier voltages out) or the controller of pzs tables (target and readings in, "
+         "voltages and status out). A step is a tick. Both coupled in turn, controller first, give "
+         "the bits of pzs simulate.",
+         {"pzs fmu plate-closed-loop --plant --set simulate.plant.kinematics=linear -o plant.fmu",
+          "pzs fmu plate-closed-loop --controller --build -o controller.fmu", NULL}},
     [COMMAND_NEW] = {"new",
                      "[plate|mirror|panel|measured|measured-matrix|poke-voltages|poke-shapes]",
                      ARGUMENT_CHOICE,
@@ -254,11 +269,19 @@ const option_entry option_table[OPTIONS] = {
                       "the scene needs kinematics: nonlinear); default control"},
     [OPTION_QUASI_STATIC] =
         {"--quasi-static", NULL, "", ARGUMENT_NONE, NULL,
-         BIT(COMMAND_TABLES) | BIT(COMMAND_SIMULATE),
+         BIT(COMMAND_TABLES) | BIT(COMMAND_SIMULATE) | BIT(COMMAND_FMU),
          "a tick without vibration model, also where vibration makes it unstable at the scene's "
          "rate; the header then says so and defines PREFIX_QUASI_STATIC"},
     [OPTION_PREFIX] = {"--prefix", NULL, "NAME", ARGUMENT_TEXT, NULL, BIT(COMMAND_TABLES),
                        "start of every name; default the scene's name"},
+    [OPTION_PLANT] = {"--plant", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_FMU),
+                      "the plant with amplifiers, ceramic and sensors, as the scene's simulate "
+                      "section says"},
+    [OPTION_CONTROLLER] = {"--controller", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_FMU),
+                           "the control loop of the library with the tables of the scene"},
+    [OPTION_BUILD] = {"--build", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_FMU),
+                      "also compile the sources, with the C compiler that CC names, to a library "
+                      "for 64-bit Linux in the FMU"},
     [OPTION_NPZ] =
         {"--npz", NULL, "FILE.npz", ARGUMENT_FILE, NULL,
          BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_MODES) | BIT(COMMAND_SIMULATE),
@@ -278,7 +301,7 @@ const option_entry option_table[OPTIONS] = {
          "hysteresis and creep from a sweep of RATE samples a second, in place of "
          "a matrix: prints the section hysteresis of a scene"},
     [OPTION_OUTPUT] = {"-o", NULL, "FILE", ARGUMENT_FILE, NULL,
-                       BIT(COMMAND_TABLES) | BIT(COMMAND_CALIBRATE),
+                       BIT(COMMAND_TABLES) | BIT(COMMAND_CALIBRATE) | BIT(COMMAND_FMU),
                        "output file, or a folder for it"},
     [OPTION_MIGRATE] = {"--migrate", NULL, "SCENE", ARGUMENT_FILE, NULL, 0,
                         "the same as pzs migrate SCENE"},

@@ -16,6 +16,7 @@
 #include "../model/estimator.h"
 #include "command_calibrate.h"
 #include "export.h"
+#include "../fmu/fmu.h"
 #include "help.h"
 #include "keys.h"
 #include "schema.h"
@@ -795,6 +796,44 @@ static int command_tables(const options *options, analysis *analysis)
     return status;
 }
 
+/* ---- fmu ---------------------------------------------------------------- */
+
+static void print_fmu(const options *options, const char *scene, const fmu_summary *summary)
+{
+    printf("%s: %s of %s, FMI 2.0 co-simulation, %d inputs, %d outputs, tick %.9g s\n",
+           options->output, options->wants_plant ? "plant" : "controller", scene, summary->inputs,
+           summary->outputs, summary->period);
+    if (summary->left_out > 0)
+        printf("not in the FMU: %d events of the scene other than targets, loads and temperature\n",
+               summary->left_out);
+}
+
+static int command_fmu(const options *options, analysis *analysis)
+{
+    outfile output;
+    fmu_summary summary;
+    char error[SCENE_ERROR];
+    analysis->quasi_static = options->quasi_static;
+    progress_stage("tables");
+    if ((options->wants_plant ? analysis_influence(analysis, error)
+                              : prepare_tables(analysis, TABLES_CONTROL, error)) < 0)
+        return complain(error, failed_code(analysis));
+    int status = outfile_begin(&output, options->output);
+    if (status)
+        return status;
+    progress_stage(options->builds ? "compiling" : "sources");
+    if (fmu_write(output.file, analysis, options->wants_plant ? FMU_PLANT : FMU_CONTROLLER,
+                  options->builds, &summary, error) < 0) {
+        outfile_drop(&output);
+        return complain(error, OPTIONS_WRONG);
+    }
+    status = outfile_end(&output, 0);
+    progress_stop();
+    if (status == 0)
+        print_fmu(options, analysis->design.name, &summary);
+    return status;
+}
+
 static int command_check(const options *options, analysis *analysis)
 {
     char error[SCENE_ERROR];
@@ -903,6 +942,7 @@ static int run_command(command_id id, const options *options)
     case COMMAND_SHAPE: return run_on_scene(options, command_shape);
     case COMMAND_MODES: return run_modes(options);
     case COMMAND_TABLES: return run_on_scene(options, command_tables);
+    case COMMAND_FMU: return run_on_scene(options, command_fmu);
     case COMMAND_SIMULATE: return run_on_scene(options, command_simulate);
     case COMMAND_CALIBRATE: return run_calibrate(options);
     case COMMAND_NEW: return command_new(options);

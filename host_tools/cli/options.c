@@ -221,6 +221,9 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_HYSTERESIS: return take_sample_rate(options, value);
     case OPTION_PREFIX: return take_file(&options->prefix, value);
     case OPTION_OUTPUT: return take_file(&options->output, value);
+    case OPTION_PLANT: options->wants_plant = true; return 0;
+    case OPTION_CONTROLLER: options->wants_controller = true; return 0;
+    case OPTION_BUILD: options->builds = true; return 0;
     case OPTION_DEVICE: options->device = device_find(value); return 0;
     case OPTION_MIGRATE:
     case OPTION_HELP:
@@ -290,7 +293,9 @@ static int check_words(const options *options)
         return options_refuse("the library's own names start with --prefix", options->prefix);
     if (entry->kind == ARGUMENT_SCENE && *entry->argument != '[' && !options->scene)
         return options_refuse("name a scene for", entry->name);
-    if (options->command == COMMAND_TABLES && !options->output)
+    if (options->command == COMMAND_FMU && options->wants_plant == options->wants_controller)
+        return options_refuse("write either --plant or --controller for", entry->name);
+    if ((options->command == COMMAND_TABLES || options->command == COMMAND_FMU) && !options->output)
         return options_refuse("say where to write with -o FILE for", entry->name);
     return 0;
 }

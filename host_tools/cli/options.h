@@ -38,6 +38,8 @@ typedef struct options {
     char *const *words_given; /* [words] arguments of the whole command line */
     const device_board *device;
     tables_image image;
+    bool wants_plant, wants_controller, builds; /* what the command fmu exports, and whether it
+                                                   compiles the sources */
 } options;
 
 /*

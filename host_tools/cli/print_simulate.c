@@ -5,7 +5,7 @@
 #include "print.h"
 #include "print_vibration.h"
 #include "../system/progress.h"
-#include "../simulate/imperfections.h"
+#include "../simulate/imperfections_scene.h"
 #include "../simulate/simulate_words.h"
 #include "../text/words.h"
 

@@ -2,7 +2,7 @@
 /* Report page of `pzs simulate` (report.h). */
 #include <math.h>
 #include <stdlib.h>
-#include "../simulate/imperfections.h"
+#include "../simulate/imperfections_scene.h"
 #include "../simulate/simulate_words.h"
 #include "report_page.h"
 

@@ -6,7 +6,6 @@
 #define _XOPEN_SOURCE 700
 #include "device.h"
 #include <errno.h>
-#include <fcntl.h>
 #include <ftw.h>
 #include <poll.h>
 #include <signal.h>
@@ -16,6 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 #include "../system/interrupt.h"
+#include "../system/program.h"
 #include "../system/shipped.h"
 
 enum {
@@ -42,56 +42,6 @@ const device_board *device_find(const char *name)
         if (strcmp(boards[k].name, name) == 0)
             return &boards[k];
     return NULL;
-}
-
-/* ---- programs --------------------------------------------------------- */
-
-/*
- * Start a program, either with its standard input and output connected to pipes, or without pipes
- * and as leader of a process group. Returns the process number, or -1.
- */
-static int begin(const char *const *argument, int *to, int *from)
-{
-    int in[2] = {-1, -1}, out[2] = {-1, -1};
-    if (to && (pipe(in) != 0 || pipe(out) != 0))
-        return -1;
-    const pid_t process = fork();
-    if (process >= 0 && !to)
-        setpgid(process, process); /* called in parent and child, because either process may run
-                                      first */
-    if (process == 0) {
-        if (to) {
-            dup2(in[0], 0);
-            dup2(out[1], 1);
-            close(in[0]), close(in[1]), close(out[0]), close(out[1]);
-        }
-        unsetenv("MAKEFLAGS"); /* remove variables of an enclosing make, which would share its job
-                                  slots with the build */
-        execvp(argument[0], (char *const *)(uintptr_t)argument);
-        perror(argument[0]);
-        _exit(127);
-    }
-    if (to) {
-        close(in[0]), close(out[1]);
-        *to = in[1];
-        *from = out[0];
-        fcntl(*to, F_SETFD, FD_CLOEXEC); /* The next program that is started must not inherit these
-                                            pipes. */
-        fcntl(*from, F_SETFD, FD_CLOEXEC);
-    }
-    return (int)process;
-}
-
-static int run(const char *const *argument)
-{
-    int status = -1;
-    const int process = begin(argument, NULL, NULL);
-    interrupt_group(process > 0 ? process : 0);
-    const int ended = process < 0 ? -1 : (int)waitpid((pid_t)process, &status, 0);
-    interrupt_group(0);
-    if (ended < 0)
-        return -1;
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? 0 : -1;
 }
 
 /* ---- build ------------------------------------------------------------ */
@@ -130,7 +80,7 @@ int device_build(const device_board *board, const char *folder, char error[DEVIC
     snprintf(tables, sizeof tables, "LOOP=%s/loop.h", folder);
     snprintf(image, sizeof image, "%s/firmware/%s-loop", folder, board->name);
     snprintf(twin, sizeof twin, "%s/firmware/%s-loop", folder, board->twin ? board->twin : "");
-    if (run(argument) == 0)
+    if (program_run(argument) == 0)
         return 0;
     snprintf(error, DEVICE_ERROR,
              "the firmware of %s could not be built from %.200s; it takes make, gcc%s; PZS_SOURCES "
@@ -275,7 +225,8 @@ static int launch(device *child, const char *folder)
     snprintf(image, sizeof image, "%s/firmware/%s-loop", folder, child->board->name);
     signal(SIGPIPE, SIG_IGN); /* A write to a device that has ended must return an error and not end
                                  this program. */
-    return child->process = begin(child->board->machine ? qemu : program, &child->to, &child->from);
+    return child->process =
+               program_begin(child->board->machine ? qemu : program, &child->to, &child->from);
 }
 
 int device_start(device *device, const device_board *board, const char *folder,

@@ -2,30 +2,18 @@
 /* Imperfections of amplifiers, cables, ceramic and sensors (imperfections.h). */
 #include "imperfections.h"
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "random.h"
 
-/*
- * Width of the hysteresis loop of a soft piezoceramic relative to the voltage range, used where the
- * scene gives no width.
- */
-static const double usual_hysteresis = 0.1;
-
 /* Time constants of the three first-order lags of the creep model (s). */
 static const double creep_time[CREEPS] = {0.1, 1, 10};
 
-static const scene_imperfections *of(const imperfections *on)
-{
-    return &on->design->simulate.imperfections;
-}
-
 /* ---- actuators -------------------------------------------------------- */
 
-static bool has_bandwidth(const design *design)
+static bool has_bandwidth(const imperfection_tables *tables)
 {
-    return design->simulate.imperfections.bandwidth > 0;
+    return tables->bandwidth > 0;
 }
 
 /*
@@ -34,8 +22,8 @@ static bool has_bandwidth(const design *design)
  */
 static void apply_lag(const imperfections *on, double *voltage, double interval)
 {
-    const double times = 2 * 3.14159265358979323846 * of(on)->bandwidth * interval;
-    for (int k = 0; k < on->design->amplifiers; k++) {
+    const double times = 2 * 3.14159265358979323846 * on->tables.bandwidth * interval;
+    for (int k = 0; k < on->tables.amplifiers; k++) {
         electrode *electrode = &on->electrode[k];
         const double behind = electrode->output - voltage[k];
         electrode->output = voltage[k] + behind * exp(-times);
@@ -43,39 +31,39 @@ static void apply_lag(const imperfections *on, double *voltage, double interval)
     }
 }
 
-static bool has_swaps(const design *design)
+static bool has_swaps(const imperfection_tables *tables)
 {
-    return design->simulate.imperfections.swaps > 0;
+    return tables->swaps > 0;
 }
 
 static void swap_cables(const imperfections *on, double *voltage, double interval)
 {
-    const scene_imperfections *settings = of(on);
+    const imperfection_tables *tables = &on->tables;
     (void)interval;
-    for (int i = 0; i + 1 < settings->swaps; i += 2) {
-        double *one = &voltage[settings->swapped[i]], *other = &voltage[settings->swapped[i + 1]];
+    for (int i = 0; i + 1 < tables->swaps; i += 2) {
+        double *one = &voltage[tables->swapped[i]], *other = &voltage[tables->swapped[i + 1]];
         const double first = *one;
         *one = *other;
         *other = first;
     }
 }
 
-static bool has_reversals(const design *design)
+static bool has_reversals(const imperfection_tables *tables)
 {
-    return design->simulate.imperfections.reversals > 0;
+    return tables->reversals > 0;
 }
 
 static void reverse_wires(const imperfections *on, double *voltage, double interval)
 {
-    const scene_imperfections *settings = of(on);
+    const imperfection_tables *tables = &on->tables;
     (void)interval;
-    for (int i = 0; i < settings->reversals; i++)
-        voltage[settings->reversed[i]] *= -1;
+    for (int i = 0; i < tables->reversals; i++)
+        voltage[tables->reversed[i]] *= -1;
 }
 
-static bool may_fail(const design *design)
+static bool may_fail(const imperfection_tables *tables)
 {
-    (void)design;
+    (void)tables;
     return true;
 }
 
@@ -83,14 +71,14 @@ static bool may_fail(const design *design)
 static void set_faulty(const imperfections *on, double *voltage, double interval)
 {
     (void)interval;
-    for (int k = 0; k < on->design->amplifiers; k++)
+    for (int k = 0; k < on->tables.amplifiers; k++)
         if (on->electrode[k].fault != ELECTRODE_GOOD)
             voltage[k] = on->electrode[k].fault_voltage;
 }
 
-static bool has_hysteresis(const design *design)
+static bool has_hysteresis(const imperfection_tables *tables)
 {
-    return imperfections_hysteresis(design) > 0;
+    return tables->hysteresis > 0;
 }
 
 static double through_play(electrode *electrode, double voltage, double half_range, double share)
@@ -111,23 +99,23 @@ static double through_play(electrode *electrode, double voltage, double half_ran
  */
 static void apply_hysteresis(const imperfections *on, double *voltage, double interval)
 {
-    const design *design = on->design;
-    const double share = imperfections_hysteresis(design) * 16 / 5;
+    const imperfection_tables *tables = &on->tables;
+    const double share = tables->hysteresis * 16 / 5;
     (void)interval;
-    for (int k = 0; k < design->amplifiers; k++)
+    for (int k = 0; k < tables->amplifiers; k++)
         voltage[k] = through_play(&on->electrode[k], voltage[k],
-                                  (design->upper[k] - design->lower[k]) / 2, share);
+                                  (tables->upper[k] - tables->lower[k]) / 2, share);
 }
 
-static bool has_creep(const design *design)
+static bool has_creep(const imperfection_tables *tables)
 {
-    return design->simulate.imperfections.creep > 0;
+    return tables->creep > 0;
 }
 
 static void add_creep(const imperfections *on, double *voltage, double interval)
 {
-    const double a_decade = of(on)->creep;
-    for (int k = 0; k < on->design->amplifiers; k++) {
+    const double a_decade = on->tables.creep;
+    for (int k = 0; k < on->tables.amplifiers; k++) {
         double *state = on->electrode[k].creep, sum = 0;
         for (int i = 0; i < CREEPS; i++) {
             sum += state[i];
@@ -139,42 +127,24 @@ static void add_creep(const imperfections *on, double *voltage, double interval)
 
 /* Imperfections between the amplifiers and the ceramic, in the order of their effect. */
 static const struct {
-    bool (*is_present)(const design *design);
+    bool (*is_present)(const imperfection_tables *tables);
     void (*apply)(const imperfections *on, double *voltage, double interval);
 } actuator_stages[] = {{has_bandwidth, apply_lag},         {has_swaps, swap_cables},
                        {has_reversals, reverse_wires},     {may_fail, set_faulty},
                        {has_hysteresis, apply_hysteresis}, {has_creep, add_creep}};
 enum { ACTUATOR_STAGES = sizeof actuator_stages / sizeof *actuator_stages };
 
-/* Whether a material strains in an electric field. */
-static bool is_piezoelectric(const scene_material *material)
+bool imperfections_vary(const imperfection_tables *tables)
 {
-    return material->has_d || material->has_e;
-}
-
-double imperfections_hysteresis(const design *design)
-{
-    bool is_active = false;
-    if (design->simulate.hysteresis_given)
-        return design->simulate.hysteresis;
-    for (int i = 0; i < design->layers; i++)
-        is_active |= is_piezoelectric(&design->material[design->layer[i].material]);
-    for (int k = 0; k < design->amplifiers; k++)
-        is_active = is_active && isfinite(design->upper[k] - design->lower[k]);
-    return is_active ? usual_hysteresis : 0;
-}
-
-bool imperfections_vary(const design *design)
-{
-    return design->simulate.imperfections.bandwidth > 0;
+    return tables->bandwidth > 0;
 }
 
 void imperfections_actuate(const imperfections *on, const double *output, double interval,
                            double *effect)
 {
-    memcpy(effect, output, (size_t)on->design->amplifiers * sizeof *effect);
+    memcpy(effect, output, (size_t)on->tables.amplifiers * sizeof *effect);
     for (int i = 0; i < ACTUATOR_STAGES; i++)
-        if (actuator_stages[i].is_present(on->design))
+        if (actuator_stages[i].is_present(&on->tables))
             actuator_stages[i].apply(on, effect, interval);
 }
 
@@ -187,13 +157,13 @@ static void act_at_limit(const imperfections *on, electrode *electrode, const do
                          double *effect)
 {
     imperfections moved = *on;
-    const size_t n = (size_t)on->design->amplifiers;
+    const size_t n = (size_t)on->tables.amplifiers;
     moved.electrode = electrode;
     memcpy(electrode, on->electrode, n * sizeof *electrode);
     for (size_t k = 0; k < n; k++)
         effect[k] = electrode[k].output = isfinite(limit[k]) ? limit[k] : 0;
     for (int i = 0; i < ACTUATOR_STAGES; i++)
-        if (actuator_stages[i].is_present(on->design))
+        if (actuator_stages[i].is_present(&on->tables))
             actuator_stages[i].apply(&moved, effect, 0);
     for (size_t k = 0; k < n; k++)
         effect[k] = isfinite(limit[k]) ? effect[k] : limit[k];
@@ -201,12 +171,12 @@ static void act_at_limit(const imperfections *on, electrode *electrode, const do
 
 bool imperfections_stroke(const imperfections *on, double *lowest, double *highest)
 {
-    electrode *copy = malloc((size_t)on->design->amplifiers * sizeof *copy);
+    electrode *copy = malloc((size_t)on->tables.amplifiers * sizeof *copy);
     if (!copy)
         return false;
-    act_at_limit(on, copy, on->design->lower, lowest);
-    act_at_limit(on, copy, on->design->upper, highest);
-    for (int k = 0; k < on->design->amplifiers; k++) { /* a reversed wire exchanges lowest and
+    act_at_limit(on, copy, on->tables.lower, lowest);
+    act_at_limit(on, copy, on->tables.upper, highest);
+    for (int k = 0; k < on->tables.amplifiers; k++) { /* a reversed wire exchanges lowest and
                                                           highest voltage */
         const double one = lowest[k], other = highest[k];
         lowest[k] = fmin(one, other);
@@ -225,16 +195,16 @@ static double add_drift(const imperfections *on, int sensor, double value)
 
 static double add_outlier(const imperfections *on, int sensor, double value)
 {
-    const scene_imperfections *settings = of(on);
+    const imperfection_tables *tables = &on->tables;
     (void)sensor;
-    if (!(settings->outlier_chance > 0) || random_uniform(on->random) >= settings->outlier_chance)
+    if (!(tables->outlier_chance > 0) || random_uniform(on->random) >= tables->outlier_chance)
         return value;
-    return value + settings->outlier_size * (2 * random_uniform(on->random) - 1);
+    return value + tables->outlier_size * (2 * random_uniform(on->random) - 1);
 }
 
 static double quantise(const imperfections *on, int sensor, double value)
 {
-    const double quantum = of(on)->quantum;
+    const double quantum = on->tables.quantum;
     (void)sensor;
     return quantum > 0 ? quantum * floor(value / quantum + 0.5) : value;
 }
@@ -246,7 +216,7 @@ enum { SENSOR_STAGES = sizeof sensor_stages / sizeof *sensor_stages };
 
 void imperfections_draw(const imperfections *on)
 {
-    const double most = of(on)->drift;
+    const double most = on->tables.drift;
     for (int i = 0; i < on->sensors && most > 0; i++)
         on->sensor[i].slope = most * (2 * random_uniform(on->random) - 1);
 }
@@ -258,44 +228,15 @@ double imperfections_sense(const imperfections *on, int sensor, double value)
     return value;
 }
 
-/* ---- text ------------------------------------------------------------- */
-
-/*
- * Largest deviation from 1 among the gains by which the plant's influence matrix differs from the
- * measured one.
- */
-static double largest_gain_error(const design *design)
+void imperfections_read(const imperfections *on, int tick, const double *noise, const double *exact,
+                        double *reading, double *sensed)
 {
-    double most = 0;
-    for (int k = 0; k < design->amplifiers && design->simulate.gain; k++)
-        most = fmax(most, fabs(design->simulate.gain[k] - 1));
-    return most;
-}
-
-void imperfections_text(const design *design, char *text, size_t room)
-{
-    const scene_imperfections *settings = &design->simulate.imperfections;
-    const struct {
-        const char *format;
-        double value;
-    } rows[] = {{"entries of the matrix wrong by %g", design->simulate.scatter},
-                {"gains of the matrix up to %g off", largest_gain_error(design)},
-                {"hysteresis %g of the range", imperfections_hysteresis(design)},
-                {"creep %g a decade", settings->creep},
-                {"amplifiers of %g Hz", settings->bandwidth},
-                {"%g reversed wires", settings->reversals},
-                {"%g swapped cables", settings->swaps},
-                {"drift of sensors up to %g a second", settings->drift},
-                {"outliers in a share of %g of the readings", settings->outlier_chance},
-                {"readings in steps of %g", settings->quantum}};
-    size_t at = 0;
-    text[0] = '\0';
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        char part[80];
-        if (!(rows[i].value > 0))
-            continue;
-        snprintf(part, sizeof part, rows[i].format, rows[i].value);
-        if (at + strlen(part) + 3 < room)
-            at += (size_t)snprintf(text + at, room - at, "%s%s", at ? ", " : "", part);
+    for (int i = 0; i < on->sensors; i++) {
+        const double error = noise[i] > 0 ? noise[i] * random_noise(on->random) : 0;
+        const bool is_stuck = tick < on->sensor[i].stuck_until;
+        const bool is_missing = tick < on->sensor[i].nan_until;
+        if (!is_stuck)
+            reading[i] = imperfections_sense(on, i, exact[i] + error);
+        sensed[i] = is_missing ? (double)NAN : reading[i];
     }
 }

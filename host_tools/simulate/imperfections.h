@@ -2,7 +2,8 @@
 /*
  * Imperfections between the controller and the structure: from the amplifiers' outputs to the
  * voltages that act on the ceramic, and from the true readings of the sensors to those that the
- * controller receives. Each imperfection is one row of a table in imperfections.c.
+ * controller receives. Each imperfection is one row of a table in imperfections.c. The simulation
+ * and the plant that `pzs fmu` exports compile these functions alike.
  */
 #ifndef IMPERFECTIONS_H
 #define IMPERFECTIONS_H
@@ -10,7 +11,6 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-#include "../model/design.h"
 
 enum { PLAYS = 4, CREEPS = 3 };
 
@@ -48,9 +48,36 @@ typedef struct sensor {
     double slope; /* drift of the reading (unit of the reading per second) */
 } sensor;
 
+/*
+ * Constants of the imperfections of a plant. A value of 0 means that the plant does not have the
+ * imperfection.
+ */
+typedef struct imperfection_tables {
+    int amplifiers;
+    const double *lower, *upper; /* [amplifiers] voltage limits of the amplifiers (V) */
+    double hysteresis;           /* width of the hysteresis loop relative to the voltage range */
+    double bandwidth;            /* corner frequency of the amplifiers' first-order lag (Hz) */
+    double creep;   /* increase of strain per decade of time relative to that of the voltage */
+    double drift;   /* largest drift of a sensor (unit of the reading per second) */
+    double quantum; /* quantisation step of the readings (unit of the reading) */
+    double outlier_chance; /* probability that a reading is an outlier */
+    double outlier_size;   /* largest error of an outlier (unit of the reading) */
+    int reversals;         /* number of amplifiers whose two wires are exchanged */
+    const int *reversed;   /* [reversals] indices of the amplifiers with exchanged wires */
+    int swaps;             /* number of amplifiers whose cables are exchanged in pairs */
+    const int *swapped;    /* [swaps] indices of the amplifiers with exchanged cables: the first is
+                              exchanged with the second, the third with the fourth */
+} imperfection_tables;
+
+/*
+ * Number of parts into which an interval is divided while voltages or loads vary within the
+ * interval.
+ */
+enum { IMPERFECTION_PARTS = 8 };
+
 /* Electrodes, sensors and time of a running loop, on which the imperfections act. */
 typedef struct imperfections {
-    const design *design;
+    imperfection_tables tables;
     electrode *electrode; /* [amplifiers] state of the electrode of each amplifier */
     sensor *sensor;       /* [sensors] faults and drift of each sensor */
     int sensors;
@@ -58,14 +85,8 @@ typedef struct imperfections {
     double time;      /* time since the start of the simulation (s) */
 } imperfections;
 
-/*
- * Width of the hysteresis loop of the ceramic relative to the voltage range: the value given in the
- * scene, otherwise 0.1 for a piezoceramic between finite voltage limits and 0 for other actuators.
- */
-double imperfections_hysteresis(const design *design);
-
 /* Whether the voltages on the ceramic vary between the ticks. */
-bool imperfections_vary(const design *design);
+bool imperfections_vary(const imperfection_tables *tables);
 
 /*
  * Let a time interval pass under constant commands to the amplifiers.
@@ -96,7 +117,15 @@ void imperfections_draw(const imperfections *imperfections);
  */
 double imperfections_sense(const imperfections *imperfections, int sensor, double value);
 
-/* List the imperfections of a scene as text; the text is empty where there are none. */
-void imperfections_text(const design *design, char *text, size_t room);
+/*
+ * Readings that the controller receives at a tick, with noise, imperfections and faults. A stuck
+ * sensor repeats its latest reading to the last bit.
+ *   noise   [sensors] in      standard deviation of the noise (unit of each reading)
+ *   exact   [sensors] in      readings without noise and imperfections
+ *   reading [sensors] in/out  latest readings, without those that are missing
+ *   sensed  [sensors] out     readings for the controller, NaN where a sensor gives nothing
+ */
+void imperfections_read(const imperfections *imperfections, int tick, const double *noise,
+                        const double *exact, double *reading, double *sensed);
 
 #endif

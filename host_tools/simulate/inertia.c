@@ -5,20 +5,28 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/core/product.h"
+#include "../model/propagator.h"
 
-bool inertia_open(inertia *inertia, const modal *modal)
+void inertia_place(inertia *inertia, const modal *modal, double *memory)
 {
     const size_t modes = modal->modes;
     memset(inertia, 0, sizeof *inertia);
     inertia->modal = modal;
     inertia->gain = inertia->stretch = 1;
-    inertia->memory = calloc(6 * modes + modal->inputs + 1, sizeof *inertia->memory);
-    if (!inertia->memory)
-        return false;
-    inertia->deviation = inertia->memory;
+    inertia->deviation = memory;
     inertia->velocity = inertia->deviation + modes;
     inertia->propagator = inertia->velocity + modes;
     inertia->input = inertia->propagator + 4 * modes;
+}
+
+bool inertia_open(inertia *inertia, const modal *modal)
+{
+    double *memory = calloc(INERTIA_REALS(modal->modes, modal->inputs), sizeof *memory);
+    memset(inertia, 0, sizeof *inertia);
+    if (!memory)
+        return false;
+    inertia_place(inertia, modal, memory);
+    inertia->memory = memory;
     return true;
 }
 

@@ -9,14 +9,15 @@
 #ifndef INERTIA_H
 #define INERTIA_H
 
-#include "../model/modal.h"
+#include <stdbool.h>
+#include "../model/modal_tables.h"
 
 typedef struct inertia {
     const modal *modal;
     double gain;       /* factor of the static response to the inputs; 1: the response of `modal` */
     double stretch;    /* factor of all natural frequencies; 1: the frequencies of `modal` */
-    double *memory;    /* one allocation that holds the arrays deviation, velocity, input and
-                          propagator */
+    double *memory;    /* allocation that holds the arrays deviation, velocity, input and
+                          propagator; NULL where they are in memory of the caller */
     double *deviation; /* [modes] deviation of each modal coordinate from its equilibrium */
     double *velocity;  /* [modes] velocity of each modal coordinate divided by the angular frequency
                           of the mode */
@@ -26,9 +27,19 @@ typedef struct inertia {
     double interval;    /* time interval of the propagator (s); 0: not computed */
 } inertia;
 
+/* Number of reals in the memory of a vibrating structure. */
+#define INERTIA_REALS(modes, inputs) (6 * (modes) + (inputs) + 1)
+
 /*
- * Start at rest under zero inputs. Returns whether memory sufficed; call inertia_close in either
- * case.
+ * Start at rest under zero inputs, in the memory of the caller.
+ *   memory [INERTIA_REALS(modes, inputs)] in  filled with zeros; not to be released before
+ *       `inertia` is no longer used
+ */
+void inertia_place(inertia *inertia, const modal *modal, double *memory);
+
+/*
+ * Start at rest under zero inputs, in allocated memory. Returns whether memory sufficed; call
+ * inertia_close in either case.
  */
 bool inertia_open(inertia *inertia, const modal *modal);
 void inertia_close(inertia *inertia);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/control/control.h"
+#include "amplifier.h"
 
 bool law_open(law *law, const pzs_problem *problem, double regularisation)
 {
@@ -30,19 +31,6 @@ void law_close(law *law)
 
 /* ---- limits ----------------------------------------------------------- */
 
-bool law_may_move(double from, double to, double step_limit)
-{
-    return to - from <= step_limit && from - to <= step_limit;
-}
-
-double law_limited(double from, double to, double step_limit)
-{
-    to = fmin(fmax(to, from - step_limit), from + step_limit);
-    while (!law_may_move(from, to, step_limit))
-        to = nextafter(to, from);
-    return to;
-}
-
 /* Pass the clipped voltages of a control law to the controller. */
 static void set_voltages(const law *law, pzs_control *control)
 {
@@ -51,7 +39,8 @@ static void set_voltages(const law *law, pzs_control *control)
         const double clipped = fmin(fmax(law->next[k], info->lower[k]), info->upper[k]);
         const bool is_held = !(info->lower[k] < info->upper[k]);
         control->state.voltage[k] =
-            is_held ? clipped : law_limited(info->voltage[k], clipped, law->problem.step_limit[k]);
+            is_held ? clipped
+                    : amplifier_limited(info->voltage[k], clipped, law->problem.step_limit[k]);
     }
     pzs_control_moved(control);
 }

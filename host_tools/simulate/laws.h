@@ -46,13 +46,4 @@ extern const pzs_block_type law_clipped_block;
  */
 extern const pzs_block_type law_leaky_block;
 
-/*
- * Voltage nearest to `to` whose change from `from` stays within a step limit without any rounding
- * tolerance (V).
- */
-double law_limited(double from, double to, double step_limit);
-
-/* Whether a step limit allows a change of voltage, without any rounding tolerance. */
-bool law_may_move(double from, double to, double step_limit);
-
 #endif

@@ -7,6 +7,7 @@
 #include <string.h>
 #include "../model/material_scale.h"
 #include "../model/mass.h"
+#include "influence_sum.h"
 
 /* ---- open ------------------------------------------------------------- */
 
@@ -271,13 +272,8 @@ static void compute_deviation(plant *plant)
 
 static void sum_columns(const plant *plant, size_t rows, double *shape)
 {
-    const size_t inputs = plant->analysis.design.structure.input.count;
-    for (size_t i = 0; i < rows; i++) {
-        const double *row = plant->analysis.influence + i * inputs;
-        shape[i] = 0;
-        for (size_t k = 0; k < inputs; k++)
-            shape[i] += row[k] * plant->input[k];
-    }
+    influence_sum(plant->analysis.influence, plant->input, rows,
+                  plant->analysis.design.structure.input.count, shape);
 }
 
 /*

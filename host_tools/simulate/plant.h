@@ -13,6 +13,7 @@
 #define PLANT_H
 
 #include "../model/voltages.h"
+#include "../model/modal.h"
 #include "inertia.h"
 
 typedef struct plant {

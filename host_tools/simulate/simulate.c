@@ -140,20 +140,6 @@ int simulate_tables(analysis *nominal, char *error)
 }
 
 /*
- * Refuse hysteresis without finite voltage limits, because its width is relative to the voltage
- * range. Returns 0, or -1 with error filled.
- */
-static int check_range(const design *design, char *error)
-{
-    for (int k = 0; k < design->amplifiers; k++)
-        if (!isfinite(design->upper[k] - design->lower[k]) && imperfections_hysteresis(design) > 0)
-            return scene_fault(design->simulate.at, error,
-                               "hysteresis is a part of the range of the voltages; add "
-                               "limits: {voltage: [lowest, highest]}");
-    return 0;
-}
-
-/*
  * Refuse a fault detector for a target with free functions (shapes that may be added to the target
  * at no cost). The fault detector compares measured with predicted displacements, and free
  * functions are removed from these displacements. Returns 0, or -1 with error filled.
@@ -258,7 +244,7 @@ int simulate_open(simulation *simulation, analysis *nominal, char *error)
     const design *design = &nominal->design;
     memset(simulation, 0, sizeof *simulation);
     simulation->nominal = nominal;
-    if (check_range(design, error) < 0 || check_free(design, error) < 0 ||
+    if (imperfections_check(design, error) < 0 || check_free(design, error) < 0 ||
         plant_open(&simulation->plant, design, error) < 0)
         return -1;
     const double squares = design_squares(design, design->target, NULL);

@@ -6,6 +6,7 @@
 #include <string.h>
 #include "../../lib/control/control.h"
 #include "../tables/loop_blocks.h"
+#include "amplifier.h"
 #include "random.h"
 
 static const double two_pi = 6.283185307179586;
@@ -212,14 +213,15 @@ static void run_events(loop *loop, int tick)
 
 imperfections loop_imperfections(loop *loop)
 {
-    return (imperfections){loop->design,  loop->electrode, loop->sensor,
-                           loop->sensors, &loop->random,   loop->time};
+    return (imperfections){imperfections_of_scene(loop->design),
+                           loop->electrode,
+                           loop->sensor,
+                           loop->sensors,
+                           &loop->random,
+                           loop->time};
 }
 
 /* ---- time between ticks ----------------------------------------------- */
-
-/* Number of parts into which an interval is divided while voltages or loads vary. */
-enum { PARTS = 8 };
 
 /* Set the factors of the loads that have a sinusoidal part to their values at a given time (s). */
 static void set_waves(loop *loop, double time)
@@ -236,7 +238,8 @@ static void set_waves(loop *loop, double time)
 /* Whether voltages or loads vary between this tick and the next one. */
 static bool varies(const loop *loop)
 {
-    bool is_varying = imperfections_vary(loop->design);
+    const imperfection_tables tables = imperfections_of_scene(loop->design);
+    bool is_varying = imperfections_vary(&tables);
     for (int k = 0; k < loop->design->loads; k++)
         is_varying = is_varying || loop->wave[k].until > 0;
     return is_varying;
@@ -249,7 +252,7 @@ static bool varies(const loop *loop)
  */
 static void advance_plant(loop *loop, const double *output, double seconds)
 {
-    const int parts = varies(loop) ? PARTS : 1;
+    const int parts = varies(loop) ? IMPERFECTION_PARTS : 1;
     const imperfections wiring = loop_imperfections(loop);
     for (int i = 0; i < parts && seconds > 0; i++) {
         const double part = seconds / parts;
@@ -489,35 +492,15 @@ static int run_controller(loop *loop, int tick, char *error)
 
 /* ---- amplifiers ------------------------------------------------------- */
 
-/*
- * Output of the digital-to-analogue converter that is nearest to a voltage (V).
- *   step in  resolution of the converter (V); 0: no rounding
- */
-static double converted(double voltage, double step)
-{
-    return step > 0 ? step * floor(voltage / step + 0.5) : voltage;
-}
-
-/*
- * Compute the output voltages of the amplifiers. Each amplifier enforces the voltage limits and the
- * step limit, rounds to its resolution, and ignores changes within its dead band.
- */
+/* Compute the output voltages of all amplifiers. */
 static void set_outputs(loop *loop)
 {
     const design *design = loop->design;
     const scene_simulate *simulate = &design->simulate;
     for (int k = 0; k < design->amplifiers; k++) {
-        const double before = loop->output[k], step_limit = step_limit_of(loop, k);
-        const double limited = law_limited(
-            before, fmin(fmax(loop->command[k], design->lower[k]), design->upper[k]), step_limit);
-        double voltage = converted(limited, simulate->step);
-        if (voltage < design->lower[k] || voltage > design->upper[k] ||
-            !law_may_move(before, voltage, step_limit))
-            voltage += voltage > limited ? -simulate->step : simulate->step;
-        const int fits = voltage >= design->lower[k] && voltage <= design->upper[k] &&
-                         law_may_move(before, voltage, step_limit);
-        if (fits && fabs(loop->command[k] - before) > simulate->dead_band)
-            loop->output[k] = voltage;
+        const amplifier amplifier = {design->lower[k], design->upper[k], step_limit_of(loop, k),
+                                     simulate->step, simulate->dead_band};
+        loop->output[k] = amplifier_output(&amplifier, loop->output[k], loop->command[k]);
     }
 }
 
@@ -534,7 +517,7 @@ static int count_beyond_limits(const loop *loop, const double *voltage, const do
         const double change =
             bits == 32 ? (double)((float)voltage[k] - (float)before[k]) : voltage[k] - before[k];
         count += !(voltage[k] >= design->lower[k] && voltage[k] <= design->upper[k]);
-        count += !law_may_move(0, change, step_limit_of(loop, k));
+        count += !amplifier_may_move(0, change, step_limit_of(loop, k));
     }
     return count;
 }

@@ -6,7 +6,7 @@
 #ifndef SIMULATE_LOOP_H
 #define SIMULATE_LOOP_H
 
-#include "imperfections.h"
+#include "imperfections_scene.h"
 #include "laws.h"
 #include "simulation.h"
 

@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "random.h"
 
 /* ---- open ------------------------------------------------------------- */
 
@@ -95,7 +94,7 @@ static int store_tick(loop *loop, int tick, char *error)
 
 /*
  * Compute the readings that the controller receives: those of `delay` ticks ago, with noise and
- * faults. A stuck sensor repeats its reading to the last bit.
+ * faults.
  */
 static void read_sensors(loop *loop, int tick)
 {
@@ -104,14 +103,7 @@ static void read_sensors(loop *loop, int tick)
     const double *delayed =
         ring_entry(loop, loop->late_reading, then > extra ? then - extra : 0, loop->sensors);
     const imperfections wiring = loop_imperfections(loop);
-    for (int i = 0; i < loop->sensors; i++) {
-        const double noise = loop->noise[i] > 0 ? loop->noise[i] * random_noise(&loop->random) : 0;
-        const bool is_stuck = tick < loop->sensor[i].stuck_until;
-        const bool is_missing = tick < loop->sensor[i].nan_until;
-        if (!is_stuck)
-            loop->reading[i] = imperfections_sense(&wiring, i, delayed[i] + noise);
-        loop->sensed[i] = is_missing ? (double)NAN : loop->reading[i];
-    }
+    imperfections_read(&wiring, tick, loop->noise, delayed, loop->reading, loop->sensed);
 }
 
 int sense_tick(loop *loop, int tick, char *error)

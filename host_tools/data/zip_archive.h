@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Output of a ZIP archive whose members are stored without compression, each with its CRC-32
+ * checksum. Equal members give equal archives, because the archive contains no times.
+ */
+#ifndef ZIP_ARCHIVE_H
+#define ZIP_ARCHIVE_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+enum { ZIP_NAME = 96, ZIP_MOST = 256 };
+
+/* What the header of a member and the directory at the end of the archive state. */
+typedef struct zip_member {
+    char name[ZIP_NAME]; /* path of the member inside the archive */
+    uint32_t crc, bytes, offset;
+} zip_member;
+
+typedef struct zip_archive {
+    FILE *file;
+    zip_member member[ZIP_MOST];
+    size_t members;
+    uint64_t offset; /* number of bytes of the archive written so far */
+} zip_archive;
+
+/* A part of the contents of a member. */
+typedef struct zip_part {
+    const void *data;
+    size_t bytes;
+} zip_part;
+
+void zip_begin(zip_archive *archive, FILE *file);
+
+/*
+ * Write a member whose contents are the parts, one behind the other. Returns 0, or -1 if the
+ * archive would have more than ZIP_MOST members or 4 GB, or the name is too long.
+ */
+int zip_add(zip_archive *archive, const char *name, const zip_part *part, size_t parts);
+
+/* Write the directory at the end of the archive. Returns 0, or -1 if a write has failed. */
+int zip_end(zip_archive *archive);
+
+#endif

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Controller of a scene as the model of an FMU: the control loop of the library with the tables of
+ * `pzs tables`. A step is a tick of the loop: from the target and the readings that the tool sets
+ * before the step, to the voltages that it gets after the step.
+ */
+#include <stdio.h>
+#include <string.h>
+#include "pzs.h"
+#include "fmu_model.h"
+#include "fmu_tables.h"
+
+enum { LOADS = CONTROLLER_KNOWN_LOADS }; /* number of loads that the tool announces */
+
+/* Value references of the first variable of each kind. */
+enum {
+    TARGET = 0,                            /* wanted displacements of the target nodes */
+    READING = TARGET + CONTROLLER_OUTPUTS, /* readings of the sensors; NaN: none */
+    NOW = READING + CONTROLLER_READINGS,   /* known load factors when the readings were taken */
+    NEXT = NOW + LOADS,                    /* known load factors under the next voltages */
+    VOLTAGE = NEXT + LOADS,                /* voltages for the amplifiers (V) */
+    REALS = VOLTAGE + CONTROLLER_INPUTS,   /* number of real variables */
+    STATUS = 0,                            /* status of the tick, a value of pzs_status */
+    ITERATIONS,                            /* iterations of the optimiser */
+    STATUS_TEXT = 0                        /* status of the tick as a text */
+};
+
+/* Sizes of this file and of modelDescription.xml are equal, or this declaration does not compile.
+ */
+typedef char sizes_agree[REALS == FMU_REALS_USED && VOLTAGE == FMU_REAL_INPUTS ? 1 : -1];
+
+typedef struct controller {
+    pzs_loop loop;
+    pzs_real known[2][LOADS + 1]; /* known load factors when the readings were taken, and under the
+                                     next voltages */
+    pzs_real work[CONTROLLER_LOOP_BYTES / sizeof(pzs_real) + 1];
+} controller;
+
+size_t fmu_model_bytes(void)
+{
+    return sizeof(controller);
+}
+
+static void publish(const controller *controller, pzs_status status, fmu_values *values)
+{
+    memcpy(values->real + VOLTAGE, controller->loop.info.voltage,
+           CONTROLLER_INPUTS * sizeof *values->real);
+    values->integer[STATUS] = (fmi2Integer)status;
+    values->integer[ITERATIONS] = controller->loop.info.control->info.iterations;
+    values->text[STATUS_TEXT] = pzs_status_text(status);
+}
+
+/* Describe an error of the loop: block, text, and index of the input or output concerned. */
+static fmi2Status refuse(const controller *controller, pzs_status status, fmu_values *values)
+{
+    const pzs_block_type *block = controller->loop.info.block;
+    snprintf(values->message, sizeof values->message, "%s: %s (index %ld)",
+             block ? block->name : "control loop", pzs_status_text(status),
+             (long)controller->loop.info.where);
+    return fmi2Error;
+}
+
+fmi2Status fmu_model_start(void *memory, fmu_values *values)
+{
+    controller *controller = memory;
+    memset(controller, 0, sizeof *controller);
+    const pzs_status status = pzs_loop_init(&controller->loop, controller_blocks, CONTROLLER_BLOCKS,
+                                            NULL, controller->work, sizeof controller->work);
+    if (PZS_IS_ERROR(status))
+        return refuse(controller, status, values);
+    publish(controller, status, values);
+    return fmi2OK;
+}
+
+static void announce_loads(controller *controller, const fmu_values *values)
+{
+    if (LOADS == 0)
+        return;
+    memcpy(controller->known[0], values->real + NOW, LOADS * sizeof(pzs_real));
+    memcpy(controller->known[1], values->real + NEXT, LOADS * sizeof(pzs_real));
+    (void)pzs_loop_know(&controller->loop, controller->known[0], controller->known[1]);
+}
+
+fmi2Status fmu_model_step(void *memory, fmu_values *values)
+{
+    controller *controller = memory;
+    announce_loads(controller, values);
+    const pzs_status status =
+        pzs_loop_tick(&controller->loop, values->real + TARGET, values->real + READING);
+    publish(controller, status, values);
+    return PZS_IS_ERROR(status) ? refuse(controller, status, values) : fmi2OK;
+}

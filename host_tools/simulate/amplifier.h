@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Amplifier of a simulated plant: voltage limits, step limit, resolution and dead band. The
+ * simulation and the plant that `pzs fmu` exports compile these functions alike.
+ */
+#ifndef AMPLIFIER_H
+#define AMPLIFIER_H
+
+#include <stdbool.h>
+
+typedef struct amplifier {
+    double lower, upper; /* voltage limits (V) */
+    double step_limit;   /* largest change of the voltage in a tick (V) */
+    double resolution;   /* quantisation step of the digital-to-analogue converter (V); 0: none */
+    double dead_band;    /* largest change of the command that the amplifier ignores (V) */
+} amplifier;
+
+/*
+ * Output voltage of an amplifier for a command (V). The amplifier enforces its voltage limits and
+ * its step limit, rounds to its resolution, and ignores changes within its dead band.
+ *   before in  present output voltage (V)
+ */
+double amplifier_output(const amplifier *amplifier, double before, double command);
+
+/*
+ * Voltage nearest to `to` whose change from `from` stays within a step limit without any rounding
+ * tolerance (V).
+ */
+double amplifier_limited(double from, double to, double step_limit);
+
+/* Whether a step limit allows a change of voltage, without any rounding tolerance. */
+bool amplifier_may_move(double from, double to, double step_limit);
+
+#endif

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Imperfections of amplifiers, cables, ceramic and sensors as a scene states them. */
+#ifndef IMPERFECTIONS_SCENE_H
+#define IMPERFECTIONS_SCENE_H
+
+#include "../model/design.h"
+#include "imperfections.h"
+
+/*
+ * Width of the hysteresis loop of the ceramic relative to the voltage range: the value given in the
+ * scene, otherwise 0.1 for a piezoceramic between finite voltage limits and 0 for other actuators.
+ */
+double imperfections_hysteresis(const design *design);
+
+/*
+ * Refuse hysteresis without finite voltage limits, because its width is relative to the voltage
+ * range. Returns 0, or -1 with error filled.
+ */
+int imperfections_check(const design *design, char *error);
+
+/*
+ * Constants of the imperfections of a scene. They refer to arrays of the design and of its scene,
+ * which must outlive them.
+ */
+imperfection_tables imperfections_of_scene(const design *design);
+
+/* List the imperfections of a scene as text; the text is empty where there are none. */
+void imperfections_text(const design *design, char *text, size_t room);
+
+#endif

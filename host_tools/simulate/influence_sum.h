@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Static response of a linear structure to its inputs. */
+#ifndef INFLUENCE_SUM_H
+#define INFLUENCE_SUM_H
+
+#include <stddef.h>
+
+/*
+ * Static values of the output rows: sum [rows] = influence [rows][inputs] times input [inputs],
+ * each sum in ascending order of the inputs.
+ */
+void influence_sum(const double *influence, const double *input, size_t rows, size_t inputs,
+                   double *sum);
+
+#endif

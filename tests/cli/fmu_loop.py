@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: BSD-2-Clause
+"""
+Plant and controller FMU in a closed loop, through their shared libraries alone (ctypes): the master that a tool is.
+usage: fmu_loop.py coupled PLANT.fmu CONTROLLER.fmu SIMULATION.csv EVENTS   the same bits as pzs simulate --csv
+       fmu_loop.py faults PLANT.fmu CONTROLLER.fmu                          bad input, order of calls, states, instances
+"""
+import ctypes
+import math
+import sys
+import tempfile
+import xml.etree.ElementTree as xml
+import zipfile
+
+OK, WARNING, DISCARD, ERROR = range(4)
+LOGGER = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_char_p, ctypes.c_int, ctypes.c_char_p, ctypes.c_char_p, ctypes.c_char_p)
+
+
+class Callbacks(ctypes.Structure):
+    _fields_ = [("logger", LOGGER), ("allocate", ctypes.c_void_p), ("free", ctypes.c_void_p), ("finished", ctypes.c_void_p),
+                ("environment", ctypes.c_void_p)]
+
+
+class Fmu:
+    """An FMU file: its description and its library."""
+
+    def __init__(self, path):
+        self.folder = tempfile.TemporaryDirectory()
+        with zipfile.ZipFile(path) as archive:
+            assert archive.testzip() is None
+            archive.extractall(self.folder.name)
+        root = xml.parse(self.folder.name + "/modelDescription.xml").getroot()
+        name = root.find("CoSimulation").get("modelIdentifier")
+        self.guid = root.get("guid")
+        self.period = float(root.find("DefaultExperiment").get("stepSize"))
+        self.lib = ctypes.CDLL(f"{self.folder.name}/binaries/linux64/{name}.so")
+        self.lib.fmi2Instantiate.restype = ctypes.c_void_p
+        self.lib.fmi2GetVersion.restype = ctypes.c_char_p
+        assert self.lib.fmi2GetVersion() == b"2.0"
+        self.reference, self.start = {}, {}
+        for variable in root.iter("ScalarVariable"):
+            self.reference[variable.get("name")] = int(variable.get("valueReference"))
+            self.start[variable.get("name")] = variable[0].get("start")
+
+    def names(self, group):
+        return [name for name in self.reference if name.split(".")[0] == group]
+
+
+class Instance:
+    def __init__(self, fmu, name="one", guid=None, kind=1):
+        self.fmu, self.messages = fmu, []
+        self.callbacks = Callbacks(LOGGER(lambda *about: self.messages.append(about[5].decode())))
+        self.component = fmu.lib.fmi2Instantiate(name.encode(), kind, (guid or fmu.guid).encode(), b"", ctypes.byref(self.callbacks), 0, 0)
+
+    def call(self, function, *arguments):
+        return getattr(self.fmu.lib, function)(ctypes.c_void_p(self.component), *arguments)
+
+    def open(self, **start):
+        assert self.call("fmi2SetupExperiment", 0, ctypes.c_double(0), ctypes.c_double(0), 0, ctypes.c_double(0)) == OK
+        for name, value in start.items():
+            assert self.set([name.replace("__", ".")], [value]) == OK
+        assert self.call("fmi2EnterInitializationMode") == OK
+        assert self.call("fmi2ExitInitializationMode") == OK, self.messages
+        return self
+
+    def close(self):
+        self.fmu.lib.fmi2FreeInstance(ctypes.c_void_p(self.component))
+
+    def transfer(self, function, names, values):
+        references = (ctypes.c_uint * len(names))(*[self.fmu.reference[name] for name in names])
+        return self.call(function, references, ctypes.c_size_t(len(names)), values)
+
+    def set(self, names, values):
+        return self.transfer("fmi2SetReal", names, (ctypes.c_double * len(names))(*values))
+
+    def get(self, names):
+        values = (ctypes.c_double * len(names))()
+        assert self.transfer("fmi2GetReal", names, values) == OK
+        return list(values)
+
+    def integer(self, name):
+        value = (ctypes.c_int * 1)()
+        assert self.transfer("fmi2GetInteger", [name], value) == OK
+        return value[0]
+
+    def step(self, tick, length=None):
+        return self.call("fmi2DoStep", ctypes.c_double(tick * self.fmu.period), ctypes.c_double(length or self.fmu.period), 1)
+
+
+def schedule(events, ticks):
+    """Loads, temperature, factor of the target and known loads of every tick, as pzs simulate applies the events."""
+    state = {"loads": {}, "temperature": 0.0, "target": 1.0, "known": {}}
+    for tick in range(ticks):
+        state = {key: dict(value) if isinstance(value, dict) else value for key, value in state.items()}
+        for event in (event for event in events if event["at"] == tick):
+            if "load" in event:
+                state["loads"][event["load"]] = event["factor"]
+                if event.get("feed_forward"):
+                    state["known"][event["load"]] = event["factor"]
+            state["temperature"] = event.get("temperature", state["temperature"])
+            state["target"] = event.get("target", state["target"])
+        yield state
+
+
+def loads_of(state, names, key="loads", default=1.0):
+    return [state[key].get(int(name.split(".")[1]), default) for name in names]
+
+
+def coupled(plant_path, controller_path, csv, events, delay):
+    lines = open(csv).read().split()
+    head, rows = lines[0].split(","), [[float(word) for word in line.split(",")] for line in lines[1:]]
+    column = {name: k for k, name in enumerate(head)}
+    states = list(schedule(events, len(rows) + 1))
+    plant, controller = Fmu(plant_path), Fmu(controller_path)
+    p, c = Instance(plant).open(), Instance(controller).open()
+    target, loads, heat = controller.names("target"), plant.names("load"), plant.names("temperature")
+    goal = [float(controller.start[name]) for name in target]
+    readings, voltages = plant.names("reading"), controller.names("voltage")
+    assert readings == controller.names("reading") and voltages == plant.names("voltage")
+    amplifiers = plant.names("amplifier")
+    now, coming = controller.names("load_now"), controller.names("load_next")
+    for tick, row in enumerate(rows):
+        assert c.set(target, [states[tick]["target"] * value for value in goal]) == OK
+        assert c.set(now, loads_of(states[max(tick - delay, 0)], now, "known", 0.0)) == OK
+        assert c.set(coming, loads_of(states[tick + 1], coming, "known", 0.0)) == OK
+        assert c.set(readings, p.get(readings)) == OK
+        assert c.step(tick) == OK, c.messages
+        assert p.set(voltages, c.get(voltages)) == OK
+        assert p.set(loads, loads_of(states[tick + 1], loads)) == OK
+        assert p.set(heat, [states[tick + 1]["temperature"]] * len(heat)) == OK
+        assert p.step(tick) == OK, p.messages
+        wanted = [row[column[name.split(".", 1)[1]]] for name in amplifiers]
+        assert p.get(amplifiers) == wanted, f"tick {tick}: other voltages than pzs simulate"
+        assert c.integer("iterations") == row[column["passes"]], f"tick {tick}: iterations"
+        assert c.integer("status") == row[column["status"]], f"tick {tick}: status"
+    moved = max(abs(value) for value in rows[-1][-len(amplifiers):])
+    assert moved > 0
+    print(f"{len(rows)} ticks, {len(amplifiers)} voltages, {len(readings)} readings: the same bits; largest {moved:g} V")
+    p.close(), c.close()
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "coupled":
+        import yaml
+        coupled(*sys.argv[2:5], yaml.safe_load(sys.argv[5]), int(sys.argv[6]) if len(sys.argv) > 6 else 0)
