@@ -217,11 +217,11 @@ static const char *const text_of_plant =
 
 static const char *const text_of_controller =
     "<p>The control loop of the library with the tables of <code>pzs tables</code>. A step is one "
-    "tick: set <code>target.*</code> and <code>reading.*</code> (NaN: the sensor gives nothing), do "
-    "the step, get <code>voltage.*</code>. <code>status</code> is a value of "
+    "tick: set <code>target.*</code> and <code>reading.*</code> (NaN: the sensor gives nothing), "
+    "do the step, get <code>voltage.*</code>. <code>status</code> is a value of "
     "<code>pzs_status</code>, 0 if all is well; <code>status_text</code> says the same in words. "
-    "<code>load_now.*</code> and <code>load_next.*</code>, if there are any, are known loads at the "
-    "time of the readings and under the next voltages.</p>";
+    "<code>load_now.*</code> and <code>load_next.*</code>, if there are any, are known loads at "
+    "the time of the readings and under the next voltages.</p>";
 
 static const char *const text_of_loop =
     "<h2>Closing the loop</h2>\n<p>In each tick: copy the readings of the plant to the controller, "
