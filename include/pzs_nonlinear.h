@@ -54,7 +54,7 @@ typedef struct pzs_nonlinear {
                                that of the structure */
     uint32_t crc;           /* checksum of the following members and their arrays, computed by
                                pzs_nonlinear_seal */
-    pzs_prescribed_resultants given;
+    pzs_prescribed_resultants resultants;
     pzs_prescribed_motion prescribed;
 } pzs_nonlinear;
 

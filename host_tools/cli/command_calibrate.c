@@ -27,11 +27,16 @@ typedef struct run {
                                 measured matrix, or without a scene */
     int faults;
     wiring_fault fault[WIRING_FAULTS];
+    double size;    /* size of the measured shapes relative to those that the scene predicts
+                       (calibration_size); 0 without a scene */
     double *acting; /* [pokes][actuators] voltages that reach the electrodes in each poke (shape
                        measured under known voltages), with the found wiring faults taken into
                        account (V) */
     calibration result;
 } run;
+
+/* Size of a list of actuators in a message (bytes). */
+enum { IDLE_TEXT = 160 };
 
 static int complain(const char *text, const char *detail)
 {
@@ -110,6 +115,7 @@ static int fit_to_matrix(run *run, char *error)
         return scene_fault(influence->at, error, "out of memory");
     wiring_apply(run->fault, run->faults, &run->pokes, run->acting);
     acting.voltage = run->acting;
+    run->size = calibration_size(&acting, influence->matrix);
     return calibrate(&run->result, &acting, influence->matrix, error);
 }
 
@@ -123,15 +129,55 @@ static int fit_to_structure(run *run, char *error)
     if (calibration_model_fit(&run->model, run->scene, &run->pokes, error) < 0)
         return -1;
     run->faults = run->model.faults;
+    run->size = run->model.size;
     memcpy(run->fault, run->model.fault, sizeof run->fault);
     acting.voltage = run->model.voltage;
     return calibrate(&run->result, &acting, run->model.influence, error);
 }
 
+/*
+ * Names of the actuators whose voltage is 0 in all pokes, separated by commas; as many as fit into
+ * the text. Returns their number.
+ */
+static size_t idle_names(const run *run, char text[IDLE_TEXT])
+{
+    char name[SCENE_LABEL];
+    size_t count = 0;
+    text[0] = '\0';
+    for (size_t k = 0; k < run->pokes.actuators; k++) {
+        const size_t length = strlen(text);
+        if (!calibration_is_idle(&run->pokes, k))
+            continue;
+        actuator_name(run, k, name);
+        count++;
+        if (length + strlen(name) + 3 < IDLE_TEXT)
+            snprintf(text + length, IDLE_TEXT - length, "%s%s", length ? ", " : "", name);
+    }
+    return count;
+}
+
+/*
+ * Compute the influence matrix without a model, which needs a voltage on every actuator. Returns 0,
+ * or -1 with error filled.
+ */
+static int fit_alone(run *run, char *error)
+{
+    char names[IDLE_TEXT];
+    const size_t idle = idle_names(run, names);
+    if (idle == 0)
+        return calibrate(&run->result, &run->pokes, NULL, error);
+    snprintf(
+        error, SCENE_ERROR,
+        "the voltage of %s is 0 in all %lu pokes, so that nothing is known of %s; poke %s too, "
+        "leave the column out, or give a scene with a model of the structure",
+        names, (unsigned long)run->pokes.count, idle > 1 ? "them" : "it", idle > 1 ? "them" : "it");
+    return -1;
+}
+
 static int fit(run *run, char *error)
 {
     if (!run->scene)
-        return calibrate(&run->result, &run->pokes, NULL, error);
+        return fit_alone(run, error);
     const int failed =
         run->scene->influence.given ? fit_to_matrix(run, error) : fit_to_structure(run, error);
     if (!failed)
@@ -183,7 +229,11 @@ static void print_model(const run *run)
 
 static void print_faults(const run *run)
 {
-    char text[2 * SCENE_LABEL + 40];
+    char text[2 * SCENE_LABEL + 40], idle[IDLE_TEXT];
+    const size_t idles = idle_names(run, idle);
+    if (idles > 0)
+        printf("  not poked: %s; all voltages are 0, and %s the model's\n", idle,
+               idles > 1 ? "their columns are" : "its column is");
     for (int fault = 0; fault < run->faults; fault++) {
         fault_text(run, &run->fault[fault], text, sizeof text);
         printf("  fault: %s\n", text);
@@ -195,6 +245,43 @@ static void print_faults(const run *run)
         }
 }
 
+/*
+ * Unit of the shapes with a blank before it: the scene's unit of length; empty without a scene,
+ * where the shapes may have any unit.
+ */
+static const char *length_unit(const run *run)
+{
+    static char text[SCENE_NAME + 2];
+    snprintf(text, sizeof text, " %s", run->scene ? run->scene->units.length : "");
+    return run->scene && run->scene->units.length[0] ? text : "";
+}
+
+/* Warn where the sizes of the measured shapes and of those of the scene's model differ too much. */
+static void print_scale(const run *run)
+{
+    static const double most = 30;
+    if (run->size >= 1 / most && run->size <= most)
+        return;
+    if (run->scene && run->size > 0)
+        printf(
+            "warning: the measured shapes are %.3g times those of the scene; write shapes in its "
+            "unit of length,%s, and compare voltages and model\n",
+            run->size, length_unit(run));
+}
+
+/* Print how a scene uses the file that the matrix was written to. */
+static void print_use(const run *run, const char *path)
+{
+    if (path && run->scene)
+        printf("%s: write influence: {file: %s} in a scene, without scale: the entries have the "
+               "scene's units\n",
+               path, path);
+    else if (path)
+        printf("%s: write influence: {file: %s} in a scene whose units.length is the unit of the "
+               "shapes, without scale; else with scale: unit of the shapes over units.length\n",
+               path, path);
+}
+
 static void print_result(const run *run, const char *path)
 {
     printf("%lu pokes of %lu actuators, %lu outputs: they tell %d actuators apart\n",
@@ -203,16 +290,18 @@ static void print_result(const run *run, const char *path)
     print_model(run);
     print_faults(run);
     if (isfinite(run->result.noise))
-        printf("  noise of the shapes: %.3g (standard deviation)\n", run->result.noise);
+        printf("  noise of the shapes: %.3g%s (standard deviation)\n", run->result.noise,
+               length_unit(run));
     else
         puts("  noise of the shapes: not known; measure more pokes than actuators");
-    printf("  largest entry %.4g", largest_entry(run));
+    printf("  largest entry %.4g%s per volt", largest_entry(run), length_unit(run));
     if (isfinite(largest_error(run)))
         printf(", largest standard error %.3g (%.3g%% of it)", largest_error(run),
                100 * largest_error(run) / largest_entry(run));
-    printf("\n  the matrix leaves %.3g of the shapes (root mean square)\n", run->result.residual);
-    if (path)
-        printf("%s: write influence: {file: %s} in a scene\n", path, path);
+    printf("\n  the matrix leaves %.3g%s of the shapes (root mean square)\n", run->result.residual,
+           length_unit(run));
+    print_scale(run);
+    print_use(run, path);
 }
 
 static void print_json(const run *run)
@@ -226,6 +315,8 @@ static void print_json(const run *run)
     json_number(&json, "rank", run->result.rank);
     json_number(&json, "noise", run->result.noise);
     json_number(&json, "residual", run->result.residual);
+    if (run->scene)
+        json_number(&json, "shapes_over_scene", run->size);
     if (run->model.factors > 0) {
         json_number(&json, "left_by_scene", run->model.before);
         json_number(&json, "left_by_fitted_scene", run->model.after);
@@ -236,6 +327,13 @@ static void print_json(const run *run)
         json_number(&json, text, run->result.error[k]);
     }
     json_close(&json, '}');
+    json_open(&json, "not_poked", '[');
+    for (size_t k = 0; k < run->pokes.actuators; k++) {
+        actuator_name(run, k, text);
+        if (calibration_is_idle(&run->pokes, k))
+            json_string(&json, NULL, text);
+    }
+    json_close(&json, ']');
     json_open(&json, "faults", '[');
     for (int fault = 0; fault < run->faults; fault++) {
         fault_text(run, &run->fault[fault], text, sizeof text);

@@ -109,7 +109,8 @@ const command_entry command_table[COMMANDS] = {
          "scene's simulate section says. For comparison: clipped least squares, and regularised, "
          "then clipped (see the notes of pzs --help). The plant vibrates where all densities are "
          "given, unless simulate.plant.inertia is false, and the controller is that of pzs tables: "
-         "with a vibration model where the loop needs one, after storms that choose its settings.",
+         "with a vibration model where the loop needs one, after storms (stress tests: fast jumps "
+         "of the target) that choose its settings.",
          {"pzs simulate plate-closed-loop --report loop.html --csv loop.csv",
           "pzs simulate plate-few-sensors --device mps2-an386",
           "pzs simulate plate-closed-loop --set 'simulate.events=[]' --set simulate.ticks=300 "
@@ -293,9 +294,10 @@ const option_entry option_table[OPTIONS] = {
                                BIT(COMMAND_SIMULATE),
                            "the same arrays, a CSV file for each"},
     [OPTION_VOLTAGES] = {"--voltages", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_CALIBRATE),
-                         "voltages of the pokes: text or .npy, a line for each poke"},
+                         "voltages of the pokes (V): text or .npy, a line for each poke"},
     [OPTION_SHAPES] = {"--shapes", NULL, "FILE", ARGUMENT_FILE, NULL, BIT(COMMAND_CALIBRATE),
-                       "measured shapes, in the order of the voltages"},
+                       "measured shapes, in the order of the voltages, in the scene's unit of "
+                       "length; without a scene in any unit, then the matrix is in it, per volt"},
     [OPTION_HYSTERESIS] =
         {"--hysteresis", NULL, "RATE", ARGUMENT_TEXT, NULL, BIT(COMMAND_CALIBRATE),
          "hysteresis and creep from a sweep of RATE samples a second, in place of "

@@ -117,7 +117,8 @@ static void add_places(arrays *arrays, const design *design, const char *name, c
 {
     double *place = allocate_array(arrays, 3 * count);
     for (size_t i = 0; i < count && place; i++)
-        memcpy(place + 3 * i, design->mesh.point[node ? (size_t)node[i] : i].x, 3 * sizeof *place);
+        memcpy(place + 3 * i, design->mesh.point[node ? (size_t)node[i] : i].position,
+               3 * sizeof *place);
     add_array(arrays, name, design->units.length, count, 3, place);
 }
 

@@ -244,8 +244,8 @@ static int solved(const options *options, analysis *analysis, const double *disp
         return complain("out of memory", 1);
     pzs_observe(structure, displacement, value);
     plausible_result(&analysis->warnings, &analysis->design.mesh, displacement,
-                     !analysis->nonlinear, "the solution");
-    if (analysis->nonlinear)
+                     !analysis->is_nonlinear, "the solution");
+    if (analysis->is_nonlinear)
         check_path(analysis, displacement);
     int status = solve_error(options, analysis, value);
     progress_stop();
@@ -287,12 +287,13 @@ static int command_solve(const options *options, analysis *analysis)
     if (analysis_needs_structure(analysis, "pzs solve", error) < 0)
         return complain(error, OPTIONS_WRONG);
     double *displacement = calloc((size_t)analysis->design.mesh.free_dof, sizeof *displacement);
-    progress_stage(analysis->nonlinear ? "equilibrium" : "solving");
-    progress_solves(analysis->nonlinear ? &analysis->equilibrium.solver.info.linear_solves : NULL);
+    progress_stage(analysis->is_nonlinear ? "equilibrium" : "solving");
+    progress_solves(analysis->is_nonlinear ? &analysis->equilibrium.solver.info.linear_solves
+                                           : NULL);
     const int failed =
         displacement ? solve_scene(options, analysis, displacement) : complain("out of memory", 1);
     /* Nonlinear load steps that end early still provide an equilibrium, which is printed. */
-    const int has_shape = !failed || (analysis->nonlinear && !options->follows_path);
+    const int has_shape = !failed || (analysis->is_nonlinear && !options->follows_path);
     const int status = displacement && has_shape ? solved(options, analysis, displacement) : 0;
     free(displacement);
     return failed ? failed : status;
@@ -337,7 +338,7 @@ static int shape_results(shape_run *run, const options *options, char *error)
     for (int i = 0; i < limits; i++) {
         progress_count(i, limits);
         if (voltages_optimum(analysis, limit[i], &run->results[run->count++], error) < 0 ||
-            (analysis->nonlinear &&
+            (analysis->is_nonlinear &&
              voltages_linear(analysis, limit[i], &run->results[run->count++], error) < 0) ||
             voltages_clipped(analysis, limit[i], &run->results[run->count++], error) < 0 ||
             voltages_regularised(analysis, limit[i], &run->results[run->count++], error) < 0)
@@ -402,13 +403,13 @@ static int command_shape(const options *options, analysis *analysis)
     int status = 0;
     memset(&run, 0, sizeof run);
     run.analysis = analysis;
-    analysis->nonlinear = analysis->design.kinematics != KINEMATICS_LINEAR;
+    analysis->is_nonlinear = analysis->design.kinematics != KINEMATICS_LINEAR;
     progress_stage("influence matrix");
     if (analysis_influence(analysis, error) == 0 && shape_results(&run, options, error) == 0) {
         const voltages *best = &run.results[1];
         plausible_voltages(&analysis->warnings, analysis->design.scene, best->voltage, best->name);
-        plausible_result(&analysis->warnings, &analysis->design.mesh, best->u, !analysis->nonlinear,
-                         best->name);
+        plausible_result(&analysis->warnings, &analysis->design.mesh, best->u,
+                         !analysis->is_nonlinear, best->name);
         const plausible_optimum optimum = optimum_of(&run);
         plausible_target(&analysis->warnings, analysis->design.scene, &optimum);
         status = shape_error(&run, options);
@@ -466,8 +467,8 @@ static void check_phases(plausible *warnings, const simulation *run)
     for (int k = 0; k < run->phases; k++) {
         const double *displacement = run->phase[k].course[LAW_CONTROLLER].displacement;
         if (displacement)
-            plausible_result(warnings, &analysis->design.mesh, displacement, !analysis->nonlinear,
-                             "the plant");
+            plausible_result(warnings, &analysis->design.mesh, displacement,
+                             !analysis->is_nonlinear, "the plant");
     }
 }
 
@@ -755,7 +756,7 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
         return scene_fault(design->at, error,
                            "a nonlinear image needs kinematics: nonlinear (or auto)");
     double *displacement = calloc((size_t)analysis->design.mesh.free_dof, sizeof *displacement);
-    analysis->nonlinear = 1;
+    analysis->is_nonlinear = true;
     const int failed = displacement ? analysis_solve(analysis, displacement, error)
                                     : scene_fault(design->at, error, "out of memory");
     free(displacement);

@@ -205,11 +205,11 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_LIMIT: return take_limit(options, value);
     case OPTION_NUMBER: return take_number(options, value);
     case OPTION_IMAGE: return take_image(options, value);
-    case OPTION_JSON: options->as_json = 1; return 0;
-    case OPTION_STRICT: options->is_strict = 1; return 0;
-    case OPTION_QUASI_STATIC: options->quasi_static = 1; return 0;
-    case OPTION_PATH: options->follows_path = 1; return 0;
-    case OPTION_ERROR: options->estimates_error = 1; return 0;
+    case OPTION_JSON: options->as_json = true; return 0;
+    case OPTION_STRICT: options->is_strict = true; return 0;
+    case OPTION_QUASI_STATIC: options->quasi_static = true; return 0;
+    case OPTION_PATH: options->follows_path = true; return 0;
+    case OPTION_ERROR: options->estimates_error = true; return 0;
     case OPTION_REPORT: return take_file(&options->report, value);
     case OPTION_SVG: return take_file(&options->svg, value);
     case OPTION_VTU: return take_file(&options->vtu, value);

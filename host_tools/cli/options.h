@@ -21,11 +21,12 @@ typedef struct options {
     const char *word;  /* argument of any other command, NULL where there is none */
     const char *set[MOST_SETS];
     common_limits limit[MOST_LIMITS];
-    int sets, limits, as_json, is_strict;
+    int sets, limits;
+    bool as_json, is_strict;
     int number; /* number of vibration modes; 0: not given */
-    int quasi_static;
-    int follows_path;    /* 1: follow the load path through limit points */
-    int estimates_error; /* 1: estimate the discretisation error from coarser meshes */
+    bool quasi_static;
+    bool follows_path;    /* whether to follow the load path through limit points */
+    bool estimates_error; /* whether to estimate the discretisation error from coarser meshes */
     const char *report, *svg, *vtu, *csv, *output, *prefix;
     const char *npz, *csv_folder;  /* NumPy file and folder of CSV files for arrays of numbers; NULL
                                       where they are not wanted */

@@ -26,8 +26,8 @@ static const char *precision_needed(const analysis *analysis)
     if (analysis->model.info.condition > 1e14) /* the stiffness matrix of the reference state is too
                                                   close to singular for pzs_factor */
         return "double; loose at rest, held by a contact or by its prescribed displacements alone";
-    return analysis->nonlinear ? "the nonlinear path needs double"
-                               : "double, or float with refinement, which says where it ends";
+    return analysis->is_nonlinear ? "the nonlinear path needs double"
+                                  : "double, or float with refinement, which says where it ends";
 }
 
 /*
@@ -300,10 +300,10 @@ void print_solve(analysis *analysis, const double *displacement, const double *v
     if (analysis->design.kinematics == KINEMATICS_AUTO && isfinite(analysis->linear_error))
         printf("  kinematics auto: linear differs by %.3g of the displacement, tolerance %g: %s\n",
                analysis->linear_error, analysis->design.tolerance,
-               analysis->nonlinear ? "nonlinear is needed" : "linear is enough");
+               analysis->is_nonlinear ? "nonlinear is needed" : "linear is enough");
     if (analysis->load_path.points > 0)
         print_load_path(analysis, &analysis->load_path);
-    if (analysis->nonlinear)
+    if (analysis->is_nonlinear)
         print_path(analysis);
     else
         printf("  linear solve: solver residual %.1e, solver error estimate %.1e in the energy "
@@ -369,10 +369,10 @@ void print_solve_json(analysis *analysis, const double *displacement, const doub
     json json = {.file = stdout};
     json_open(&json, NULL, '{');
     json_head(&json, analysis);
-    json_string(&json, "kinematics", analysis->nonlinear ? "nonlinear" : "linear");
+    json_string(&json, "kinematics", analysis->is_nonlinear ? "nonlinear" : "linear");
     if (design->kinematics == KINEMATICS_AUTO)
         json_number(&json, "cost_of_linear", analysis->linear_error);
-    (analysis->nonlinear ? json_path : json_linear)(&json, analysis);
+    (analysis->is_nonlinear ? json_path : json_linear)(&json, analysis);
     json_seconds(&json, analysis);
     print_outputs_json(&json, analysis, value, 0);
     print_output_places_json(&json, analysis, value, 0);
@@ -651,7 +651,7 @@ void print_shape(const shape_run *run)
     const voltages *best = &run->results[1];
     char limits[32];
     limit_text(best, limits);
-    if (analysis->nonlinear)
+    if (analysis->is_nonlinear)
         print_choice(run);
     print_modes(design, &run->modes);
     print_mesh_error(&analysis->mesh_error);
@@ -712,14 +712,14 @@ void print_shape_json(const shape_run *run)
     json_number(&json, "fixed_rows", design->fixed_rows);
     json_number(&json, "target_gap", design_target_gap(design));
     json_number(&json, "free_functions", design->free_functions);
-    json_string(&json, "kinematics", analysis->nonlinear ? "nonlinear" : "linear");
-    if (analysis->nonlinear) {
+    json_string(&json, "kinematics", analysis->is_nonlinear ? "nonlinear" : "linear");
+    if (analysis->is_nonlinear) {
         json_number(&json, "cost_of_linear", cost_of_linear(run));
         json_string(&json, "image", image_needed(run));
     }
     json_number(&json, "shape_error_before", run->before.error);
-    json_number(&json, "clipped_error", run->results[analysis->nonlinear ? 3 : 2].error);
-    json_number(&json, "regularised_error", run->results[analysis->nonlinear ? 4 : 3].error);
+    json_number(&json, "clipped_error", run->results[analysis->is_nonlinear ? 3 : 2].error);
+    json_number(&json, "regularised_error", run->results[analysis->is_nonlinear ? 4 : 3].error);
     json_voltages(&json, analysis, &run->results[1]);
     json_open(&json, "results", '[');
     for (int i = 0; i < run->count; i++) {

@@ -16,7 +16,7 @@ int print_is_displacement(const analysis *analysis, int k)
 static void print_node_row(const analysis *analysis, int node, double value)
 {
     const mesh *mesh = &analysis->design.mesh;
-    const double *theta = mesh->theta[node], *place = mesh->point[node].x;
+    const double *theta = mesh->theta[node], *place = mesh->point[node].position;
     fputs("    ", stdout);
     if (!mesh->quads)
         printf("%13.6e %13.6e  ", theta[0], theta[1]);
@@ -110,7 +110,7 @@ static void json_place(json *json, const analysis *analysis, int k, int i, doubl
             json_number(json, "theta2", mesh->theta[node][1]);
         }
         for (int component = 0; component < 3; component++)
-            json_number(json, axis[component], mesh->point[node].x[component]);
+            json_number(json, axis[component], mesh->point[node].position[component]);
     } else {
         json_string(json, "electrode", analysis_output_electrode(analysis, k, i));
     }

@@ -42,7 +42,7 @@ static void print_csv_tick(FILE *file, const design *design, int estimates,
 typedef struct receivers {
     const design *design;
     const simulate_sinks *sinks;
-    int estimates;
+    bool estimates;
 } receivers;
 
 static void receive_tick(void *context, const simulate_sample *sample)
@@ -97,7 +97,7 @@ static void print_plant(const simulation *simulation)
     imperfections_text(&simulation->nominal->design, imperfections, sizeof imperfections);
     print_inertia(&simulation->plant);
     print_certificate(&simulation->nominal->certificate);
-    printf("  plant: %s", simulation->plant.analysis.nonlinear ? "nonlinear" : "linear");
+    printf("  plant: %s", simulation->plant.analysis.is_nonlinear ? "nonlinear" : "linear");
     for (int i = 0; i < simulation->nominal->design.materials; i++)
         printf("%s %s stiffness x %g, d x %g", i ? ";" : ",",
                simulation->nominal->design.material[i].name,
@@ -231,7 +231,7 @@ static void print_estimated(const simulation *simulation)
 static void print_detected(const simulation *simulation)
 {
     const simulate_count *count = &simulation->count[LAW_CONTROLLER];
-    if (simulation->nominal->design.simulate.finds)
+    if (simulation->nominal->design.simulate.detects_faults)
         printf("  %-10s electrodes found not to follow: %ld, the slowest after %d ticks; %ld of "
                "them in good order\n",
                "", count->detected, count->detection_ticks, count->falsely_detected);
@@ -360,7 +360,7 @@ void print_simulation_json(const simulation *simulation, const simulate_record *
     json json = {.file = stdout};
     json_open(&json, NULL, '{');
     json_string(&json, "scene", design->name);
-    json_string(&json, "plant", simulation->plant.analysis.nonlinear ? "nonlinear" : "linear");
+    json_string(&json, "plant", simulation->plant.analysis.is_nonlinear ? "nonlinear" : "linear");
     json_string(&json, "dynamics", simulation->plant.has_inertia ? "inertia" : "quasi-static");
     json_plant(&json, simulation);
     print_certificate_json(&json, &simulation->nominal->certificate);

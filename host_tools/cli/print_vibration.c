@@ -134,11 +134,12 @@ void print_vibration_summary(const certificate *certificate)
 {
     const certificate_loop *loop = &certificate->loop;
     if (loop->is_made && loop->observed > 0)
-        printf("the tick damps %d modes from %.4g to %.4g Hz; %d of %d storms settle\n",
-               loop->observed, loop->observed_from, loop->observed_to, loop->storms - loop->failed,
-               loop->storms);
+        printf(
+            "the tick damps %d modes from %.4g to %.4g Hz; %d of %d storms (stress tests) settle\n",
+            loop->observed, loop->observed_from, loop->observed_to, loop->storms - loop->failed,
+            loop->storms);
     else if (loop->is_made)
-        printf("the tick damps no mode, every mode is too fast; %d of %d storms settle\n",
+        printf("the tick damps no mode, all are too fast; %d of %d storms (stress tests) settle\n",
                loop->storms - loop->failed, loop->storms);
     else if (certificate->is_assessed)
         puts("the tick has no vibration model");

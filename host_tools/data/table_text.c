@@ -20,8 +20,9 @@ typedef struct text_reader {
     char delimiter; /* delimiter between cells: ',', ';' or a tab, or ' ' for any number of blanks
                      */
     cell comment;   /* text of the last line that begins with #, without the # */
-    unsigned long line; /* number of the line whose cells are in `cell`, counted from 1 */
-    cell *cell;         /* [cells] cells of the present line of the text */
+    unsigned long line;       /* number of the line whose cells are in `cell`, counted from 1 */
+    unsigned long first_line; /* number of the first line with cells, counted from 1 */
+    cell *cell;               /* [cells] cells of the present line of the text */
     size_t cells, room_cells, room_rows;
     char *error;
 } text_reader;
@@ -225,6 +226,20 @@ static int grow(text_reader *reader, bool has_row_names)
     return 0;
 }
 
+/* Return whether a cell is a number with a decimal comma. */
+static bool has_decimal_comma(const cell *found)
+{
+    char text[64];
+    double value;
+    const char *comma = memchr(found->text, ',', found->length);
+    if (!comma || found->length >= sizeof text)
+        return false;
+    memcpy(text, found->text, found->length);
+    text[comma - found->text] = '.';
+    const cell with_point = {text, found->length};
+    return is_number(&with_point, &value);
+}
+
 /*
  * Check that the present line has as many cells as the first line. Returns 0, or -1 with error
  * filled.
@@ -232,12 +247,15 @@ static int grow(text_reader *reader, bool has_row_names)
 static int check_length(const text_reader *reader, size_t cells)
 {
     char message[NUMBER_ERROR];
+    bool has_commas = reader->delimiter == ',';
     if (reader->cells == cells)
         return 0;
+    for (size_t k = 0; k < reader->cells; k++)
+        has_commas |= has_decimal_comma(&reader->cell[k]);
     snprintf(message, sizeof message,
-             "%lu values where the lines before have %lu; a value or a delimiter is missing or "
-             "too many",
-             (unsigned long)reader->cells, (unsigned long)cells);
+             "%lu values where line %lu has %lu; a value or a delimiter is missing or too many%s",
+             (unsigned long)reader->cells, reader->first_line, (unsigned long)cells,
+             has_commas ? " in one of the two; for decimals write a point, no comma" : "");
     return fault(reader, message);
 }
 
@@ -356,6 +374,10 @@ static int read_lines(text_reader *reader)
         return -1;
     if (more == 0)
         return fault(reader, "no numbers in the file; write a table of numbers");
+    for (size_t k = 0; k < reader->cells; k++)
+        if (has_decimal_comma(&reader->cell[k]))
+            return check_cell(reader, k);
+    reader->first_line = reader->line;
     const bool has_names = holds_names(reader);
     if (!has_names && take_comment(reader) < 0)
         return -1;

@@ -40,7 +40,7 @@ static int check_plant(const fmu *fmu, const plant *plant, char *error)
                                "electrode or a contact",
                                output->name);
     }
-    if (plant->analysis.nonlinear)
+    if (plant->analysis.is_nonlinear)
         return scene_fault(design->simulate.at, error,
                            "the plant of an FMU is linear; write simulate: {plant: {kinematics: "
                            "linear}}, or add --set simulate.plant.kinematics=linear");
@@ -75,7 +75,7 @@ static double first_load(const fmu *fmu, int load)
         const scene_event *event = &simulate->event[i];
         if (load < loads ? event->type == EVENT_LOAD && event->load == load
                          : event->type == EVENT_TEMPERATURE)
-            value = event->amount;
+            value = event->size;
     }
     return value;
 }

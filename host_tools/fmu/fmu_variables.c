@@ -61,7 +61,7 @@ static void add_place(const design *design, int target, char about[FMU_NAME])
     const double *place = NULL;
     const size_t used = strlen(about);
     if (!influence->given)
-        place = design->mesh.point[design->target_node[target]].x;
+        place = design->mesh.point[design->target_node[target]].position;
     else if (influence->place)
         place = influence->place[target];
     if (place)

@@ -27,9 +27,9 @@ typedef struct corner_pair {
 static void local_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                          double g_mean[3], double g_diff[3])
 {
-    const double slope = pair->sign / (pair->own->a[pair->a] * pair->range),
-                 k = pair->own->k[pair->a];
-    const double turn = pair->a == 0 ? pair->own->b[1] : pair->own->b[0];
+    const double slope = pair->sign / (pair->own->lame[pair->a] * pair->range),
+                 k = pair->own->curvature[pair->a];
+    const double turn = pair->a == 0 ? pair->own->geodesic[1] : pair->own->geodesic[0];
     const int along = pair->a, across = 1 - along;
     for (int i = 0; i < 3; i++) {
         other[i][i] = slope;
@@ -51,20 +51,21 @@ static void local_tables(const corner_pair *pair, double own[3][3], double other
 static void cartesian_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                              double g_mean[3], double g_diff[3])
 {
-    const double length =
-        pair->length > 0 ? pair->length : vector_distance(pair->own->x, pair->other->x);
+    const double length = pair->length > 0
+                              ? pair->length
+                              : vector_distance(pair->own->position, pair->other->position);
     const double slope = pair->sign / length;
     double step[3], turn[3];
     for (int i = 0; i < 3; i++) {
-        turn[i] = pair->other->e[2][i] - pair->own->e[2][i];
-        step[i] = pair->other->x[i] - pair->own->x[i] + pair->middle * turn[i];
+        turn[i] = pair->other->triad[2][i] - pair->own->triad[2][i];
+        step[i] = pair->other->position[i] - pair->own->position[i] + pair->middle * turn[i];
     }
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++)
-            other[i][j] = slope * vector_dot(pair->own->e[i], pair->other->e[j]);
+            other[i][j] = slope * vector_dot(pair->own->triad[i], pair->other->triad[j]);
         own[i][i] = -slope;
-        g_mean[i] = slope * vector_dot(pair->own->e[i], step);
-        g_diff[i] = slope * vector_dot(pair->own->e[i], turn);
+        g_mean[i] = slope * vector_dot(pair->own->triad[i], step);
+        g_diff[i] = slope * vector_dot(pair->own->triad[i], turn);
     }
 }
 

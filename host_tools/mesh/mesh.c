@@ -32,7 +32,7 @@ int mesh_node(const mesh *mesh, int i, int j)
 
 expr_point mesh_place(const mesh *mesh, int node)
 {
-    const double *position = mesh->point[node].x, *theta = mesh->theta[node];
+    const double *position = mesh->point[node].position, *theta = mesh->theta[node];
     const expr_point place = {position[0], position[1], position[2], theta[0], theta[1]};
     return place;
 }
@@ -56,7 +56,7 @@ mesh_text mesh_node_text(const mesh *mesh, int node)
 {
     mesh_text place;
     if (mesh->quads)
-        return place_text(mesh->point[node].x, "node",
+        return place_text(mesh->point[node].position, "node",
                           mesh->quads->node_label ? mesh->quads->node_label[node] : 0);
     snprintf(place.text, sizeof place.text, "theta1 = %g, theta2 = %g", mesh->theta[node][0],
              mesh->theta[node][1]);
@@ -69,7 +69,7 @@ mesh_text mesh_element_text(const mesh *mesh, int element)
     mesh_text place;
     if (mesh->quads) {
         for (int i = 0; i < 12; i++)
-            position[i % 3] += mesh->point[mesh->element[element][i / 3]].x[i % 3] / 4;
+            position[i % 3] += mesh->point[mesh->element[element][i / 3]].position[i % 3] / 4;
         return place_text(position, "element",
                           mesh->quads->element_label ? mesh->quads->element_label[element] : 0);
     }
@@ -122,12 +122,12 @@ static void place_quads(mesh *mesh)
     for (int node = 0; node < mesh->nodes; node++) {
         surface_point *point = &mesh->point[node];
         memset(point, 0, sizeof *point);
-        memcpy(point->x, quads->position[node], sizeof point->x);
-        memcpy(point->e[0], quads->axis[node], sizeof point->e[0]);
-        memcpy(point->e[2], quads->director[node], sizeof point->e[2]);
-        vector_cross(point->e[2], point->e[0], point->e[1]);
-        point->a[0] = point->a[1] = 1;
-        memcpy(mesh->theta[node], point->x, sizeof mesh->theta[node]);
+        memcpy(point->position, quads->position[node], sizeof point->position);
+        memcpy(point->triad[0], quads->axis[node], sizeof point->triad[0]);
+        memcpy(point->triad[2], quads->director[node], sizeof point->triad[2]);
+        vector_cross(point->triad[2], point->triad[0], point->triad[1]);
+        point->lame[0] = point->lame[1] = 1;
+        memcpy(mesh->theta[node], point->position, sizeof mesh->theta[node]);
     }
     for (int element = 0; element < mesh->elements; element++)
         for (int corner = 0; corner < 4; corner++)
@@ -264,11 +264,11 @@ static void centre_chords(const mesh *mesh, const uint16_t node[4], double chord
     for (int direction = 0; direction < 2; direction++) {
         double middle[2][3];
         for (int i = 0; i < 3; i++) {
-            middle[0][i] = (mesh->point[node[low[direction][0]]].x[i] +
-                            mesh->point[node[low[direction][1]]].x[i]) /
+            middle[0][i] = (mesh->point[node[low[direction][0]]].position[i] +
+                            mesh->point[node[low[direction][1]]].position[i]) /
                            2;
-            middle[1][i] = (mesh->point[node[high[direction][0]]].x[i] +
-                            mesh->point[node[high[direction][1]]].x[i]) /
+            middle[1][i] = (mesh->point[node[high[direction][0]]].position[i] +
+                            mesh->point[node[high[direction][1]]].position[i]) /
                            2;
         }
         chord[direction] = vector_distance(middle[0], middle[1]);
@@ -307,13 +307,13 @@ static laminate_place element_place(const mesh *mesh, int element)
         middle[direction] = (range[direction][0] + range[direction][1]) / 2;
     const surface_point centre = surface_at(&scene->surface, middle[0], middle[1]);
     for (int direction = 0; direction < 2; direction++)
-        place.k[direction] = centre.k[direction];
+        place.k[direction] = centre.curvature[direction];
     centre_chords(mesh, mesh->element[element], place.chord);
     place.bubble_share = 1;
-    place.area =
-        scene->element.exact_area
-            ? surface_area(&scene->surface, range[0], range[1])
-            : centre.a[0] * centre.a[1] * (range[0][1] - range[0][0]) * (range[1][1] - range[1][0]);
+    place.area = scene->element.exact_area
+                     ? surface_area(&scene->surface, range[0], range[1])
+                     : centre.lame[0] * centre.lame[1] * (range[0][1] - range[0][0]) *
+                           (range[1][1] - range[1][0]);
     place.present_plies = present_plies(mesh, middle);
     return place;
 }
@@ -360,8 +360,8 @@ static void set_node_curvatures(mesh *mesh)
             const double *k = mesh->place[mesh->element_type[element]].k;
             elements_at[node]++;
             for (int direction = 0; direction < 2; direction++)
-                mesh->point[node].k[direction] +=
-                    (k[direction] - mesh->point[node].k[direction]) / elements_at[node];
+                mesh->point[node].curvature[direction] +=
+                    (k[direction] - mesh->point[node].curvature[direction]) / elements_at[node];
         }
     free(elements_at);
 }

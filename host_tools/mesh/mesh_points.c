@@ -12,12 +12,12 @@ static void fill(mesh *mesh)
         mesh->theta[node][0] = mesh->theta[node][1] = (double)NAN;
         mesh->node_dof[node] = (uint16_t)node;
         for (int axis = 0; axis < 3; axis++) {
-            mesh->point[node].x[axis] = influence->place ? influence->place[node][axis] : 0;
-            mesh->point[node].e[axis][(axis + 2) % 3] = 1; /* the only dof of a node acts along e1,
-                                                              which is set to the z axis */
+            mesh->point[node].position[axis] = influence->place ? influence->place[node][axis] : 0;
+            mesh->point[node].triad[axis][(axis + 2) % 3] = 1; /* the only dof of a node acts along
+                                                              e1, which is set to the z axis */
         }
         if (!influence->place)
-            mesh->point[node].x[0] = node;
+            mesh->point[node].position[0] = node;
     }
 }
 

@@ -18,7 +18,8 @@ static mesh_side side_of_set(const mesh *mesh, const quad_set *set, size_t i)
     const uint16_t *element = mesh->element[set->index[i] / 4];
     const uint32_t side = set->index[i] % 4;
     mesh_side found = {{element[side], element[(side + 1) % 4]}, 0};
-    const double *from = mesh->point[found.node[0]].x, *to = mesh->point[found.node[1]].x;
+    const double *from = mesh->point[found.node[0]].position,
+                 *to = mesh->point[found.node[1]].position;
     found.length =
         sqrt(pow(to[0] - from[0], 2) + pow(to[1] - from[1], 2) + pow(to[2] - from[2], 2));
     return found;
@@ -36,7 +37,7 @@ static mesh_side side_of_lines(const mesh *mesh, scene_edge edge, int k)
     for (int end = 0; end < 2; end++)
         found.node[end] =
             along == 1 ? mesh_node(mesh, across, k + end) : mesh_node(mesh, k + end, across);
-    found.length = mesh->point[found.node[0]].a[along] * (line->point[k + 1] - line->point[k]);
+    found.length = mesh->point[found.node[0]].lame[along] * (line->point[k + 1] - line->point[k]);
     return found;
 }
 

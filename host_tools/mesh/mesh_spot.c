@@ -45,7 +45,7 @@ void mesh_spot_place(const mesh *mesh, const mesh_spot *spot, double place[3])
     for (int i = 0; i < 3; i++) {
         place[i] = 0;
         for (int corner = 0; corner < spot->count; corner++)
-            place[i] += spot->weight[corner] * mesh->point[spot->node[corner]].x[i];
+            place[i] += spot->weight[corner] * mesh->point[spot->node[corner]].position[i];
     }
 }
 
@@ -87,7 +87,7 @@ static void position(const mesh *mesh, int element, const double xi[2], double p
     for (int i = 0; i < 3; i++) {
         place[i] = base[0][i] = base[1][i] = 0;
         for (int corner = 0; corner < 4; corner++) {
-            const double at = mesh->point[mesh->element[element][corner]].x[i] / 4;
+            const double at = mesh->point[mesh->element[element][corner]].position[i] / 4;
             const double along = 1 + corner_xi[corner][0] * xi[0],
                          across = 1 + corner_xi[corner][1] * xi[1];
             place[i] += along * across * at;
@@ -136,7 +136,7 @@ static bool is_near(const mesh *mesh, int element, const double point[3])
     double x[3], base[2][3], size = 0;
     position(mesh, element, middle, x, base);
     for (int corner = 0; corner < 4; corner++)
-        size = fmax(size, vector_distance(x, mesh->point[mesh->element[element][corner]].x));
+        size = fmax(size, vector_distance(x, mesh->point[mesh->element[element][corner]].position));
     const double height = isnan(point[2]) ? x[2] : point[2];
     const double at[3] = {point[0], point[1], height};
     return vector_distance(at, x) <= 1.5 * size;

@@ -41,9 +41,9 @@ int quads_of_lines(const line_mesh *lines, quad_mesh *quads)
         return -1;
     }
     for (size_t node = 0; node < lines->nodes; node++) {
-        memcpy(quads->position[node], lines->point[node].x, sizeof *quads->position);
-        memcpy(quads->axis[node], lines->point[node].e[0], sizeof *quads->axis);
-        memcpy(quads->director[node], lines->point[node].e[2], sizeof *quads->director);
+        memcpy(quads->position[node], lines->point[node].position, sizeof *quads->position);
+        memcpy(quads->axis[node], lines->point[node].triad[0], sizeof *quads->axis);
+        memcpy(quads->director[node], lines->point[node].triad[2], sizeof *quads->director);
     }
     for (size_t element = 0; element < lines->elements; element++) {
         for (int corner = 0; corner < 4; corner++)

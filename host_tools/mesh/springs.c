@@ -73,7 +73,7 @@ static void direction_at(const surface_point *point, const scene_direction *dire
     for (int i = 0; i < 3; i++) {
         vector[i] = direction->component - COMPONENT_X == (unsigned)i;
         if (direction->component <= COMPONENT_U3)
-            vector[i] = point->e[direction->component - COMPONENT_U1][i];
+            vector[i] = point->triad[direction->component - COMPONENT_U1][i];
         if (is_vector)
             vector[i] = direction->vector[i];
     }
@@ -97,7 +97,7 @@ static void add_node(const spring_builder *builder, int node, double factor, con
     const surface_point *point = &builder->mesh->point[node];
     const double height = face_height(builder->mesh, builder->item->face);
     for (int axis = 0; axis < 3; axis++) {
-        const double part = factor * vector_dot(point->e[axis], vector);
+        const double part = factor * vector_dot(point->triad[axis], vector);
         add_entry(builder->mesh, node, axis, part, row);
         add_entry(builder->mesh, node, 3 + axis, height * part, row);
     }
@@ -107,10 +107,10 @@ int springs_rotation(const surface_point *point, const scene_direction *axis, do
 {
     double along[3], lever[3];
     direction_at(point, axis, along);
-    vector_cross(along, point->e[2], lever);
+    vector_cross(along, point->triad[2], lever);
     memset(weight, 0, 7 * sizeof *weight);
     for (int component = 0; component < 3; component++)
-        weight[3 + component] = vector_dot(point->e[component], lever);
+        weight[3 + component] = vector_dot(point->triad[component], lever);
     return vector_length(lever) < 0.01 ? -1 : 0;
 }
 
@@ -124,7 +124,7 @@ static double span(const mesh *mesh, const mesh_spot *spot, int other, double ve
 {
     mesh_spot_place(mesh, spot, vector);
     for (int i = 0; i < 3; i++)
-        vector[i] -= mesh->point[other].x[i];
+        vector[i] -= mesh->point[other].position[i];
     return vector_length(vector);
 }
 
@@ -141,7 +141,7 @@ static int add_other_end(const spring_builder *builder, const mesh_spot *spot, d
     const int other = mesh_point_node(mesh, &item->to);
     double line[3];
     const double length = span(mesh, spot, other, line);
-    if (!(length > 1e-12 * vector_length(mesh->point[other].x)) || length == 0)
+    if (!(length > 1e-12 * vector_length(mesh->point[other].position)) || length == 0)
         return scene_fault(item->at, builder->error,
                            "both ends of the spring are at %s; name two places",
                            mesh_node_text(mesh, other).text);

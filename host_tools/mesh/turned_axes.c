@@ -28,18 +28,18 @@ static bool depends_on_axes(const scene_support *support)
 static int turn_node(mesh *mesh, const scene_support *support, int node, char *error)
 {
     surface_point *point = &mesh->point[node];
-    const double along = vector_dot(support->direction, point->e[2]);
+    const double along = vector_dot(support->direction, point->triad[2]);
     double axis[3];
     for (int i = 0; i < 3; i++)
-        axis[i] = support->direction[i] - along * point->e[2][i];
+        axis[i] = support->direction[i] - along * point->triad[2][i];
     if (!(vector_normalise(axis) > 0.01))
         return scene_fault(support->at, error,
                            "the direction of this support is normal to the surface at %s; choose "
                            "one in the surface, or fix u3",
                            mesh_node_text(mesh, node).text);
     for (int i = 0; i < 3; i++)
-        point->e[0][i] = axis[i];
-    vector_cross(point->e[2], point->e[0], point->e[1]);
+        point->triad[0][i] = axis[i];
+    vector_cross(point->triad[2], point->triad[0], point->triad[1]);
     return 0;
 }
 
@@ -53,9 +53,10 @@ static int check_node(const mesh *mesh, const scene_support *support, int node,
     const surface_point *point = &mesh->point[node];
     double across[3];
     const bool has_direction = vector_length(support->direction) > 0;
-    vector_cross(support->direction, point->e[2], across);
+    vector_cross(support->direction, point->triad[2], across);
     const double length = vector_length(across);
-    const bool is_equal = has_direction && fabs(vector_dot(across, point->e[0])) < nearly * length;
+    const bool is_equal =
+        has_direction && fabs(vector_dot(across, point->triad[0])) < nearly * length;
     if (!turned[node] || !depends_on_axes(support) || is_equal)
         return 0;
     return scene_fault(support->at, error,

@@ -29,19 +29,48 @@ double analysis_now(void)
 
 /* ---- structure -------------------------------------------------------- */
 
-int analysis_explain(const analysis *analysis, pzs_status status, char *error)
+/*
+ * Position in the scene file of what should hold the structure: the first support, else the first
+ * stack or spring, else the surface.
+ */
+static scene_at at_of_supports(const design *design)
+{
+    if (design->supports > 0)
+        return design->support[0].at;
+    for (int k = 0; k < design->actuators; k++)
+        if (design->actuator[k].stacks)
+            return design->actuator[k].stacks->at;
+    return design->springs > 0 ? design->spring[0].at : design->at;
+}
+
+/* Write the error message for a rigid motion of the structure that nothing stops. Returns -1. */
+static int explain_loose(const analysis *analysis, pzs_status status, char *error)
 {
     const mesh *mesh = &analysis->design.mesh;
     const design *design = &analysis->design;
+    const int32_t where = analysis->model.info.where;
+    char place[160] = "";
+    for (int node = 0; node < mesh->nodes && !*place; node++)
+        for (unsigned i = 0; i < mesh->dof_per_node; i++)
+            if (mesh->node_dof[(size_t)node * mesh->dof_per_node + i] == where)
+                snprintf(place, sizeof place, ": %s at node %s", unknown_name[i],
+                         mesh_node_text(mesh, node).text);
+    if (mesh->springs.count == 0)
+        return scene_fault(at_of_supports(design), error,
+                           "%s%s; add supports that stop every rigid motion",
+                           pzs_status_text(status), place);
+    return scene_fault(
+        at_of_supports(design), error,
+        "%s%s; the %d supports and the %d springs and stacks leave a motion free, or "
+        "are too soft: add supports or springs, or turn some ('along')",
+        pzs_status_text(status), place, design->supports, mesh->springs.count);
+}
+
+int analysis_explain(const analysis *analysis, pzs_status status, char *error)
+{
+    const design *design = &analysis->design;
     if (status == PZS_E_LOOSE || status == PZS_E_NEGATIVE)
-        for (int node = 0; node < mesh->nodes; node++)
-            for (unsigned i = 0; i < mesh->dof_per_node; i++)
-                if (mesh->node_dof[(size_t)node * mesh->dof_per_node + i] ==
-                    analysis->model.info.where)
-                    return scene_fault(
-                        design->at, error,
-                        "%s: %s at node %s; add supports that stop every rigid motion",
-                        pzs_status_text(status), unknown_name[i], mesh_node_text(mesh, node).text);
+        return explain_loose(analysis, status, error);
     if (status == PZS_E_CONDITION)
         return scene_fault(
             design->at, error,
@@ -140,7 +169,7 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error)
 {
     memset(analysis, 0, sizeof *analysis);
     analysis->source = scene->influence.given ? &analysis_of_matrix : &analysis_of_structure;
-    analysis->nonlinear = scene->kinematics == KINEMATICS_NONLINEAR;
+    analysis->is_nonlinear = scene->kinematics == KINEMATICS_NONLINEAR;
     if (design_build(&analysis->design, scene, error) < 0)
         return -1;
     if (analysis->source->open(analysis, error) == 0)
@@ -243,12 +272,12 @@ double analysis_output(const analysis *analysis, int k, int i, const double *val
 pzs_status analysis_electrodes(analysis *analysis, const double *value)
 {
     memcpy(analysis->input_value,
-           analysis->nonlinear ? analysis->equilibrium.solver.info.input_value : value,
+           analysis->is_nonlinear ? analysis->equilibrium.solver.info.input_value : value,
            analysis->design.structure.input.count * sizeof *analysis->input_value);
-    if (analysis->nonlinear)
+    if (analysis->is_nonlinear)
         pzs_charges_at(&analysis->equilibrium.solver, &analysis->design.electrodes,
                        analysis->charge);
-    if (analysis->nonlinear || !analysis->electric.state.model)
+    if (analysis->is_nonlinear || !analysis->electric.state.model)
         return PZS_OK;
     const pzs_status status = pzs_open_voltages(&analysis->electric, analysis->input_value);
     return status == PZS_OK
@@ -290,13 +319,13 @@ int analysis_reach(analysis *analysis, const double *voltage, int warm, double *
     for (size_t k = 0; k < amplifiers; k++)
         value[k] = voltage[k];
     for (size_t k = amplifiers; k < inputs; k++)
-        value[k] = analysis->nonlinear ? analysis->equilibrium.full_input[k]
-                                       : k < amplifiers + (size_t)design->loads;
-    const pzs_status status = analysis->nonlinear
+        value[k] = analysis->is_nonlinear ? analysis->equilibrium.full_input[k]
+                                          : k < amplifiers + (size_t)design->loads;
+    const pzs_status status = analysis->is_nonlinear
                                   ? reach_nonlinear(analysis, value, warm, displacement)
                                   : reach_linear(analysis, value, displacement);
     free(value);
-    if (analysis->nonlinear)
+    if (analysis->is_nonlinear)
         return explain_equilibrium(analysis, error);
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
@@ -339,14 +368,14 @@ static int solve_auto(analysis *analysis, double *displacement, char *error)
     double *linear = malloc(bytes);
     if (!linear)
         return analysis_explain(analysis, PZS_E_WORKSPACE, error);
-    analysis->nonlinear = 0;
+    analysis->is_nonlinear = false;
     int failed = solve_applied(analysis, 0, linear, error);
-    analysis->nonlinear = 1;
+    analysis->is_nonlinear = true;
     if (!failed)
         failed = solve_applied(analysis, 0, displacement, error);
     analysis->linear_error = failed ? (double)NAN : distance(analysis, linear, displacement);
     if (analysis->linear_error <= analysis->design.tolerance) {
-        analysis->nonlinear = 0;
+        analysis->is_nonlinear = false;
         memcpy(displacement, linear, bytes);
     }
     free(linear);
@@ -364,7 +393,7 @@ int analysis_solve(analysis *analysis, double *displacement, char *error)
     if (analysis->design.kinematics == KINEMATICS_AUTO && !path_alone)
         return solve_auto(analysis, displacement, error);
     if (analysis->design.kinematics == KINEMATICS_AUTO) {
-        analysis->nonlinear = 1;
+        analysis->is_nonlinear = true;
         analysis->linear_error = (double)NAN;
     }
     return solve_applied(analysis, 0, displacement, error);
@@ -372,7 +401,7 @@ int analysis_solve(analysis *analysis, double *displacement, char *error)
 
 int analysis_continue(analysis *analysis, double *displacement, char *error)
 {
-    analysis->nonlinear = 1;
+    analysis->is_nonlinear = true;
     return solve_applied(analysis, 1, displacement, error);
 }
 
@@ -488,7 +517,7 @@ double analysis_stiffening(analysis *analysis)
     double work = (double)NAN, released = 0;
     const pzs_model kept = analysis->model; /* the linear solves below overwrite data in the model,
                                                which are restored from this copy */
-    if (value && charge && !analysis->nonlinear && tables->count > 0 &&
+    if (value && charge && !analysis->is_nonlinear && tables->count > 0 &&
         pzs_electrode_open_count(tables) > 0 && design->loads > 0) {
         work = work_of_loads(analysis, value);
         const int known = pzs_charges(&analysis->electric, value, charge) == PZS_OK &&

@@ -60,8 +60,8 @@ typedef struct analysis {
                             computed voltages of the open electrodes */
     double *charge; /* [electrodes] charges of the electrodes at the last computed displacement (C)
                      */
-    int nonlinear; /* 1: displacements are computed by the nonlinear equilibrium solver; 0: they are
-                      computed linearly. The initial value is that of the scene */
+    bool is_nonlinear; /* whether displacements are computed by the nonlinear equilibrium solver;
+                          the initial value is that of the scene */
     double *influence; /* [outputs][inputs] influence matrix in the reference state, filled by
                           analysis_influence */
     pzs_status status; /* status of the last computation of a nonlinear equilibrium */
@@ -70,12 +70,12 @@ typedef struct analysis {
     } seconds; /* durations of assembling and factoring the stiffness matrix and of the last
                   displacement (s) */
     certificate certificate; /* stability of the control loop, filled by certificate_make */
-    int quasi_static; /* flag: write the controller's tables even where vibration makes the control
-                         loop unstable */
-    double linear_error;   /* difference between linear and nonlinear displacement relative to the
-                              nonlinear one, computed where the scene's kinematics is `auto` */
-    load_path load_path;   /* equilibria on the load path to the last displacement; empty unless the
-                              user asked for them */
+    bool quasi_static;   /* whether to write the controller's tables even where vibration makes the
+                            control loop unstable */
+    double linear_error; /* difference between linear and nonlinear displacement relative to the
+                            nonlinear one, computed where the scene's kinematics is `auto` */
+    load_path load_path; /* equilibria on the load path to the last displacement; empty unless the
+                            user asked for them */
     mesh_error mesh_error; /* estimated discretisation error of the results; empty unless the user
                               asked for it */
     plausible warnings; /* plausibility warnings on the scene and on the results computed so far */

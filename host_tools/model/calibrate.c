@@ -314,7 +314,30 @@ void calibration_free(calibration *result)
     memset(result, 0, sizeof *result);
 }
 
-/* ---- dead columns ------------------------------------------------------ */
+double calibration_size(const pokes *pokes, const double *model)
+{
+    double measured = 0, predicted = 0;
+    for (size_t poke = 0; poke < pokes->count; poke++)
+        for (size_t i = 0; i < pokes->outputs; i++) {
+            double sum = 0;
+            for (size_t k = 0; k < pokes->actuators; k++)
+                sum +=
+                    pokes->voltage[poke * pokes->actuators + k] * model[i * pokes->actuators + k];
+            measured += pow(pokes->shape[poke * pokes->outputs + i], 2);
+            predicted += sum * sum;
+        }
+    return sqrt(measured / predicted);
+}
+
+/* ---- idle and dead actuators --------------------------------------------- */
+
+bool calibration_is_idle(const pokes *pokes, size_t actuator)
+{
+    for (size_t poke = 0; poke < pokes->count; poke++)
+        if (pokes->voltage[poke * pokes->actuators + actuator] != 0)
+            return false;
+    return true;
+}
 
 static double column_rms(const calibration *result, const pokes *pokes, size_t k)
 {

@@ -50,6 +50,13 @@ typedef struct calibration {
 int calibrate(calibration *result, const pokes *pokes, const double *model, char *error);
 void calibration_free(calibration *result);
 
+/*
+ * Root mean square of the measured shapes relative to that of the shapes that a model predicts.
+ *   model [outputs][actuators] in  influence matrix of the model
+ * Returns infinity where the model predicts zeros.
+ */
+double calibration_size(const pokes *pokes, const double *model);
+
 /* ---- faults ----------------------------------------------------------- */
 
 typedef enum wiring_fault_type {
@@ -91,6 +98,9 @@ void wiring_apply(const wiring_fault *fault, int faults, const pokes *pokes, dou
  */
 void wiring_matrix(const wiring_fault *fault, int faults, const pokes *pokes, double *influence,
                    double *error);
+
+/* Whether the voltage of an actuator is 0 in all pokes, which then tell nothing of it. */
+bool calibration_is_idle(const pokes *pokes, size_t actuator);
 
 /*
  * Whether an actuator looks dead in an influence matrix that was computed without a model: its

@@ -53,7 +53,7 @@ static int copy_influence(const calibration_model *model, analysis *analysis, co
                analysis->influence + i * design->structure.input.count,
                pokes->actuators * sizeof *influence);
     for (size_t i = 0; i < pokes->outputs; i++)
-        memcpy(model->place[i], design->mesh.point[design->target_node[i]].x,
+        memcpy(model->place[i], design->mesh.point[design->target_node[i]].position,
                sizeof model->place[i]);
     return 0;
 }
@@ -237,8 +237,10 @@ static int fit_factors(calibration_model *model, const scene *nominal, const pok
         if (failed)
             break;
         predict(pokes, model->influence, fit.shape);
-        if (model->before < 0)
+        if (model->before < 0) {
             model->before = sqrt(squares_left(&fit, pokes) / squares_of(pokes));
+            model->size = calibration_size(pokes, model->influence);
+        }
         failed = differentiate(&fit, model, nominal, pokes, error);
         change = failed ? 0 : change_factors(&fit, model, pokes);
     }

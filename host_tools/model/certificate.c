@@ -175,17 +175,17 @@ static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEX
 }
 
 /*
- * Append the sentences on the storms (simulations with fast jumps of the target) of a loop with a
- * vibration model.
+ * Append the sentences on the storms (stress tests: simulations with fast jumps of the target) of a
+ * loop with a vibration model.
  */
 static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     append_text(
         text,
-        "\nStorms (targets jump faster than the voltages can follow, then the last one stands; "
-        "in a third of\nthem 5 %% of the ticks are missed): ");
+        "\nStorms (stress tests: targets jump faster than the voltages can follow, then the last "
+        "one stands;\nin a third of them 5 %% of the ticks are missed):");
     if (loop->storms == 0) {
-        append_text(text, "none was run.");
+        append_text(text, " none was run.");
         return;
     }
     append_text(text,

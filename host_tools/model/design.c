@@ -19,14 +19,14 @@ typedef struct row_builder {
     uint16_t *dof;
     double *value;
     size_t rows, terms, room_rows, room_terms;
-    int is_full; /* 1 after an allocation of memory has failed */
+    bool is_full; /* true after an allocation of memory has failed */
 } row_builder;
 
-void *design_grow(void *old, size_t count, size_t size, int *full)
+void *design_grow(void *old, size_t count, size_t size, bool *full)
 {
     void *bigger = realloc(old, count * size);
     if (!bigger)
-        *full = 1;
+        *full = true;
     return bigger ? bigger : old;
 }
 
@@ -80,7 +80,7 @@ static void direction(const surface_point *point, scene_component component, dou
 {
     for (int axis = 0; axis < 3; axis++)
         unit[axis] = component <= COMPONENT_U3 ? component - COMPONENT_U1 == (unsigned)axis
-                                               : point->e[axis][component - COMPONENT_X];
+                                               : point->triad[axis][component - COMPONENT_X];
 }
 
 /* Height of a face above the middle surface of a shell of a given thickness. */
@@ -454,10 +454,11 @@ static void load_vector(const mesh *mesh, const scene_load *load, int node, doub
 {
     const surface_point *point = &mesh->point[node];
     const double z = mesh->laminate.z[load->face == FACE_OUTER];
-    const double stretch = load->true_area ? (1 + point->k[0] * z) * (1 + point->k[1] * z) : 1;
+    const double stretch =
+        load->true_area ? (1 + point->curvature[0] * z) * (1 + point->curvature[1] * z) : 1;
     direction(point, load->component, vector);
     for (int axis = 0; axis < 3 && load->type == LOAD_WEIGHT && has_vector(load); axis++)
-        vector[axis] = vector_dot(point->e[axis], load->vector);
+        vector[axis] = vector_dot(point->triad[axis], load->vector);
     for (int axis = 0; axis < 3; axis++)
         vector[axis] *= value * stretch;
 }
@@ -490,8 +491,8 @@ static void carry(const mesh *mesh, const scene_load *load, int from, int to,
         out[axis] = 0;
         for (int other = 0; other < 3; other++)
             for (int i = 0; i < 3; i++)
-                out[axis] +=
-                    mesh->point[to].e[axis][i] * mesh->point[from].e[other][i] * direction[other];
+                out[axis] += mesh->point[to].triad[axis][i] * mesh->point[from].triad[other][i] *
+                             direction[other];
     }
 }
 

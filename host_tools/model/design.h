@@ -302,10 +302,10 @@ int design_target_rows(design *design, char *error);
 
 /*
  * design_grow reallocates an array to `count` items of `size` bytes; where memory runs out, it
- * returns the old array and sets *full to 1. design_release frees an array that the library's
+ * returns the old array and sets *full to true. design_release frees an array that the library's
  * tables declare const.
  */
-void *design_grow(void *old, size_t count, size_t size, int *full);
+void *design_grow(void *old, size_t count, size_t size, bool *full);
 void design_release(const void *table);
 
 /*

@@ -28,13 +28,13 @@ typedef struct across_list {
 /* Enlarge a list so that `more` further entries fit. */
 static void make_room(across_list *list, int more)
 {
-    int full = 0;
+    bool is_full = false;
     if (list->count + more <= list->room)
         return;
     list->room = 2 * (list->count + more);
-    list->entry = design_grow(list->entry, (size_t)list->room, sizeof *list->entry, &full);
-    list->part = design_grow(list->part, (size_t)list->room, sizeof *list->part, &full);
-    list->is_full = list->is_full || full;
+    list->entry = design_grow(list->entry, (size_t)list->room, sizeof *list->entry, &is_full);
+    list->part = design_grow(list->part, (size_t)list->room, sizeof *list->part, &is_full);
+    list->is_full = list->is_full || is_full;
 }
 
 /*

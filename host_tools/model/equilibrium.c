@@ -21,7 +21,7 @@ typedef struct resultant_builder {
     uint16_t *element, *which;
     double (*value)[LAMINATE_STRAINS];
     size_t entries, room, values, room_values;
-    int is_full; /* 1 after an allocation of memory has failed */
+    bool is_full; /* true after an allocation of memory has failed */
 } resultant_builder;
 
 /*
@@ -100,11 +100,11 @@ static pzs_status build_prescribed_resultants(equilibrium *equilibrium, double *
     for (int k = 0; k < design->sensors; k++)
         append_actuator(&builder, &design->mesh, &design->sensor[k],
                         design->sensor_first + design->sensor[k].first);
-    equilibrium->tables.given.start = builder.start;
-    equilibrium->tables.given.element = builder.element;
-    equilibrium->tables.given.which = builder.which;
-    equilibrium->tables.given.value = (const double(*)[LAMINATE_STRAINS])builder.value;
-    equilibrium->tables.given.values = (uint16_t)builder.values;
+    equilibrium->tables.resultants.start = builder.start;
+    equilibrium->tables.resultants.element = builder.element;
+    equilibrium->tables.resultants.which = builder.which;
+    equilibrium->tables.resultants.value = (const double(*)[LAMINATE_STRAINS])builder.value;
+    equilibrium->tables.resultants.values = (uint16_t)builder.values;
     return builder.is_full || builder.values > UINT16_MAX ? PZS_E_WORKSPACE : PZS_OK;
 }
 
@@ -119,7 +119,7 @@ static void set_corner(const mesh *mesh, int element, int corner, const pzs_foll
     const double size = design_chords(mesh, element, corner,
                                       follower->normal_face ? FACE_OUTER : FACE_INNER, flat, lean);
     if (follower->true_area)
-        *area *= (1 + point->k[0] * z) * (1 + point->k[1] * z) / size;
+        *area *= (1 + point->curvature[0] * z) * (1 + point->curvature[1] * z) / size;
 }
 
 /*
@@ -250,9 +250,9 @@ static pzs_status build_contact(equilibrium *equilibrium, uint16_t input)
     for (size_t node = 0; node < nodes; node++)
         for (int i = 0; i < 3; i++) {
             place[node][i] =
-                mesh->point[node].x[i] +
-                mesh->laminate.z[equilibrium->contact_face.face] * mesh->point[node].e[2][i];
-            memcpy(triad[node][i], mesh->point[node].e[i], sizeof triad[node][i]);
+                mesh->point[node].position[i] +
+                mesh->laminate.z[equilibrium->contact_face.face] * mesh->point[node].triad[2][i];
+            memcpy(triad[node][i], mesh->point[node].triad[i], sizeof triad[node][i]);
             low[i] = node ? fmin(low[i], place[node][i]) : place[node][i];
             high[i] = node ? fmax(high[i], place[node][i]) : place[node][i];
         }
@@ -481,10 +481,10 @@ pzs_status equilibrium_open(equilibrium *equilibrium, const design *design, pzs_
 
 void equilibrium_close(equilibrium *equilibrium)
 {
-    design_release(equilibrium->tables.given.start);
-    design_release(equilibrium->tables.given.element);
-    design_release(equilibrium->tables.given.which);
-    design_release(equilibrium->tables.given.value);
+    design_release(equilibrium->tables.resultants.start);
+    design_release(equilibrium->tables.resultants.element);
+    design_release(equilibrium->tables.resultants.which);
+    design_release(equilibrium->tables.resultants.value);
     for (int k = 0; k < equilibrium->followers; k++) {
         design_release(equilibrium->follower[k].pressure);
         design_release(equilibrium->follower[k].area);

@@ -319,7 +319,7 @@ static void take_result(identification *result, const fit *fit, double gain)
     result->gain = gain > 0 ? gain : fit->unit * swing_gain(fit);
     const double factor = fit->unit / result->gain;
     const double *weight = fit->value + SLOPES;
-    hysteresis->given = 1;
+    hysteresis->given = true;
     hysteresis->offset = factor * effect_at_start(fit);
     hysteresis->range[0] = fit->middle - fit->half_range;
     hysteresis->range[1] = fit->middle + fit->half_range;

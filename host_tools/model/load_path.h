@@ -8,6 +8,8 @@
 #ifndef LOAD_PATH_H
 #define LOAD_PATH_H
 
+#include <stdbool.h>
+
 /* One equilibrium on the load path. */
 typedef struct load_path_point {
     double load_factor;  /* factor of all input values; 1 is the full load */
@@ -40,8 +42,8 @@ typedef struct load_path {
     load_path_event event[LOAD_PATH_EVENTS]; /* critical points in the order of the load path; those
                                                 beyond LOAD_PATH_EVENTS are not stored */
     int rows;                                /* number of output rows of the structure */
-    double *value;   /* [points][rows] values of all output rows at each point of the load path */
-    int is_complete; /* 1 where the load path has reached the full load, else 0 */
+    double *value;    /* [points][rows] values of all output rows at each point of the load path */
+    bool is_complete; /* whether the load path has reached the full load */
 } load_path;
 
 /* Release the memory of a load path and make the path empty. */

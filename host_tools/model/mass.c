@@ -85,7 +85,8 @@ static double share(const laminate_place *place, int row, int column, double lum
 /* Cosine of the angle between local axis a of node p and local axis b of node q. */
 static double cosine_between(const surface_point *p, int a, const surface_point *q, int b)
 {
-    return p->e[a][0] * q->e[b][0] + p->e[a][1] * q->e[b][1] + p->e[a][2] * q->e[b][2];
+    return p->triad[a][0] * q->triad[b][0] + p->triad[a][1] * q->triad[b][1] +
+           p->triad[a][2] * q->triad[b][2];
 }
 
 static void fill_element(const mesh *mesh, int element, double lumped,
@@ -220,14 +221,14 @@ static void rigid_unknowns(const mesh *mesh, int node, const double shift[3], co
     const double middle = (mesh->laminate.z[0] + mesh->laminate.z[1]) / 2;
     double place[3], turned[3], lean[3];
     for (int i = 0; i < 3; i++)
-        place[i] = point->x[i] + middle * point->e[2][i];
+        place[i] = point->position[i] + middle * point->triad[2][i];
     vector_cross(spin, place, turned);
-    vector_cross(spin, point->e[2], lean);
+    vector_cross(spin, point->triad[2], lean);
     memset(unit, 0, 7 * sizeof *unit);
     for (int a = 0; a < 3; a++)
         for (int i = 0; i < 3; i++) {
-            unit[a] += point->e[a][i] * (shift[i] + turned[i]);
-            unit[3 + a] += point->e[a][i] * lean[i];
+            unit[a] += point->triad[a][i] * (shift[i] + turned[i]);
+            unit[3 + a] += point->triad[a][i] * lean[i];
         }
 }
 

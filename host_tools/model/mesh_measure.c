@@ -73,7 +73,7 @@ int mesh_measure_shape(const scene *scene, const void *context, mesh_values *val
     analysis analysis;
     voltages result = {.amplifiers = 0};
     int failed = analysis_prepare(&analysis, scene, error);
-    analysis.nonlinear = scene->kinematics != KINEMATICS_LINEAR;
+    analysis.is_nonlinear = scene->kinematics != KINEMATICS_LINEAR;
     if (!failed)
         failed = analysis_influence(&analysis, error);
     if (!failed) {

@@ -75,8 +75,8 @@ static double shorter_side(const mesh *mesh)
     for (int i = 0; i < 3; i++) {
         double low = HUGE_VAL, high = -HUGE_VAL;
         for (int node = 0; node < mesh->nodes; node++) {
-            low = fmin(low, mesh->point[node].x[i]);
-            high = fmax(high, mesh->point[node].x[i]);
+            low = fmin(low, mesh->point[node].position[i]);
+            high = fmax(high, mesh->point[node].position[i]);
         }
         extent[i] = high - low;
     }

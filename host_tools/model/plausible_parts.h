@@ -15,7 +15,7 @@ typedef struct subject {
     const scene *scene;
     const mesh *mesh;
     const double *u, *voltage;
-    int is_linear;
+    bool is_linear;
     const char *name;
     const struct plausible_optimum *optimum;
     double path_difference; /* relative difference to the displacement with twice as many load steps

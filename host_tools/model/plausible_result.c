@@ -85,8 +85,8 @@ static void face_points(const mesh *mesh, const double *displacement, double (*p
         for (int face = 0; face < 2; face++)
             for (int i = 0; i < 3; i++) {
                 const scene_component axis = (scene_component)((int)COMPONENT_X + i);
-                point[node][face][i] =
-                    mesh->point[node].x[i] + mesh->laminate.z[face] * mesh->point[node].e[2][i];
+                point[node][face][i] = mesh->point[node].position[i] +
+                                       mesh->laminate.z[face] * mesh->point[node].triad[2][i];
                 moved[node][face][i] = displacement_of(mesh, displacement, node, axis, faces[face]);
             }
 }

@@ -288,10 +288,10 @@ static bend bend_at(const scene *scene, const int node[2], int direction)
     const int across = 1 - direction;
     const surface_point point =
         surface_at(&scene->surface, scene->line[0].point[node[0]], scene->line[1].point[node[1]]);
-    bend result = {HUGE_VAL, 0, point.a[across] * span_of(&scene->line[across]),
-                   point.a[direction] * element_at(&scene->line[direction], node[direction])};
-    if (point.k[direction] != 0)
-        result.radius = 1 / fabs(point.k[direction]);
+    bend result = {HUGE_VAL, 0, point.lame[across] * span_of(&scene->line[across]),
+                   point.lame[direction] * element_at(&scene->line[direction], node[direction])};
+    if (point.curvature[direction] != 0)
+        result.radius = 1 / fabs(point.curvature[direction]);
     for (int i = 0; i < scene->layers; i++)
         result.thickness += scene->layer[i].thickness;
     return result;

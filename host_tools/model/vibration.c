@@ -47,23 +47,24 @@ static const double two_pi = 6.283185307179586;
  * vectors is from being invariant under A.
  */
 typedef struct search {
-    const design *d;
+    const design *design;
     mass mass;
     pzs_model model;
     void *work;
-    uint8_t *held;  /* [free_dof] flags of dof with a prescribed displacement, which are fixed at 0
-                       for vibration */
-    size_t n, room; /* number of free dof; number of basis vectors that the memory holds */
+    uint8_t *held; /* [free_dof] flags of dof with a prescribed displacement, which are fixed at 0
+                      for vibration */
+    size_t free_dof, room; /* number of free dof; number of basis vectors that the memory holds */
     double shift;
     double *basis; /* [room][n] basis vectors, orthonormal in the scalar product of the mass matrix
                     */
     size_t made, done;
-    double *h; /* [room][room] projection of the operator onto the basis; column j begins at h + j
-                  room */
-    double *w, *mw; /* [n] work vectors: the next basis vector, and its product with the mass matrix
-                     */
-    double *ritz, *turn; /* ritz [done][done]: Ritz values on the diagonal; turn [done][done]:
-                            eigenvectors as columns */
+    double *projection; /* [room][room] projection of the operator onto the basis; column j begins
+                  at h + j room */
+    double *next, *mass_next; /* [n] work vectors: the next basis vector, and its product with the
+                               * mass matrix
+                               */
+    double *ritz, *turn;      /* ritz [done][done]: Ritz values on the diagonal; turn [done][done]:
+                                 eigenvectors as columns */
     size_t *order; /* [done] indices of the Ritz pairs (approximate eigenvalues with eigenvectors)
                       by decreasing Ritz value */
     uint64_t seed;
@@ -127,21 +128,22 @@ static int has_supports(const search *search, const linalg_inertia *inertia)
 static double upper_bound(search *search)
 {
     double least = HUGE_VAL;
-    for (size_t i = 0; i < search->n; i++)
-        search->w[i] = 1;
+    for (size_t i = 0; i < search->free_dof; i++)
+        search->next[i] = 1;
     if (pzs_assemble(&search->model, NULL, search->held) != PZS_OK)
         return least;
-    for (size_t i = 0; i < search->n; i++)
-        search->w[i] = *pzs_linalg_entry(&search->model.state.stiffness, (uint32_t)i, (uint32_t)i);
+    for (size_t i = 0; i < search->free_dof; i++)
+        search->next[i] =
+            *pzs_linalg_entry(&search->model.state.stiffness, (uint32_t)i, (uint32_t)i);
     pzs_linalg_clear(&search->model.state.stiffness);
     for (int element = 0; element < search->mass.mesh->elements; element++)
         pzs_model_add_matrix(&search->model, search->mass.mesh->element[element], 4, 1,
                              mass_element(&search->mass, element));
-    for (size_t i = 0; i < search->n; i++) {
+    for (size_t i = 0; i < search->free_dof; i++) {
         const double diagonal =
             *pzs_linalg_entry(&search->model.state.stiffness, (uint32_t)i, (uint32_t)i);
         if (diagonal > 0)
-            least = fmin(least, search->w[i] / diagonal);
+            least = fmin(least, search->next[i] / diagonal);
     }
     return least;
 }
@@ -193,24 +195,24 @@ static double dot(const double *x, const double *y, size_t n)
  */
 static void append(search *search, double *column)
 {
-    mass_multiply(&search->mass, &search->model, search->w, search->mw);
-    const double before = sqrt(fmax(dot(search->w, search->mw, search->n), 0));
+    mass_multiply(&search->mass, &search->model, search->next, search->mass_next);
+    const double before = sqrt(fmax(dot(search->next, search->mass_next, search->free_dof), 0));
     for (int pass = 0; pass < 2; pass++) {
         for (size_t i = 0; i < search->made; i++) {
-            const double *direction = search->basis + i * search->n;
-            const double part = dot(direction, search->mw, search->n);
-            for (size_t k = 0; k < search->n; k++)
-                search->w[k] -= part * direction[k];
+            const double *direction = search->basis + i * search->free_dof;
+            const double part = dot(direction, search->mass_next, search->free_dof);
+            for (size_t k = 0; k < search->free_dof; k++)
+                search->next[k] -= part * direction[k];
             if (column)
                 column[i] += part;
         }
-        mass_multiply(&search->mass, &search->model, search->w, search->mw);
+        mass_multiply(&search->mass, &search->model, search->next, search->mass_next);
     }
-    const double norm = sqrt(fmax(dot(search->w, search->mw, search->n), 0));
+    const double norm = sqrt(fmax(dot(search->next, search->mass_next, search->free_dof), 0));
     if (!(norm > 1e-10 * before) || search->made == search->room)
         return;
-    for (size_t k = 0; k < search->n; k++)
-        search->basis[search->made * search->n + k] = search->w[k] / norm;
+    for (size_t k = 0; k < search->free_dof; k++)
+        search->basis[search->made * search->free_dof + k] = search->next[k] / norm;
     if (column)
         column[search->made] += norm;
     search->made++;
@@ -222,19 +224,20 @@ static void append(search *search, double *column)
  */
 static void apply(search *search, const double *vector)
 {
-    mass_multiply(&search->mass, &search->model, vector, search->mw);
-    pzs_model_backsolve(&search->model, search->mw, search->w);
+    mass_multiply(&search->mass, &search->model, vector, search->mass_next);
+    pzs_model_backsolve(&search->model, search->mass_next, search->next);
     search->solves++;
 }
 
 /* Append a random vector in which the lowest modes dominate to the basis. */
 static void append_random(search *search)
 {
-    double *vector = search->basis + search->made * search->n; /* random vector, in the memory
-                                                                  behind the last basis vector */
+    double *vector = search->basis + search->made * search->free_dof; /* random vector, in the
+                                                                  memory behind the last basis
+                                                                  vector */
     if (search->made == search->room)
         return;
-    for (size_t k = 0; k < search->n; k++)
+    for (size_t k = 0; k < search->free_dof; k++)
         vector[k] = random_number(search);
     apply(search, vector);
     append(search, NULL);
@@ -250,8 +253,8 @@ static int extend_basis(search *search)
         append_random(search);
     if (search->done == search->made)
         return 0;
-    apply(search, search->basis + search->done * search->n);
-    append(search, search->h + search->done * search->room);
+    apply(search, search->basis + search->done * search->free_dof);
+    append(search, search->projection + search->done * search->room);
     search->done++;
     return 1;
 }
@@ -290,8 +293,9 @@ static void find_ritz(search *search)
     double largest = 0;
     for (size_t i = 0; i < count; i++)
         for (size_t j = 0; j < count; j++) {
-            search->ritz[i * count + j] =
-                (search->h[j * search->room + i] + search->h[i * search->room + j]) / 2;
+            search->ritz[i * count + j] = (search->projection[j * search->room + i] +
+                                           search->projection[i * search->room + j]) /
+                                          2;
             largest = fmax(largest, fabs(search->ritz[i * count + j]));
         }
     eigen_symmetric(search->ritz, search->turn, count, SWEEPS, PZS_EPSILON * PZS_EPSILON * largest);
@@ -305,7 +309,7 @@ static double residual(const search *search, size_t i)
     for (size_t index = search->done; index < search->made; index++) {
         double row = 0;
         for (size_t j = 0; j < search->done; j++)
-            row += search->h[j * search->room + index] *
+            row += search->projection[j * search->room + index] *
                    search->turn[j * search->done + search->order[i]];
         sum += row * row;
     }
@@ -400,17 +404,18 @@ static int find_modes(search *search, size_t number, char *error)
     for (int i = 0; i < CHECKS; i++) {
         found = iterate(search, number);
         if (found == 0)
-            return scene_fault(search->d->at, error,
+            return scene_fault(search->design->at, error,
                                "the lowest %zu modes have not converged in %zu vectors; ask for "
                                "fewer",
                                number, search->done);
-        below = found < search->n ? modes_below(search, bound_above(search, found)) : (int)found;
+        below =
+            found < search->free_dof ? modes_below(search, bound_above(search, found)) : (int)found;
         if (below == (int)found)
             return 0;
         for (int k = 0; k < BLOCK; k++)
             append_random(search);
     }
-    return scene_fault(search->d->at, error,
+    return scene_fault(search->design->at, error,
                        "%d modes lie below %.6g Hz, but %zu were found; ask for more or fewer",
                        below, sqrt(fmax(bound_above(search, found), 0)) / two_pi, found);
 }
@@ -444,14 +449,14 @@ static double largest_displacement(const search *search, const double *vector, d
 static void take_shape(search *search, size_t i, double *vector)
 {
     double sign;
-    memset(vector, 0, search->n * sizeof *vector);
+    memset(vector, 0, search->free_dof * sizeof *vector);
     for (size_t j = 0; j < search->done; j++) {
         const double part = search->turn[j * search->done + search->order[i]];
-        for (size_t k = 0; k < search->n; k++)
-            vector[k] += part * search->basis[j * search->n + k];
+        for (size_t k = 0; k < search->free_dof; k++)
+            vector[k] += part * search->basis[j * search->free_dof + k];
     }
     largest_displacement(search, vector, &sign);
-    for (size_t k = 0; k < search->n; k++)
+    for (size_t k = 0; k < search->free_dof; k++)
         vector[k] *= sign;
 }
 
@@ -481,7 +486,7 @@ static double energy(const search *search, const double *vector)
 static void take_modes(search *search, vibration *vibration)
 {
     for (int i = 0; i < vibration->count; i++) {
-        double *vector = vibration->shape + (size_t)i * search->n, sign;
+        double *vector = vibration->shape + (size_t)i * search->free_dof, sign;
         take_shape(search, (size_t)i, vector);
         const double square = energy(search, vector);
         const int is_rigid = search->shift > 0 && square < rigid_below * search->shift;
@@ -503,10 +508,11 @@ static void take_masses(search *search, vibration *vibration)
     for (int axis = 0; axis < 3; axis++) {
         double shift[3] = {0, 0, 0};
         shift[axis] = 1;
-        vibration->mass = mass_rigid(&search->mass, &search->model, shift, still, search->mw);
+        vibration->mass =
+            mass_rigid(&search->mass, &search->model, shift, still, search->mass_next);
         for (int i = 0; i < vibration->count; i++) {
-            const double part =
-                dot(vibration->shape + (size_t)i * search->n, search->mw, search->n);
+            const double part = dot(vibration->shape + (size_t)i * search->free_dof,
+                                    search->mass_next, search->free_dof);
             vibration->effective[i][axis] = part * part;
         }
     }
@@ -528,24 +534,24 @@ static int allocate_results(vibration *vibration, size_t count, size_t dof)
 
 static int allocate_search(search *search, size_t number)
 {
-    const pzs_structure *structure = &search->d->structure;
-    const mesh *mesh = &search->d->mesh;
+    const pzs_structure *structure = &search->design->structure;
+    const mesh *mesh = &search->design->mesh;
     const size_t bytes = PZS_MODEL_BYTES(
         structure->free_dof, pzs_linalg_reals(structure->first_column, structure->free_dof));
-    search->n = structure->free_dof;
-    search->room = 6 * number + 60 < search->n ? 6 * number + 60 : search->n;
+    search->free_dof = structure->free_dof;
+    search->room = 6 * number + 60 < search->free_dof ? 6 * number + 60 : search->free_dof;
     search->seed = 1;
     search->work = malloc(bytes);
-    search->held = calloc(search->n, sizeof *search->held);
-    search->basis = malloc(search->room * search->n * sizeof *search->basis);
-    search->h = calloc(search->room * search->room, sizeof *search->h);
+    search->held = calloc(search->free_dof, sizeof *search->held);
+    search->basis = malloc(search->room * search->free_dof * sizeof *search->basis);
+    search->projection = calloc(search->room * search->room, sizeof *search->projection);
     search->ritz = malloc(search->room * search->room * sizeof *search->ritz);
     search->turn = malloc(search->room * search->room * sizeof *search->turn);
     search->order = malloc(search->room * sizeof *search->order);
-    search->w = malloc(search->n * sizeof *search->w);
-    search->mw = malloc(search->n * sizeof *search->mw);
-    if (!search->work || !search->held || !search->basis || !search->h || !search->ritz ||
-        !search->turn || !search->order || !search->w || !search->mw)
+    search->next = malloc(search->free_dof * sizeof *search->next);
+    search->mass_next = malloc(search->free_dof * sizeof *search->mass_next);
+    if (!search->work || !search->held || !search->basis || !search->projection || !search->ritz ||
+        !search->turn || !search->order || !search->next || !search->mass_next)
         return 0;
     for (int i = 0; i < mesh->prescribed_count; i++)
         search->held[mesh->prescribed_dof[i]] = 1;
@@ -558,18 +564,18 @@ static void free_search(search *search)
     free(search->work);
     free(search->held);
     free(search->basis);
-    free(search->h);
+    free(search->projection);
     free(search->ritz);
     free(search->turn);
     free(search->order);
-    free(search->w);
-    free(search->mw);
+    free(search->next);
+    free(search->mass_next);
 }
 
 static int search_modes(search *search, vibration *vibration, size_t number, char *error)
 {
     if (!choose_shift(search, (int)number))
-        return scene_fault(search->d->at, error,
+        return scene_fault(search->design->at, error,
                            "the stiffness cannot be factored, not even with mass added: a dof "
                            "has neither");
     const int block = search->shift > 0 ? BLOCK_LOOSE : BLOCK;
@@ -577,8 +583,8 @@ static int search_modes(search *search, vibration *vibration, size_t number, cha
         append_random(search);
     if (find_modes(search, number, error) < 0)
         return -1;
-    if (!allocate_results(vibration, number, search->n))
-        return scene_fault(search->d->at, error, "%zu modes do not fit into memory", number);
+    if (!allocate_results(vibration, number, search->free_dof))
+        return scene_fault(search->design->at, error, "%zu modes do not fit into memory", number);
     take_modes(search, vibration);
     take_masses(search, vibration);
     return 0;
@@ -590,7 +596,7 @@ int vibration_solve(vibration *vibration, const design *design, int number, doub
     search search;
     memset(vibration, 0, sizeof *vibration);
     memset(&search, 0, sizeof search);
-    search.d = design;
+    search.design = design;
     if (design->mesh.elements == 0)
         return scene_fault(design->measured.at, error,
                            "natural frequencies need a structure, and this scene has none: a "

@@ -230,10 +230,10 @@ static int evaluate(analysis *analysis, voltages *result, int warm, char *error)
     if (analysis_reach(analysis, result->voltage, warm, result->u, error) < 0)
         return -1;
     measure_errors(analysis, result);
-    result->residual = analysis->nonlinear ? analysis->equilibrium.solver.info.residual
-                                           : analysis->model.info.residual;
+    result->residual = analysis->is_nonlinear ? analysis->equilibrium.solver.info.residual
+                                              : analysis->model.info.residual;
     result->linear_solves +=
-        analysis->nonlinear ? (int)analysis->equilibrium.solver.info.linear_solves : 0;
+        analysis->is_nonlinear ? (int)analysis->equilibrium.solver.info.linear_solves : 0;
     return 0;
 }
 
@@ -248,7 +248,7 @@ static int evaluate_or_none(analysis *analysis, voltages *result, char *error)
         return 0;
     measure_errors(analysis, result);
     result->error = result->error_all = (double)NAN;
-    return analysis->nonlinear && analysis_ended_early(analysis) ? 0 : -1;
+    return analysis->is_nonlinear && analysis_ended_early(analysis) ? 0 : -1;
 }
 
 int voltages_linear(analysis *analysis, common_limits common, voltages *result, char *error)
@@ -264,7 +264,7 @@ int voltages_linear(analysis *analysis, common_limits common, voltages *result, 
         return explain(analysis, status, error);
     if (evaluate_or_none(analysis, result, error) < 0)
         return -1;
-    if (analysis->nonlinear)
+    if (analysis->is_nonlinear)
         result->optimality = (double)NAN; /* the voltages are an optimum (KKT conditions) of the
                                              linear model, not of the nonlinear structure */
     return 0;
@@ -537,5 +537,5 @@ int voltages_optimum(analysis *analysis, common_limits common, voltages *result,
         return -1;
     snprintf(result->name, sizeof result->name, "%s",
              common.source == LIMITS_NONE ? "optimum, no limits" : "optimum within limits");
-    return analysis->nonlinear ? gauss_newton(analysis, common, result, error) : 0;
+    return analysis->is_nonlinear ? gauss_newton(analysis, common, result, error) : 0;
 }

@@ -101,10 +101,12 @@ static int refuse_parts(const quad_mesh *mesh, const quad_origin *origin,
     size_t element = 0;
     while (state[element] != NOT_SEEN)
         element++;
-    return quad_fault_at(origin->file, origin->element_at[element],
-                         "the mesh falls apart: %zu elements are joined, %zu are not, element %lld "
-                         "among them; join them (in Gmsh: Coherence;) or leave them out",
-                         reached, mesh->elements - reached, quad_element_label(mesh, element));
+    return quad_fault_at(
+        origin->file, origin->element_at[element],
+        "the mesh falls apart: %zu elements are joined, %zu are not, element %lld "
+        "among them; if the part between them is missing, give it a physical group "
+        "(Gmsh saves no others); else join them (Coherence;) or leave them out",
+        reached, mesh->elements - reached, quad_element_label(mesh, element));
 }
 
 /*

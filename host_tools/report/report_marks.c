@@ -9,7 +9,7 @@
 static void node_place(const shell *shell, int node, double place[3])
 {
     for (int i = 0; i < 3; i++)
-        place[i] = shell->mesh->point[node].x[i] +
+        place[i] = shell->mesh->point[node].position[i] +
                    (shell->vector ? shell->factor * shell->vector[3 * node + i] : 0);
 }
 
@@ -33,7 +33,7 @@ void shell_component(const surface_point *point, scene_component component, doub
     for (int i = 0; i < 3; i++) {
         along[i] = (int)component - (int)COMPONENT_X == i;
         if (component <= COMPONENT_U3)
-            along[i] = point->e[component - COMPONENT_U1][i];
+            along[i] = point->triad[component - COMPONENT_U1][i];
     }
 }
 
@@ -145,7 +145,7 @@ void shell_find_body(shell_body *body, const analysis *analysis, shell *shell)
     const equilibrium *equilibrium = &analysis->equilibrium;
     double foot[3] = {0, 0, 0}, axis[3] = {0, 0, 0}, along[2][3], unused[3];
     int least = 0;
-    body->is_given = analysis->nonlinear && analysis->design.contact.given;
+    body->is_given = analysis->is_nonlinear && analysis->design.contact.given;
     if (!body->is_given)
         return;
     find_foot(equilibrium, shell, foot, body->normal);

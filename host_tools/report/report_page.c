@@ -84,7 +84,7 @@ static void write_structure_facts(const page *page, double residual)
         kinematics[element->cartesian], metric[element->metric], (int)mesh->dof_per_node,
         mesh->laminate.thickness, page->design->units.length,
         checked(page->analysis->model.info.condition), checked(residual));
-    if (page->analysis->nonlinear)
+    if (page->analysis->is_nonlinear)
         write_equilibrium(page->file, &page->analysis->equilibrium.solver.info);
     else
         put(page->file,
@@ -125,7 +125,7 @@ static void write_warnings(const page *page)
         put(page->file, item, warnings->warning[k].rule, warnings->warning[k].text);
     if (warnings->dropped > 0)
         put(page->file, "<li>and %d more</li>\n", warnings->dropped);
-    if (analysis->nonlinear && analysis->status == PZS_W_BEHIND) {
+    if (analysis->is_nonlinear && analysis->status == PZS_W_BEHIND) {
         equilibrium_penetration_text(&analysis->equilibrium, analysis->status, text);
         put(page->file, item, pzs_status_text(analysis->status), text);
     }

@@ -91,7 +91,8 @@ static void fit_page(shape_page *shape)
         draw_extend(&page->scale, page->misfit);
         draw_extend(&shape->voltage, largest_voltage(&shape->result[k]));
     }
-    page->space.factor = page->analysis->nonlinear ? 1 : view_magnification(page->mesh, most, 0.2);
+    page->space.factor =
+        page->analysis->is_nonlinear ? 1 : view_magnification(page->mesh, most, 0.2);
     for (int k = 0; k < shape->results; k++) {
         take_shape(shape, &shape->result[k]);
         shell_include(&page->space);

@@ -19,7 +19,7 @@ static void fill_from_elements(shell *shell)
 {
     for (int n = 0; n < shell->points; n++) {
         shell->node[n] = n;
-        memcpy(shell->place[n], shell->mesh->point[n].x, sizeof shell->place[n]);
+        memcpy(shell->place[n], shell->mesh->point[n].position, sizeof shell->place[n]);
     }
     for (int k = 0; k < 4 * shell->cells; k++)
         shell->cell[k / 4][k % 4] = shell->mesh->element[k / 4][k % 4];

@@ -93,7 +93,7 @@ static void write_plant(const simulate_page *self)
     char imperfections[400];
     imperfections_text(self->page.design, imperfections, sizeof imperfections);
     put(self->page.file,
-        "<p>A %s plant: ", simulation->plant.analysis.nonlinear ? "nonlinear" : "linear");
+        "<p>A %s plant: ", simulation->plant.analysis.is_nonlinear ? "nonlinear" : "linear");
     for (int i = 0; i < design->materials; i++)
         put(self->page.file, "%t stiffness × %n, d × %n; ", design->material[i].name,
             simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);

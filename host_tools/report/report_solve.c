@@ -147,7 +147,7 @@ static void fit_deformed(solve_page *solve)
     page *page = &solve->page;
     page->scale = (draw_scale){false, page->largest, page->design->units.length};
     page->space.factor = 1;
-    if (!page->analysis->nonlinear)
+    if (!page->analysis->is_nonlinear)
         page->space.factor = view_magnification(page->mesh, page->scale.most, 0.1);
     shell_include(&page->space);
     shell_find_body(&solve->body, page->analysis, &page->space);
@@ -198,7 +198,7 @@ static void write_components(const page *page)
     for (int a = 0; a < 3; a++) {
         draw_scale scale = {true, 0, page->scale.unit};
         for (int n = 0; n < page->mesh->nodes; n++) {
-            page->value[n] = vector_dot(page->mesh->point[n].e[a], page->vector + 3 * n);
+            page->value[n] = vector_dot(page->mesh->point[n].triad[a], page->vector + 3 * n);
             draw_extend(&scale, page->value[n]);
         }
         const bool is_negligible = scale.most < 1e-9 * page->scale.most;
@@ -231,8 +231,8 @@ static void write_page(const solve_page *solve)
     const analysis *analysis = page->analysis;
     const voltages applied = {.name = "Voltage", .voltage = analysis->input_value};
     page_begin(page, "Displacement under loads and applied voltages",
-               analysis->nonlinear ? analysis->equilibrium.solver.info.residual
-                                   : analysis->model.info.residual);
+               analysis->is_nonlinear ? analysis->equilibrium.solver.info.residual
+                                      : analysis->model.info.residual);
     fputs("<section>\n<h2>Result</h2>\n<div class=\"row\">\n", page->file);
     write_deformed(solve);
     fputs("<div>\n", page->file);

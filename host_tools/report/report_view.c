@@ -52,7 +52,7 @@ static void look_at_parameters(view *view, const mesh *mesh)
         const scene_line *line = &mesh->line[a];
         range[a] = line->point[line->elements] - line->point[0];
         for (int n = 0; n < mesh->nodes; n++)
-            metric[a] += mesh->point[n].a[a] / mesh->nodes;
+            metric[a] += mesh->point[n].lame[a] / mesh->nodes;
     }
     const double aspect = metric[0] * range[0] / (metric[1] * range[1]);
     memset(view->axis, 0, sizeof view->axis);
@@ -66,7 +66,7 @@ static double mean_normal(const mesh *mesh, double normal[3])
     normal[0] = normal[1] = normal[2] = 0;
     for (int n = 0; n < mesh->nodes; n++)
         for (int i = 0; i < 3; i++)
-            normal[i] += mesh->point[n].e[2][i] / mesh->nodes;
+            normal[i] += mesh->point[n].triad[2][i] / mesh->nodes;
     return vector_length(normal);
 }
 
@@ -127,8 +127,8 @@ double view_magnification(const mesh *mesh, double most, double share)
     for (int i = 0; i < 3; i++) {
         double low = HUGE_VAL, high = -HUGE_VAL;
         for (int n = 0; n < mesh->nodes; n++) {
-            low = fmin(low, mesh->point[n].x[i]);
-            high = fmax(high, mesh->point[n].x[i]);
+            low = fmin(low, mesh->point[n].position[i]);
+            high = fmax(high, mesh->point[n].position[i]);
         }
         size = fmax(size, high - low);
     }

@@ -32,7 +32,7 @@ static void write_vectors(FILE *file, const mesh *mesh, const char *name, const 
 {
     begin_array(file, "Float64", 3, name);
     for (int k = 0; k < 3 * mesh->nodes; k++) {
-        const double value = vector ? vector[k] : mesh->point[k / 3].x[k % 3];
+        const double value = vector ? vector[k] : mesh->point[k / 3].position[k % 3];
         fprintf(file, "%.9g%c", isfinite(value) ? value : 0, "  \n"[k % 3]);
     }
     fputs("</DataArray>\n", file);

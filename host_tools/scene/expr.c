@@ -55,8 +55,8 @@ typedef struct parser {
                   have been executed */
     waiting stack[STACK];
     int waiting;
-    int want_value; /* 1: the next symbol must be an operand; 0: it must be an operator */
-    int constant;
+    bool want_value; /* true: the next symbol must be an operand; false: it must be an operator */
+    bool is_constant;
 } parser;
 
 static int fault(parser *parser, const char *error)
@@ -138,7 +138,7 @@ static int take_number(parser *parser)
     if (!isfinite(number))
         return fault(parser, "the number is too large");
     parser->at = end;
-    parser->want_value = 0;
+    parser->want_value = false;
     return emit(parser, OP_NUMBER, number);
 }
 
@@ -171,8 +171,8 @@ static int take_word(parser *parser)
     parser->at = end;
     if (found->arguments == 0) {
         if (found->op != OP_NUMBER)
-            parser->constant = 0;
-        parser->want_value = 0;
+            parser->is_constant = false;
+        parser->want_value = false;
         return emit(parser, found->op, found->number);
     }
     skip_blanks(parser);
@@ -217,7 +217,7 @@ static int take_bracket(parser *parser)
     if (*parser->at == ',') {
         if (!open->function || ++open->commas >= open->function->arguments)
             return fault(parser, "too many arguments");
-        parser->want_value = 1;
+        parser->want_value = true;
         parser->at++;
         return 0;
     }
@@ -245,7 +245,7 @@ static int take_operator(parser *parser)
     if (reduce(parser, op == OP_POWER ? precedence(op) + 1 : precedence(op)) != 0)
         return -1; /* two power operators ^ are evaluated from right to left */
     parser->at++;
-    parser->want_value = 1;
+    parser->want_value = true;
     return push(parser, op, NULL);
 }
 
@@ -282,7 +282,7 @@ expr *expr_compile(const char *text, int *column, const char **error)
     parser parser = {0};
     expr *expression;
     parser.text = parser.at = text;
-    parser.want_value = parser.constant = 1;
+    parser.want_value = parser.is_constant = true;
     if (parse(&parser) != 0) {
         *column = (int)(parser.at - parser.text) + 1;
         *error = parser.error;
@@ -294,7 +294,7 @@ expr *expr_compile(const char *text, int *column, const char **error)
         *error = "out of memory";
         return NULL;
     }
-    expression->constant = parser.constant;
+    expression->is_constant = parser.is_constant;
     memcpy(expression->code, parser.code, (size_t)parser.length * sizeof *expression->code);
     return expression;
 }
@@ -506,7 +506,7 @@ double expr_gap(const expr *expression, const expr_point *at)
 
 int expr_is_constant(const expr *expression)
 {
-    return expression->constant;
+    return expression->is_constant;
 }
 
 int expr_uses_theta(const expr *expression)

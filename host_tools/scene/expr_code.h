@@ -6,6 +6,7 @@
 #ifndef EXPR_CODE_H
 #define EXPR_CODE_H
 
+#include <stdbool.h>
 #include "../data/scatter.h"
 
 enum { EXPR_STACK = 64 };
@@ -49,7 +50,8 @@ typedef struct instruction {
 
 struct expr {
     const char *text; /* copy of the formula's source text, stored behind its code */
-    int length, constant;
+    int length;
+    bool is_constant;
     scatter *scatter;             /* interpolated function through scattered points, or NULL */
     int axes, axis[SCATTER_AXES]; /* number and indices of the coordinates that the scattered points
                                      have */

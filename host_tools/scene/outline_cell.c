@@ -42,7 +42,7 @@ static void corners_on_lines(const scene *scene, int element, double at[4][OUTLI
         at[corner][3] = scene->line[0].point[i + (corner == 1 || corner == 2)];
         at[corner][4] = scene->line[1].point[j + (corner >= 2)];
         const surface_point point = surface_at(&scene->surface, at[corner][3], at[corner][4]);
-        memcpy(at[corner], point.x, sizeof point.x);
+        memcpy(at[corner], point.position, sizeof point.position);
     }
 }
 
@@ -198,7 +198,7 @@ expr_point outline_cell_point(const scene *scene, const outline_cell *cell, cons
     outline_cell_at(cell, natural, at);
     if (!scene->quads) {
         const surface_point point = surface_at(&scene->surface, at[3], at[4]);
-        memcpy(at, point.x, sizeof point.x);
+        memcpy(at, point.position, sizeof point.position);
     }
     return (expr_point){at[0], at[1], at[2], at[3], at[4]};
 }

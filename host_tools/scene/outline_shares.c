@@ -3,6 +3,7 @@
 #include "outline_shares.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include "outline_cover.h"
@@ -109,6 +110,38 @@ static int add_share(outline_work *work, int electrode, int element, clip_room *
     return 0;
 }
 
+enum { HINT = 200 };
+
+/*
+ * Write the end of an error message that compares the place of all electrodes with that of the
+ * surface: a pitch or a centre in another unit than the mesh shows there.
+ *   hint [HINT] out  empty where an electrode has a formula in place of polygons
+ */
+static void write_place_hint(const outline_work *work, char hint[HINT])
+{
+    const scene_outlines *outlines = work->patches->outlines;
+    polygon_box surface = work->cell[0].box, all = {{HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}};
+    bool has_formula = false;
+    for (int axis = 0; axis < 2; axis++) {
+        for (int element = 0; element < work->elements; element++) {
+            surface.low[axis] = fmin(surface.low[axis], work->cell[element].box.low[axis]);
+            surface.high[axis] = fmax(surface.high[axis], work->cell[element].box.high[axis]);
+        }
+        for (int k = 0; k < outlines->electrodes; k++) {
+            has_formula |= outlines->electrode[k].inside != NULL;
+            all.low[axis] = fmin(all.low[axis], outlines->electrode[k].low[axis]);
+            all.high[axis] = fmax(all.high[axis], outlines->electrode[k].high[axis]);
+        }
+    }
+    snprintf(hint, HINT,
+             "; all electrodes lie within [%.3g, %.3g] to [%.3g, %.3g], the surface within [%.3g, "
+             "%.3g] to [%.3g, %.3g]: compare their units and centres",
+             all.low[0], all.low[1], all.high[0], all.high[1], surface.low[0], surface.low[1],
+             surface.high[0], surface.high[1]);
+    if (has_formula)
+        hint[0] = '\0';
+}
+
 /*
  * Refuse an electrode of polygons that lies beside the surface with a part of its area, or that
  * meets the surface twice.
@@ -122,6 +155,7 @@ static int check_place(const outline_work *work, int electrode, const electrode_
     const scene_outline *outline = &work->patches->outlines->electrode[electrode];
     const double outside = 1 - sums->plane_area / outline_plane_area(outline);
     const bool is_folded = sums->is_mirrored && sums->is_direct;
+    char hint[HINT];
     if (is_folded || outside < -0.01)
         return scene_fault(outline->at, work->error,
                            "electrode %d of patches '%s' meets the surface twice in the plane of "
@@ -131,10 +165,11 @@ static int check_place(const outline_work *work, int electrode, const electrode_
     if (work->patches->cut ||
         outside <= (work->patches->plane == OUTLINE_THETA ? theta_most : space_most))
         return 0;
+    write_place_hint(work, hint);
     return scene_fault(outline->at, work->error,
                        "%.3g %% of electrode %d of patches '%s' lie outside the surface or the "
-                       "layer; move or shrink it, or keep the part inside by 'cut: true'",
-                       100 * outside, electrode + 1, work->patches->name);
+                       "layer; move or shrink it, or keep the part inside by 'cut: true'%s",
+                       100 * outside, electrode + 1, work->patches->name, hint);
 }
 
 /*
@@ -146,6 +181,7 @@ static int add_electrode(outline_work *work, int electrode)
     const size_t before = work->list.count;
     electrode_sums sums = {0, false, false};
     clip_room room;
+    char hint[HINT];
     int status = clip_room_open(&room, outline_most_points(outline));
     if (status < 0)
         scene_fault(outline->at, work->error, "the outlines do not fit into memory");
@@ -153,11 +189,13 @@ static int add_electrode(outline_work *work, int electrode)
         if (has_layer(work, element))
             status = add_share(work, electrode, element, &room, &sums);
     clip_room_close(&room);
-    if (status == 0 && work->list.count == before)
+    if (status == 0 && work->list.count == before) {
+        write_place_hint(work, hint);
         return scene_fault(outline->at, work->error,
                            "electrode %d of patches '%s' lies outside the surface or its layer; "
-                           "move it",
-                           electrode + 1, work->patches->name);
+                           "move it%s",
+                           electrode + 1, work->patches->name, hint);
+    }
     if (status == 0 && !outline->inside)
         status = check_place(work, electrode, &sums);
     return status;

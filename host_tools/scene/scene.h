@@ -8,6 +8,7 @@
 #ifndef SCENE_H
 #define SCENE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include "../quads/quad_read.h"
@@ -79,31 +80,32 @@ typedef struct scene_equilibrium {
  * improved`, or a map of single options.
  */
 typedef struct scene_element {
-    int cartesian; /* 1: strains from differences of the displacement vectors of an element's
-                      corners; 0: strains from derivatives of displacement components in the local
-                      triad of the surface */
-    double tau;    /* factor of the warping correction in the membrane shear strain of an element */
-    double rho;    /* factor of the bending flexibility that is added to the transverse shear
-                      compliance of an element */
-    int hr, lin33; /* hr: 1 sets the stress resultants of those strains to 0 that the linear and
-                      bilinear modes of an element omit (Hellinger-Reissner), 0 sets these strains
-                      to 0; lin33: 1 condenses the linear part of the normal strain e33 through the
-                      thickness */
-    int metric; /* 1: strains take the exact variation of the surface metric through the thickness;
-                   0: metric of the reference surface */
-    int exact_area;   /* 1: exact area of an element; 0: area from the metric at the centre of the
-                         element */
+    bool cartesian; /* true: strains from differences of the displacement vectors of an element's
+                      corners; false: strains from derivatives of displacement components in the
+                      local triad of the surface */
+    double tau; /* factor of the warping correction in the membrane shear strain of an element */
+    double rho; /* factor of the bending flexibility that is added to the transverse shear
+                   compliance of an element */
+    bool hr, lin33; /* hr: true sets the stress resultants of those strains to 0 that the linear and
+                      bilinear modes of an element omit (Hellinger-Reissner), false sets these
+                      strains to 0; lin33: true condenses the linear part of the normal strain e33
+                      through the thickness */
+    bool metric;    /* true: strains take the exact variation of the surface metric through the
+                      thickness; false: metric of the reference surface */
+    bool exact_area; /* true: exact area of an element; false: area from the metric at the centre of
+                        the element */
     int dof_per_node; /* number of dof of a node: 7, or 6 without the seventh, the displacement u3
                          of the middle surface relative to the mean of both faces */
-    int equilibrium_shear; /* 1: transverse shear stiffness of a laminate from equilibrium of its
-                              layers; 0: from a shear strain that is constant through the thickness
+    bool equilibrium_shear; /* true: transverse shear stiffness of a laminate from equilibrium of
+                              its layers; false: from a shear strain that is constant through the
+                              thickness
                             */
 } scene_element;
 
 typedef struct scene_line { /* Mesh lines of one surface coordinate, theta1 or theta2. */
     int elements;
     double *point; /* [elements + 1] coordinates of the mesh lines, ascending (length or rad) */
-    int slit;      /* 1: the two ends of a mesh direction that covers a full turn are not joined */
+    bool slit; /* true: the two ends of a mesh direction that covers a full turn are not joined */
     scene_at at;
 } scene_line;
 
@@ -114,11 +116,11 @@ typedef struct scene_line { /* Mesh lines of one surface coordinate, theta1 or t
 typedef struct scene_quads {
     quad_mesh mesh;
     quad_warnings warnings;
-    char *file;           /* name of the mesh file as it is written in the scene */
-    double direction[3];  /* vector from which ply angles are measured, projected on each element;
-                             zero vector: the direction from corner 1 to corner 2 of each element */
-    int accept_irregular; /* 1: elements that are too thin for an irregular mesh are reported; 0:
-                             they are refused */
+    char *file;            /* name of the mesh file as it is written in the scene */
+    double direction[3];   /* vector from which ply angles are measured, projected on each element;
+                              zero vector: the direction from corner 1 to corner 2 of an element */
+    bool accept_irregular; /* true: elements that are too thin for an irregular mesh are reported;
+                              false: they are refused */
     scene_at at;
 } scene_quads;
 
@@ -131,8 +133,8 @@ typedef struct scene_material {
     double d31, d32, d33, d24, d15; /* piezoelectric constants (m/V): strain per electric field,
                                        with the poling along direction 3 */
     double piezo_e[5]; /* piezoelectric constants e31, e32, e33, e24, e15 (C/m2): stress per
-                          electric field; valid if has_e is 1 */
-    int has_d, has_e;
+                          electric field; valid if has_e is true */
+    bool has_d, has_e;
     double permittivity;   /* permittivity at constant strain (F/m); 0 if not given */
     double pyroelectric;   /* pyroelectric constant along the poling direction at constant strain
                               (C/(m2 K)) */
@@ -149,9 +151,9 @@ typedef struct scene_layer {
     char name[SCENE_NAME];
     int material;
     double thickness, angle;
-    int patched; /* 1: the layer consists of patches, and there is no material between them */
-    int poling;  /* poling direction of a layer relative to e3 of the surface: +3 or -3, from the
-                    layer or else from its material */
+    bool patched; /* true: the layer consists of patches, and there is no material between them */
+    int poling;   /* poling direction of a layer relative to e3 of the surface: +3 or -3, from the
+                     layer or else from its material */
     unsigned char *present; /* [elements] 1 in the elements of the layer's element sets, on a mesh
                                from a file; NULL: the layer has no sets */
     scene_at at;
@@ -168,8 +170,8 @@ typedef struct scene_patches { /* Rectangular grid of piezoelectric patches on o
     int *patch;  /* [elements] number of the patch to which each element of a mesh from a file
                     belongs; -1: the element has no patch; NULL on other meshes */
     outline_plane plane; /* plane in whose coordinates the outlines of the electrodes are given */
-    int cut; /* 1: an outline may extend beyond the surface, and its part on the surface counts; 0:
-                such an outline is refused */
+    bool cut; /* true: an outline may extend beyond the surface, and its part on the surface counts;
+                 false: such an outline is refused */
     scene_outlines *outlines; /* electrodes with outlines of any shape, which replace ranges and
                                  sets; NULL: patches of whole elements */
     scene_at at;
@@ -232,7 +234,7 @@ typedef enum scene_component {
 
 /* Direction of a spring or of a stack actuator. */
 typedef struct scene_direction {
-    int given;
+    bool given;
     scene_component component; /* direction along an axis of the local triad or along a global axis;
                                   used where `vector` is zero */
     double vector[3]; /* unit vector (x, y, z), or zero if the direction is not given as a vector */
@@ -284,7 +286,7 @@ typedef struct scene_actuator {
     char name[SCENE_NAME];
     int drives;
     scene_drive *drive;
-    int is_temperature;
+    bool is_temperature;
     scene_spring *stacks; /* places, directions and stiffness of the actuator's stacks; NULL: the
                              actuator has none */
     double applied;       /* voltage (V) or temperature (K) on every amplifier of an actuator in a
@@ -292,7 +294,7 @@ typedef struct scene_actuator {
                              magnitude */
     double *each;       /* [grid[0] * grid[1]] voltage (V) or temperature (K) of each amplifier in a
                            solution without optimisation; NULL where all have the value `applied` */
-    int open;           /* sensor electrodes: 1 open circuit, 0 short circuit */
+    bool open;          /* sensor electrodes: true: open circuit; false: short circuit */
     int first, grid[2]; /* first: number of the first amplifier of an actuator (or electrode of a
                            sensor) among all of the scene; grid: number of patches along theta1 and
                            theta2 */
@@ -345,14 +347,14 @@ typedef struct scene_load {
     double vector[3]; /* unit vector (x, y, z) along which a weight acts; zero vector: the weight
                          acts along `component` */
     scene_direction about; /* axis about which a point load acts as a moment */
-    expr *value;   /* formula of the load: force or moment at a point, force per length or per area,
-                      temperature (K), or the acceleration of gravity for a weight */
-    expr *outer;   /* formula of the temperature at the outer face (K), where `value` is that at the
-                      inner face; NULL: uniform temperature */
-    int true_area; /* face load: 1: load per area of the loaded face; 0: load per area of the
-                      reference surface */
+    expr *value; /* formula of the load: force or moment at a point, force per length or per area,
+                    temperature (K), or the acceleration of gravity for a weight */
+    expr *outer; /* formula of the temperature at the outer face (K), where `value` is that at the
+                    inner face; NULL: uniform temperature */
+    bool true_area; /* face load: true: load per area of the loaded face; false: load per area of
+                       the reference surface */
     scene_follower follower; /* face load: law by which a pressure follows the deformation;
-                                FOLLOWER_PRESSURE implies true_area = 1 */
+                                FOLLOWER_PRESSURE implies true_area */
     scene_at at;
 } scene_load;
 
@@ -369,7 +371,7 @@ typedef struct scene_body {
 } scene_body;
 
 typedef struct scene_contact {
-    int given;
+    bool given;
     scene_face face; /* face of the shell that touches the rigid body, inner or outer */
     scene_body body;
     double move[3]; /* displacement x, y, z of the rigid body at full load (scene unit of length) */
@@ -407,9 +409,9 @@ typedef struct scene_output {
     scene_electric_output electric; /* electric quantity; if it is not ELECTRIC_NONE, the output is
                                        neither a displacement nor a quantity of contact, and has no
                                        place */
-    int of_sensor, first, count; /* electrodes of an electric output, numbers first to first + count
-                                    - 1: those of the sensors if of_sensor is 1, else those of the
-                                    amplifiers */
+    bool of_sensor;   /* electric output: true: of sensor electrodes; false: of the electrodes of
+                         amplifiers */
+    int first, count; /* electrodes of an electric output: numbers first to first + count - 1 */
     scene_where where;
     scene_component component;
     scene_face face;
@@ -425,14 +427,14 @@ typedef struct scene_mode {
 } scene_mode;
 
 typedef struct scene_target {
-    int given;
+    bool given;
     scene_output what; /* component, face and place of the displacement that is controlled */
     expr *value; /* formula of the desired displacement in the coordinates of the nodes (scene unit
                     of length) */
     int modes;
     scene_mode *mode; /* [modes] alternative target shapes, each solved for separately */
-    int weight_area;  /* weights of the nodes in the target error: 1: by the area of each node; 0:
-                         equal */
+    bool weight_area; /* weights of the nodes in the target error: true: by the area of each node;
+                         false: equal */
     int frees;
     scene_mode *free; /* [frees] functions whose best fit is removed from the target and from the
                          target error */
@@ -457,8 +459,8 @@ typedef struct scene_limits {
                                         largest change of a voltage in one tick (V), of all
                                         amplifiers; infinite if not given */
     double regularisation; /* weight of the sum of squared voltages in the optimisation: absolute,
-                              or relative if regularisation_is_relative is 1 */
-    int regularisation_is_relative;
+                              or relative if regularisation_is_relative is true */
+    bool regularisation_is_relative;
     int each_count;
     scene_limit *each; /* [each_count] voltage limits of single amplifiers, which override the
                           common limits */
@@ -480,7 +482,7 @@ typedef struct scene_reading {
  * disturbances that the estimator assumes.
  */
 typedef struct scene_estimate {
-    int given;
+    bool given;
     int readings;
     scene_reading *reading;
     double loads;    /* standard deviation of the factor that multiplies each load of the scene; its
@@ -525,24 +527,25 @@ typedef enum scene_event_type {
  * Special values of the delay after which the controller learns of an electrode fault: it is never
  * informed, or it detects the fault itself.
  */
-enum { TOLD_NEVER = -1, TOLD_FOUND = -2 };
+enum { ANNOUNCED_NEVER = -1, ANNOUNCED_DETECTED = -2 };
 
 typedef struct scene_event {
     scene_event_type type;
     int tick; /* number of the tick at which the event takes place; events are in ascending order */
-    double amount; /* size of an event: factor of the target or of a load, temperature (K), or
+    double size; /* size of an event: factor of the target or of a load, temperature (K), or
                       probability that a sensor is affected */
-    int ticks;     /* duration (ticks) of EVENT_NAN, EVENT_FROZEN, EVENT_LOST and of the event types
-                      from EVENT_SINE on */
-    int load;      /* index of the load that EVENT_LOAD, EVENT_IMPULSE and EVENT_SINE change */
-    double frequency; /* frequency (Hz) at which EVENT_SINE varies a load */
-    int known;        /* EVENT_LOAD: 1 if the controller is given the factor of the load one tick in
-                         advance */
+    int ticks;   /* duration (ticks) of EVENT_NAN, EVENT_FROZEN, EVENT_LOST and of the event types
+                    from EVENT_SINE on */
+    int load;    /* index of the load that EVENT_LOAD, EVENT_IMPULSE and EVENT_SINE change */
+    double frequency;  /* frequency (Hz) at which EVENT_SINE varies a load */
+    bool feed_forward; /* EVENT_LOAD: whether the controller is given the factor of the load one
+                      tick in advance */
     int amplifiers, *amplifier; /* [amplifiers] numbers of the amplifiers that EVENT_DEAD,
                                    EVENT_STUCK or EVENT_ALIVE changes */
-    int told; /* ticks until the controller is informed of EVENT_DEAD or EVENT_STUCK; TOLD_NEVER: it
-                 is not informed; TOLD_FOUND: it has to detect the fault */
-    expr *value; /* formula of the new target of EVENT_VALUE */
+    int announced_after; /* ticks until the controller is informed of EVENT_DEAD or EVENT_STUCK;
+                 ANNOUNCED_NEVER: it is not informed; ANNOUNCED_DETECTED: it has to detect the fault
+               */
+    expr *value;         /* formula of the new target of EVENT_VALUE */
     scene_at at;
 } scene_event;
 
@@ -578,10 +581,10 @@ typedef struct scene_imperfections {
  * amplifiers and a schedule of events.
  */
 typedef struct scene_simulate {
-    int given;
+    bool given;
     int ticks, seed;
-    int at_target; /* 1: the controller uses the influence matrix of the state at the nonlinear
-                      optimum; 0: that of the undeformed state */
+    bool at_target; /* true: the controller uses the influence matrix of the state at the nonlinear
+                       optimum; false: that of the undeformed state */
     scene_kinematics kinematics; /* kinematics of the simulated plant, linear or nonlinear */
     double *stiffness, *d; /* [materials] factors by which stiffness and piezoelectric constants of
                               the plant differ from what the controller knows */
@@ -599,14 +602,14 @@ typedef struct scene_simulate {
                                of the amplifiers (V) */
     double fault_chance;    /* probability that a random electrode fault occurs in a tick */
     int fault_until;        /* number of the tick from which on no random electrode faults occur */
-    int inertia_given, inertia; /* inertia_given: 1 if the scene says whether the plant has inertia;
-                                   inertia: 1 if the plant has inertia */
-    int modes;                  /* largest number of vibration modes of a plant with inertia */
-    int hysteresis_given;       /* 1 if the scene gives the width of the hysteresis loop */
+    bool inertia_given, inertia; /* inertia_given: the scene says whether the plant has inertia;
+                                    inertia: the plant has inertia */
+    int modes;                   /* largest number of vibration modes of a plant with inertia */
+    bool hysteresis_given;       /* whether the scene gives the width of the hysteresis loop */
     scene_imperfections imperfections;
-    int finds; /* 1 if the controller has to detect the fault of some electrode itself (TOLD_FOUND)
-                */
-    int feeds; /* 1 if some load event is known to the controller in advance */
+    bool detects_faults; /* whether the controller has to detect the fault of some electrode itself
+                            (ANNOUNCED_DETECTED) */
+    bool has_feed_forward; /* whether some load event is known to the controller in advance */
     int events;
     scene_event *event;
     scene_at at;
@@ -618,10 +621,11 @@ typedef struct scene_simulate {
  * output_name.
  */
 typedef struct scene_influence {
-    int given;
+    bool given;
     char file[256]; /* name of the file of the influence matrix as it is written in the scene */
     int outputs;    /* number of rows of the influence matrix that are used, one for each output */
-    int file_outputs;   /* number of rows of the file of the influence matrix */
+    int file_outputs;        /* number of outputs in the file of the influence matrix */
+    bool rows_are_actuators; /* true: the rows of the file are actuators; false: they are outputs */
     int *row;           /* [outputs] number of each used output's row in the file, counted from 0 */
     double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt */
     double (*place)[3]; /* [outputs] coordinates x, y, z of the output points; NULL where the scene
@@ -638,11 +642,11 @@ typedef struct scene_dynamics {
                        mode */
     double *damping_of_mode; /* [dampings] damping ratios of the first vibration modes; the last
                                 entry holds for all later modes */
-    int is_rayleigh;         /* 1 if the damping ratios follow from Rayleigh's coefficients */
+    bool is_rayleigh;        /* whether the damping ratios follow from Rayleigh's coefficients */
     double rayleigh[2]; /* Rayleigh coefficients a of mass (rad/s) and b of stiffness (s/rad): a
                            mode of angular frequency w has the damping ratio a/(2 w) + b w/2 */
-    int damping_given;  /* 1 if the damping ratio is given by the scene; 0 if it is an assumed value
-                         */
+    bool damping_given; /* true: the damping ratio is given by the scene; false: it is an assumed
+                           value */
     int modes; /* number of vibration modes used to assess the stability of the control loop */
     double mass_per_area; /* mass per area that belongs to no layer, located at the middle of the
                              laminate (scene units) */
@@ -652,20 +656,20 @@ typedef struct scene_dynamics {
 typedef struct scene_control {
     double rate; /* tick rate of the control loop (ticks per second); 0 if neither given nor needed
                     by a simulation */
-    int moving_target; /* 1: the target moves, and a reference governor compensates the lag of the
-                          controller when it damps vibration */
-    double clock;      /* clock frequency of the device's processor (Hz); 0 if not given */
+    bool moving_target; /* true: the target moves, and a reference governor compensates the lag of
+                           the controller when it damps vibration */
+    double clock;       /* clock frequency of the device's processor (Hz); 0 if not given */
 } scene_control;
 
 /* Settings of the supervisor, which brings the amplifiers to safe voltages when control is lost. */
 typedef struct scene_safety {
-    int given;
+    bool given;
     double park; /* park voltage of all amplifiers (V), clamped to the limits of each amplifier */
     int timeout; /* number of ticks without usable readings after which the supervisor takes control
                     away; 0: never */
     int ramp_ticks; /* shortest duration of the voltage ramp to the park voltages (ticks) */
-    int waits; /* 1: the control loop waits for a command before it starts; 0: it starts by itself
-                */
+    bool waits; /* true: the control loop waits for a command before it starts; false: it starts by
+                   itself */
 } scene_safety;
 
 enum { SCENE_PLAYS = 32, SCENE_CREEPS = 8 };
@@ -684,7 +688,7 @@ typedef struct scene_short_list {
  * creep terms.
  */
 typedef struct scene_hysteresis {
-    int given;
+    bool given;
     double range[2]; /* lowest and highest voltage at which the hysteresis was identified (V) */
     scene_short_list slope; /* [4] slopes of the piecewise linear function in the quarters of the
                                voltage range, lowest quarter first (1) */
@@ -722,7 +726,7 @@ typedef struct scene {
     scene_line line[2]; /* mesh lines of theta1 and theta2; without points where the mesh comes from
                            a file */
     scene_quads *quads; /* mesh from a file, or NULL where the scene has mesh lines on a surface */
-    int reference_is_middle;
+    bool reference_is_middle;
     double reference; /* height of the reference surface above the inner face of the laminate (scene
                          unit of length) */
     int materials, layers, patch_grids, actuators, sensors, supports, springs, loads, outputs,

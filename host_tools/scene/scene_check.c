@@ -106,7 +106,7 @@ static int check_poles(const scene *scene, char *error)
                                                                   half a turn */
             theta1 = fmax(theta1, fmin(sample(line, i + 1),
                                        (2 * floor(theta1 / full_turn) + 1) * full_turn / 2));
-        radius = surface_at(&scene->surface, theta1, 0).a[1];
+        radius = surface_at(&scene->surface, theta1, 0).lame[1];
         largest = fmax(largest, fabs(radius));
         if (radius < least)
             at = theta1;
@@ -127,7 +127,7 @@ static int check_meridian(const scene *scene, char *error)
     int i;
     for (i = 0; i <= SAMPLES && scene->surface.meridian; i++) {
         const double theta1 = sample(&scene->line[0], i);
-        if (surface_at(&scene->surface, theta1, 0).a[0] < 0.05)
+        if (surface_at(&scene->surface, theta1, 0).lame[0] < 0.05)
             return scene_fault(scene->at_surface, error,
                                "the meridian turns back on itself near theta1 = %g; give more "
                                "points there, or smooth less",
@@ -149,12 +149,13 @@ static int check_depth(const scene *scene, double thickness, char *error)
             surface_at(&scene->surface, sample(&scene->line[0], i), sample(&scene->line[1], i));
         for (direction = 0; direction < 2; direction++)
             for (face = 0; face < 2; face++)
-                if (!(1 + point.k[direction] * height[face] > on_line))
+                if (!(1 + point.curvature[direction] * height[face] > on_line))
                     return scene_fault(
                         scene->at_layers, error,
                         "the layers reach %g %s the reference surface, past the "
                         "axis or centre of curvature at %g; use thinner layers or a larger radius",
-                        fabs(height[face]), face ? "above" : "below", fabs(1 / point.k[direction]));
+                        fabs(height[face]), face ? "above" : "below",
+                        fabs(1 / point.curvature[direction]));
     }
     return 0;
 }
@@ -176,7 +177,8 @@ static int check_formula(const scene *scene, char *error)
             const double theta1 = sample(&scene->line[0], i), theta2 = sample(&scene->line[1], j);
             const surface_point point = surface_at(&scene->surface, theta1, theta2);
             const double cosine = surface_formula_cosine(&scene->surface, theta1, theta2);
-            if (!isfinite(point.x[0] + point.x[1] + point.x[2] + point.k[0] + point.k[1]) ||
+            if (!isfinite(point.position[0] + point.position[1] + point.position[2] +
+                          point.curvature[0] + point.curvature[1]) ||
                 isnan(cosine))
                 return scene_fault(scene->at_surface, error,
                                    "the formulas have no finite position, normal and curvature at "

@@ -86,7 +86,7 @@ static int read_disc(reader *reader, int node, void *to, const void *rule)
 typedef struct disc_text {
     quad_disc disc;
     double direction[3];
-    int accept_irregular;
+    bool accept_irregular;
 } disc_text;
 
 static const field mesh_disc_fields[] = {

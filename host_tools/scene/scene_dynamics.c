@@ -30,7 +30,7 @@ static int read_list(reader *reader, int node, scene_dynamics *dynamics)
 static int read_rayleigh(reader *reader, int node, void *to, const void *rule)
 {
     scene_dynamics *dynamics = to;
-    dynamics->is_rayleigh = 1;
+    dynamics->is_rayleigh = true;
     return read_pair(reader, node, dynamics->rayleigh, rule);
 }
 
@@ -51,7 +51,7 @@ static int read_damping(reader *reader, int node, void *to, const void *rule)
 {
     scene_dynamics *dynamics = to;
     (void)rule;
-    dynamics->damping_given = 1;
+    dynamics->damping_given = true;
     if (reader->t->node[node].kind == TREE_LIST)
         return read_list(reader, node, dynamics);
     if (reader->t->node[node].kind != TREE_MAP)

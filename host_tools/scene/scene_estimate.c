@@ -87,6 +87,6 @@ int read_estimate(reader *reader, int node, void *to, const void *rule)
                           "value: ...}");
     if (read_map(reader, node, estimate_fields, &scene->estimate) != 0)
         return -1;
-    scene->estimate.given = 1;
+    scene->estimate.given = true;
     return 0;
 }

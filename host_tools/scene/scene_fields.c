@@ -348,13 +348,22 @@ int read_choice(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
+int read_either(reader *reader, int node, void *to, const void *rule)
+{
+    int value = 0;
+    if (read_choice(reader, node, &value, rule) != 0)
+        return -1;
+    *(bool *)to = value != 0;
+    return 0;
+}
+
 static const choice flags[] = {{"true", 1}, {"false", 0}, {"on", 1}, {"off", 0},
                                {"yes", 1},  {"no", 0},    {NULL, 0}};
 
 int read_flag(reader *reader, int node, void *to, const void *rule)
 {
     (void)rule;
-    return read_choice(reader, node, to, flags);
+    return read_either(reader, node, to, flags);
 }
 
 int read_expr(reader *reader, int node, void *to, const void *rule)
@@ -420,8 +429,8 @@ form field_form(const field *field)
         field_read *read;
         form_type type;
     } basic[] = {{read_real, FORM_NUMBER}, {read_int, FORM_WHOLE},   {read_name, FORM_NAME},
-                 {read_text, FORM_TEXT},   {read_choice, FORM_WORD}, {read_flag, FORM_WORD},
-                 {read_expr, FORM_FORMULA}};
+                 {read_text, FORM_TEXT},   {read_choice, FORM_WORD}, {read_either, FORM_WORD},
+                 {read_flag, FORM_WORD},   {read_expr, FORM_FORMULA}};
     form found = {.type = FORM_TEXT};
     if (field->form)
         return *field->form;

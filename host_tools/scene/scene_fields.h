@@ -15,12 +15,12 @@
 typedef int field_read(reader *reader, int node, void *to, const void *rule);
 
 /*
- * Permitted range of a number, from low to high; if strict is 1, the two limits themselves are
+ * Permitted range of a number, from low to high; if strict is true, the two limits themselves are
  * refused.
  */
 typedef struct range {
     double low, high;
-    int strict;
+    bool strict;
     const char *must; /* end of the error message for a number outside the range, such as "must be
                          above 0" */
 } range;
@@ -86,7 +86,7 @@ typedef struct field {
                     */
     const void *rule; /* argument of the read function: a range, an array of choices, or another
                          rule */
-    int required;
+    bool required;
     dimension of;     /* physical dimension of the numbers in the value of the key */
     const form *form; /* form of the value; NULL where the form follows from a basic read function
                        */
@@ -100,7 +100,7 @@ typedef struct field {
 typedef struct case_item {
     const char *text; /* key, or keys separated by '|'; not terminated by NUL */
     size_t length;
-    int is_optional;
+    bool is_optional;
     const char *words; /* words that the key may have as its value, separated by '/', or NULL for
                           any value */
     size_t words_length;
@@ -143,8 +143,10 @@ field_read read_pair; /* reads a list of two numbers into a double[2]; rule: the
 field_read read_name; /* reads a name into a char[SCENE_NAME] */
 field_read read_text; /* reads a text into an allocated char * */
 field_read read_choice; /* reads a word into an int; rule: array of choices */
-field_read read_flag; /* reads one of the words true, false, on, off, yes and no into an int, 1 or 0
-                       */
+field_read read_flag;   /* reads one of the words true, false, on, off, yes and no into a bool
+                         */
+field_read read_either; /* reads one of two words into a bool; rule: array of choices with the
+                           values 1 (true) and 0 (false) */
 field_read read_expr; /* reads a formula into an allocated expr *; rule: range of its value if it is
                          constant, or NULL */
 

@@ -115,7 +115,7 @@ int read_hysteresis_section(reader *reader, int node, void *to, const void *rule
     scene *scene = to;
     scene_hysteresis *hysteresis = &scene->hysteresis;
     (void)rule;
-    hysteresis->given = 1;
+    hysteresis->given = true;
     if (read_map(reader, node, hysteresis_fields, hysteresis) != 0)
         return -1;
     if (hysteresis->below.count == 0)

@@ -7,6 +7,17 @@
 
 #include <stdlib.h>
 
+int refuse_amplifier(reader *reader, scene_at at, const char *name)
+{
+    char first[SCENE_LABEL];
+    if (reader->s->amplifiers == 0)
+        return tree_fault_at(reader->t, at, "there is no actuator '%.60s'; add actuators first",
+                             name);
+    scene_amplifier_name(reader->s, 0, first);
+    return tree_fault_at(reader->t, at, "there is no actuator '%.60s'; the first one is '%s'%s",
+                         name, first, scene_transposed_hint(reader->s));
+}
+
 /*
  * Read a YAML list of names of amplifiers or actuators; the name of an actuator stands for all
  * amplifiers of its grid.
@@ -26,8 +37,7 @@ int read_amplifier_names(reader *reader, int node, int **list, int *count)
         if (require_kind(reader, i, TREE_SCALAR) != 0)
             return -1;
         if (!scene_find_amplifier(scene, node_text(reader, i), &first, &found))
-            return tree_fault(reader->t, i, "there is no actuator '%.60s'; the first one is '%s'",
-                              node_text(reader, i), scene->actuator[0].name);
+            return refuse_amplifier(reader, node_at(reader, i), node_text(reader, i));
         if (*count + found > scene->amplifiers)
             return tree_fault(reader->t, i,
                               "'%.60s' makes more electrodes than there are; name each once",

@@ -18,7 +18,7 @@ enum { MOST_OUTPUTS = 60000, MOST_ACTUATORS = 4096, AXES = SCENE_AXES };
 typedef struct influence_text {
     int file, coordinates, actuators, outputs, ignore,
         mask; /* YAML nodes of the keys of the section `influence`; 0 for a key that is absent */
-    int rows_are_actuators;
+    bool rows_are_actuators;
     double scale;
     number_table table;
     int coordinate_column[AXES]; /* number of the column of x, y and z in the table, or -1 */
@@ -104,9 +104,10 @@ static int check_count(reader *reader, int node, const influence_text *text, con
                           "transposed; write rows: %s",
                           count, what, outputs_of(text), actuators_of(text),
                           text->rows_are_actuators ? "outputs" : "actuators");
-    return tree_fault(reader->t, node,
-                      "%d %s for %d %s of the matrix; give one for each, in the order of the file",
-                      count, what, own, is_of_outputs ? "outputs" : "actuators");
+    return tree_fault(
+        reader->t, node,
+        "%d %s for %d %s of the matrix; give one for each, in the order of the file%s", count, what,
+        own, is_of_outputs ? "outputs" : "actuators", scene_transposed_hint(reader->s));
 }
 
 static int check_size(reader *reader, const influence_text *text)
@@ -268,7 +269,6 @@ static int list_rows(reader *reader, influence_text *text)
         return tree_fault(reader->t, text->file, "out of memory");
     if (read_ignored(reader, text) != 0 || read_mask(reader, text) != 0)
         return -1;
-    influence->file_outputs = (int)count;
     for (int i = 0; i < (int)count; i++)
         if (!text->is_ignored[i])
             influence->row[influence->outputs++] = i;
@@ -354,9 +354,10 @@ static int copy_matrix(reader *reader, const influence_text *text)
             const double value = entry(text, influence->row[i], k, place);
             if (!isfinite(value))
                 return tree_fault(reader->t, text->file,
-                                  "%.80s: %s is %g; measure it again, or ignore this output "
-                                  "(ignore, mask)",
-                                  node_text(reader, text->file), place, value);
+                                  "%.80s: %s, actuator '%s', is %g; measure it again, or ignore "
+                                  "this output (ignore, mask)",
+                                  node_text(reader, text->file), place, reader->s->actuator[k].name,
+                                  value);
             influence->matrix[(size_t)i * (size_t)actuators + (size_t)k] = text->scale * value;
             largest = fmax(largest, fabs(value));
         }
@@ -371,6 +372,8 @@ static int build(reader *reader, influence_text *text)
     if (scene_table_read(reader, text->file, &text->table) != 0 ||
         separate_columns(reader, text) != 0 || check_size(reader, text) != 0)
         return -1;
+    reader->s->influence.rows_are_actuators = text->rows_are_actuators;
+    reader->s->influence.file_outputs = outputs_of(text);
     if (make_actuators(reader, text) != 0 || name_outputs(reader, text) != 0 ||
         list_rows(reader, text) != 0 || take_coordinates(reader, text) != 0)
         return -1;
@@ -383,7 +386,7 @@ static const field influence_fields[] = {
     {"file", read_node, offsetof(influence_text, file), .required = 1, .form = &label_form,
      .help = "File of the matrix, beside the scene file: displacement per volt, a row for each "
              "output and a column for each actuator; columns x, y, z are coordinates."},
-    {"rows", read_choice, offsetof(influence_text, rows_are_actuators), row_meanings,
+    {"rows", read_either, offsetof(influence_text, rows_are_actuators), row_meanings,
      .help = "Meaning of the rows of the file; default outputs."},
     {"scale", read_real, offsetof(influence_text, scale), &above_zero, .of = OF_NUMBER,
      .help = "Factor of the entries; default 1."},
@@ -412,9 +415,9 @@ int read_influence(reader *reader, int node, void *to, const void *rule)
     memset(&text, 0, sizeof text);
     text.scale = 1;
     scene->influence.at = node_at(reader, node);
+    scene->influence.given = true;
     const int failed =
         read_map(reader, node, influence_fields, &text) != 0 || build(reader, &text) != 0;
-    scene->influence.given = 1;
     if (!failed)
         snprintf(scene->influence.file, sizeof scene->influence.file, "%.250s",
                  node_text(reader, text.file));
@@ -426,6 +429,17 @@ int read_influence(reader *reader, int node, void *to, const void *rule)
 
 /* ---- target ----------------------------------------------------------- */
 
+const char *scene_transposed_hint(const scene *scene)
+{
+    if (!scene->influence.given || scene->amplifiers <= scene->influence.file_outputs)
+        return "";
+    return scene->influence.rows_are_actuators
+               ? "; the matrix has more actuators than outputs: if the rows of its file are "
+                 "outputs, write rows: outputs"
+               : "; the matrix has more actuators than outputs: if the rows of its file are "
+                 "actuators, write rows: actuators";
+}
+
 /*
  * Check that a function can be evaluated at the outputs: it uses only coordinates that they have,
  * and a list has one value for each output of the file.
@@ -436,8 +450,8 @@ static int check_function(const scene *scene, const expr *function, scene_at at,
     if (rows >= 0 && rows != scene->influence.file_outputs)
         return scene_fault(at, error,
                            "%d values for %d outputs of the matrix; give one for each, ignored "
-                           "ones included",
-                           rows, scene->influence.file_outputs);
+                           "ones included%s",
+                           rows, scene->influence.file_outputs, scene_transposed_hint(scene));
     if (expr_uses_theta(function))
         return scene_fault(at, error,
                            "theta1 and theta2 are coordinates of a surface; a measured matrix has "
@@ -446,7 +460,8 @@ static int check_function(const scene *scene, const expr *function, scene_at at,
         return 0;
     return scene_fault(at, error,
                        "a function of the coordinates, but the outputs have none; add "
-                       "influence.coordinates, or give a list of values");
+                       "influence.coordinates, or give a list of values%s",
+                       scene_transposed_hint(scene));
 }
 
 int scene_check_influence(const scene *scene, char *error)

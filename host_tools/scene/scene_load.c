@@ -189,7 +189,8 @@ int read_supports(reader *reader, int node, void *to, const void *rule)
 
 typedef struct load_text {
     scene_load *load;
-    int types, directions, area_given, is_pressure;
+    int types, directions;
+    bool area_given, is_pressure;
 } load_text;
 
 static const int load_types[] = {LOAD_POINT, LOAD_LINE, LOAD_FACE, LOAD_WEIGHT, LOAD_TEMPERATURE};
@@ -350,7 +351,7 @@ static int read_pressure(reader *reader, int node, void *to, const void *rule)
     if (text->load->type != LOAD_FACE)
         return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "'pressure' acts on a face; add face: outer, inner or middle");
-    text->is_pressure = 1;
+    text->is_pressure = true;
     return read_direction(reader, node, to, &place_components[COMPONENT_U3]);
 }
 
@@ -364,8 +365,8 @@ static int read_area(reader *reader, int node, void *to, const void *rule)
     if (text->load->type != LOAD_FACE)
         return tree_fault_at(reader->t, reader->t->node[node].key_at,
                              "'area' belongs to a load on a face; remove it");
-    text->area_given = 1;
-    return read_choice(reader, node, &text->load->true_area, areas);
+    text->area_given = true;
+    return read_either(reader, node, &text->load->true_area, areas);
 }
 
 static const choice followers[] = {{"normal", FOLLOWER_NORMAL},

@@ -35,7 +35,7 @@ static const choice areas[] = {{"centre", 0}, {"exact", 1}, {NULL, 0}};
 static const field element_fields[] = {
     {"preset", read_preset, .form = &preset_form,
      .help = "Formulation that the other keys modify; default improved."},
-    {"kinematics", read_choice, offsetof(scene_element, cartesian), strain_kinematics,
+    {"kinematics", read_either, offsetof(scene_element, cartesian), strain_kinematics,
      .help = "Strains from Cartesian differences of the displacement vectors of the corners, or "
              "from derivatives in the local triad."},
     {"tau", read_real, offsetof(scene_element, tau), &not_negative, .of = OF_NUMBER,
@@ -47,12 +47,12 @@ static const field element_fields[] = {
      .help = "Condense the compliance in the strain modes 01, 10 and 11."},
     {"lin33", read_flag, offsetof(scene_element, lin33),
      .help = "Condense the linear part of the normal strain e33."},
-    {"shear", read_choice, offsetof(scene_element, equilibrium_shear), shears,
+    {"shear", read_either, offsetof(scene_element, equilibrium_shear), shears,
      .help = "Transverse shear strain constant through the thickness (uniform, default), or shear "
              "stiffness from the equilibrium of the plies, for laminates with a soft core."},
     {"metric", read_flag, offsetof(scene_element, metric),
      .help = "Exact variation of the surface metric through the thickness."},
-    {"area", read_choice, offsetof(scene_element, exact_area), areas,
+    {"area", read_either, offsetof(scene_element, exact_area), areas,
      .help = "Exact element area, or the area from the metric at the element centre."},
     {.key = NULL}};
 

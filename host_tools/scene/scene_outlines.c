@@ -32,10 +32,11 @@ static int check_gap(reader *reader, int node, double gap, double size)
 {
     if (size > 0)
         return 0;
-    return tree_fault(reader->t, tree_find(reader->t, node, "gap"),
-                      "a gap of %g leaves no electrode of a cell of %g; use larger cells or a "
-                      "smaller gap",
-                      gap, size + gap);
+    return tree_fault(
+        reader->t, tree_find(reader->t, node, "gap"),
+        "a gap of %g leaves no electrode of a cell of %g; compare their units, or use "
+        "larger cells or a smaller gap",
+        gap, size + gap);
 }
 
 /* ---- polygons --------------------------------------------------------- */

@@ -86,6 +86,13 @@ field_read read_measured_target;
 int scene_check_influence(const scene *scene, char *error);
 
 /*
+ * Return the end of an error message that suggests to transpose the measured influence matrix of a
+ * scene, or an empty text where the scene has none or its matrix has no more actuators than
+ * outputs.
+ */
+const char *scene_transposed_hint(const scene *scene);
+
+/*
  * Readers of the sections for the equilibrium solver, actuators, sensors, limits, outputs, target
  * and reference values (scene_task.c).
  */
@@ -122,6 +129,9 @@ field_read read_reversed, read_swapped;
  * tree.
  */
 int read_amplifier_names(reader *reader, int node, int **list, int *count);
+
+/* Write the error message for a name that is neither an amplifier nor an actuator. Returns -1. */
+int refuse_amplifier(reader *reader, scene_at at, const char *name);
 
 /* Reader of the section for the closed-loop simulation (scene_simulate.c). */
 field_read read_simulate;

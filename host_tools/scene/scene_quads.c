@@ -52,7 +52,7 @@ int read_unit(reader *reader, int node, void *to, const void *rule)
 typedef struct file_text {
     char *file;
     double unit, direction[3];
-    int flip, accept_irregular;
+    bool flip, accept_irregular;
 } file_text;
 
 /*
@@ -146,6 +146,13 @@ static void list_names(const quad_set *set, size_t count, char *list)
     }
 }
 
+/* Return whether a mesh has a set of edges or nodes of a name. */
+static bool is_other_set(const quad_mesh *mesh, const char *name)
+{
+    return quad_set_find(mesh->edge_set, mesh->edge_sets, name) ||
+           quad_set_find(mesh->node_set, mesh->node_sets, name);
+}
+
 static int refuse_set(reader *reader, int node, const char *name, bool only_elements)
 {
     const quad_mesh *mesh = &reader->s->quads->mesh;
@@ -155,12 +162,16 @@ static int refuse_set(reader *reader, int node, const char *name, bool only_elem
         list_names(mesh->edge_set, mesh->edge_sets, list);
         list_names(mesh->node_set, mesh->node_sets, list);
     }
-    return tree_fault(reader->t, node, "the mesh file has no %sset '%.40s'; %s%s",
+    const char *what = mesh->hash ? "mesh file" : "disc";
+    if (only_elements && is_other_set(mesh, name))
+        return tree_fault(reader->t, node,
+                          "set '%.40s' of the %s holds edges or nodes, and a patch needs elements "
+                          "(in Gmsh a physical surface); %s%s",
+                          name, what, *list ? "it has the element sets " : "it has no element set",
+                          list);
+    return tree_fault(reader->t, node, "the %s has no %sset '%.40s'; %s%s", what,
                       only_elements ? "element " : "", name,
-                      *list ? "it has "
-                            : "add a physical "
-                              "group to it",
-                      list);
+                      *list ? "it has " : "add a physical group to it", list);
 }
 
 static int require_quads(reader *reader, int node, const char *what)

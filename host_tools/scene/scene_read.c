@@ -271,7 +271,7 @@ static void set_defaults(scene *scene)
     scene->equilibrium.tolerance = 1e-4;
     scene->equilibrium.extrapolated_iterations = 12;
     scene->equilibrium.linear_solves = 400;
-    scene->reference_is_middle = 1;
+    scene->reference_is_middle = true;
     scene->dynamics.damping = 0.005;
     scene->dynamics.modes = 30;
     scene->limits.lower = -HUGE_VAL;

@@ -13,7 +13,7 @@ static int read_arming(reader *reader, int node, void *to, const void *rule)
 {
     scene_safety *safety = to;
     (void)rule;
-    return read_choice(reader, node, &safety->waits, arming);
+    return read_either(reader, node, &safety->waits, arming);
 }
 
 static const field safety_fields[] = {
@@ -39,7 +39,7 @@ int read_safety(reader *reader, int node, void *to, const void *rule)
     static const int default_timeout = 100, default_ramp = 50;
     scene *scene = to;
     (void)rule;
-    scene->safety.given = 1;
+    scene->safety.given = true;
     scene->safety.timeout = default_timeout;
     scene->safety.ramp_ticks = default_ramp;
     return read_map(reader, node, safety_fields, &scene->safety);

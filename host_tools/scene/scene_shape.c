@@ -279,7 +279,8 @@ static int concentrate(reader *reader, int node, scene_line *line, double from, 
 
 typedef struct line_text {
     double from, to, grading, centre;
-    int elements, slit;
+    int elements;
+    bool slit;
 } line_text;
 
 /* Check that the ends of a mesh direction lie within the range that the surface itself has. */

@@ -72,14 +72,14 @@ static int read_plant_kinematics(reader *reader, int node, void *to, const void 
 static int read_inertia(reader *reader, int node, void *to, const void *rule)
 {
     scene_simulate *simulate = to;
-    simulate->inertia_given = 1;
+    simulate->inertia_given = true;
     return read_flag(reader, node, &simulate->inertia, rule);
 }
 
 static int read_hysteresis(reader *reader, int node, void *to, const void *rule)
 {
     scene_simulate *simulate = to;
-    simulate->hysteresis_given = 1;
+    simulate->hysteresis_given = true;
     return read_real(reader, node, &simulate->hysteresis, rule);
 }
 
@@ -150,9 +150,7 @@ static int read_gain(reader *reader, int node, void *to, const void *rule)
         (*gain)[k] = all;
     for (int i = is_map ? reader->t->node[node].first : 0; i; i = reader->t->node[i].next) {
         if (!scene_find_amplifier(scene, reader->t->node[i].key, &first, &count))
-            return tree_fault_at(reader->t, reader->t->node[i].key_at,
-                                 "there is no actuator '%.60s'; the first one is '%s'",
-                                 reader->t->node[i].key, scene->actuator[0].name);
+            return refuse_amplifier(reader, reader->t->node[i].key_at, reader->t->node[i].key);
         if (read_real(reader, i, *gain + first, NULL) != 0)
             return -1;
     }
@@ -295,7 +293,9 @@ static int read_faults(reader *reader, int node, void *to, const void *rule)
 
 typedef struct event_text {
     scene_event *event;
-    int kinds, amount_given, ticks_given, told_given, known_given, impulse_given, frequency_given;
+    int kinds;
+    bool factor_given, ticks_given, announced_given, feed_forward_given, impulse_given,
+        frequency_given;
 } event_text;
 
 static int read_load_number(reader *reader, int node, scene_event *event)
@@ -337,72 +337,72 @@ static int read_event_type(reader *reader, int node, void *to, const void *rule)
                              reader->t->node[node].key);
     event->type = (scene_event_type) * (const int *)rule;
     switch (event->type) {
-    case EVENT_TARGET: return read_real(reader, node, &event->amount, NULL);
+    case EVENT_TARGET: return read_real(reader, node, &event->size, NULL);
     case EVENT_VALUE: return read_row_function(reader, node, &event->value, NULL);
     case EVENT_LOAD: return read_load_number(reader, node, event);
     case EVENT_NAN:
-    case EVENT_FROZEN: return read_real(reader, node, &event->amount, &share);
+    case EVENT_FROZEN: return read_real(reader, node, &event->size, &share);
     case EVENT_LOST: return read_int(reader, node, &event->ticks, &tick_count);
     case EVENT_LATE:
-    case EVENT_JITTER: return read_real(reader, node, &event->amount, &part);
-    case EVENT_DELAY: return read_real(reader, node, &event->amount, &later_by);
+    case EVENT_JITTER: return read_real(reader, node, &event->size, &part);
+    case EVENT_DELAY: return read_real(reader, node, &event->size, &later_by);
     case EVENT_TEMPERATURE: break;
     default: return read_electrodes(reader, node, event);
     }
     if (!scene_expands(reader->s))
         return tree_fault(reader->t, node,
                           "a temperature moves nothing; give a layer's material 'alpha'");
-    return read_real(reader, node, &event->amount, NULL);
+    return read_real(reader, node, &event->size, NULL);
 }
 
-static int read_event_amount(reader *reader, int node, void *to, const void *rule)
+static int read_event_factor(reader *reader, int node, void *to, const void *rule)
 {
     event_text *text = to;
-    text->amount_given = 1;
-    return read_real(reader, node, &text->event->amount, rule);
+    text->factor_given = true;
+    return read_real(reader, node, &text->event->size, rule);
 }
 
 static int read_event_impulse(reader *reader, int node, void *to, const void *rule)
 {
     event_text *text = to;
-    text->impulse_given = 1;
-    return read_real(reader, node, &text->event->amount, rule);
+    text->impulse_given = true;
+    return read_real(reader, node, &text->event->size, rule);
 }
 
 static int read_event_frequency(reader *reader, int node, void *to, const void *rule)
 {
     event_text *text = to;
-    text->frequency_given = 1;
+    text->frequency_given = true;
     return read_real(reader, node, &text->event->frequency, rule);
 }
 
 static int read_event_ticks(reader *reader, int node, void *to, const void *rule)
 {
     event_text *text = to;
-    text->ticks_given = 1;
+    text->ticks_given = true;
     return read_int(reader, node, &text->event->ticks, rule);
 }
 
-static int read_event_told(reader *reader, int node, void *to, const void *rule)
+static int read_event_announced(reader *reader, int node, void *to, const void *rule)
 {
     event_text *text = to;
-    text->told_given = 1;
+    text->announced_given = true;
     if (reader->t->node[node].kind == TREE_SCALAR &&
         strcmp(node_text(reader, node), "detected") == 0) {
-        text->event->told = TOLD_FOUND;
-        reader->s->simulate.finds = 1;
+        text->event->announced_after = ANNOUNCED_DETECTED;
+        reader->s->simulate.detects_faults = true;
         return 0;
     }
-    return read_int(reader, node, &text->event->told, rule);
+    return read_int(reader, node, &text->event->announced_after, rule);
 }
 
-static int read_event_known(reader *reader, int node, void *to, const void *rule)
+static int read_event_feed_forward(reader *reader, int node, void *to, const void *rule)
 {
     event_text *text = to;
-    text->known_given = 1;
-    if (read_flag(reader, node, &text->event->known, rule) != 0)
+    text->feed_forward_given = true;
+    if (read_flag(reader, node, &text->event->feed_forward, rule) != 0)
         return -1;
-    reader->s->simulate.feeds |= text->event->known;
+    reader->s->simulate.has_feed_forward |= text->event->feed_forward;
     return 0;
 }
 
@@ -423,7 +423,7 @@ static int refine_load(reader *reader, int node, event_text *text)
 {
     if (!text->impulse_given && !text->frequency_given)
         return 0;
-    if (text->event->type != EVENT_LOAD || text->impulse_given == text->amount_given)
+    if (text->event->type != EVENT_LOAD || text->impulse_given == text->factor_given)
         return tree_fault(reader->t, node,
                           text->impulse_given
                               ? "'impulse' is what a load does instead of its factor, as {load: 0, "
@@ -451,9 +451,9 @@ static int check_event(reader *reader, int node, const event_text *text)
             reader->t, node,
             "an event needs one of target, value, load, temperature, dead, stuck, alive, "
             "missing_sensors, stuck_sensors, missed_ticks, late, jitter, delay");
-    if (text->amount_given != (type == EVENT_LOAD || type == EVENT_SINE) && type != EVENT_IMPULSE)
+    if (text->factor_given != (type == EVENT_LOAD || type == EVENT_SINE) && type != EVENT_IMPULSE)
         return tree_fault(reader->t, node,
-                          text->amount_given
+                          text->factor_given
                               ? "'factor' belongs to a load; remove it"
                               : "a load needs a factor, as factor: 0 to take it off");
     if (text->ticks_given != lasts(type))
@@ -462,16 +462,16 @@ static int check_event(reader *reader, int node, const event_text *text)
                               ? "'ticks' belongs to missing_sensors, stuck_sensors, late, jitter, "
                                 "delay and a load with a frequency; remove it"
                               : "this event lasts for some ticks; add ticks: 20");
-    if (text->told_given && !electrodes)
+    if (text->announced_given && !electrodes)
         return tree_fault(reader->t, node,
                           "'announced' belongs to dead and stuck electrodes; remove it");
-    if (text->known_given && type == EVENT_TEMPERATURE)
+    if (text->feed_forward_given && type == EVENT_TEMPERATURE)
         return tree_fault(
             reader->t, node,
             "a temperature that is fed forward is a load of the scene; add {temperature: 1} to "
             "loads, write its number and "
             "the kelvin as load and amount");
-    if (text->known_given && type != EVENT_LOAD)
+    if (text->feed_forward_given && type != EVENT_LOAD)
         return tree_fault(reader->t, node, "'feed_forward' belongs to a load; remove it");
     return 0;
 }
@@ -483,7 +483,7 @@ static const form tick_form = {.type = FORM_WHOLE, .range = &later};
 static const form duration_form = {.type = FORM_WHOLE, .range = &tick_count};
 static const form share_form = {.type = FORM_NUMBER, .range = &share};
 static const form load_number_form = {.type = FORM_WHOLE, .range = &load_number};
-static const choice detected[] = {{"detected", TOLD_FOUND}, {NULL, 0}};
+static const choice detected[] = {{"detected", ANNOUNCED_DETECTED}, {NULL, 0}};
 static const form detected_form = {.type = FORM_WORD, .words = detected};
 static const form waits_form = {.type = FORM_WHOLE, .range = &waits};
 static const form *const announced_forms[] = {&detected_form, &waits_form, NULL};
@@ -528,14 +528,14 @@ static const field event_fields[] = {
              "instant."},
     {"frequency", read_event_frequency, 0, &above_zero, .of = OF_RATE, .form = &frequency_form,
      .help = "The load varies by factor sin(2 pi frequency t) for some ticks."},
-    {"factor", read_event_amount, .of = OF_NUMBER, .form = &number_form,
+    {"factor", read_event_factor, .of = OF_NUMBER, .form = &number_form,
      .help = "Factor of the load from this tick on."},
     {"ticks", read_event_ticks, 0, &tick_count, .of = OF_NUMBER, .form = &duration_form,
      .help = "Duration in ticks of an event that lasts."},
-    {"announced", read_event_told, 0, &waits, .of = OF_NUMBER, .form = &announced_form,
+    {"announced", read_event_announced, 0, &waits, .of = OF_NUMBER, .form = &announced_form,
      .help = "Ticks until the controller is told of dead or stuck electrodes; detected: the fault "
              "detector finds them; never announced if not given."},
-    {"feed_forward", read_event_known, .form = &flag_form,
+    {"feed_forward", read_event_feed_forward, .form = &flag_form,
      .help = "The controller is given the factor of the load one tick in advance; default false."},
     {.key = NULL}};
 
@@ -577,8 +577,8 @@ static int read_scheduled(reader *reader, int node, const number_table *table, s
                           node_text(reader, node), place, factor);
     event->type = EVENT_TARGET;
     event->tick = (int)tick;
-    event->amount = factor;
-    event->told = TOLD_NEVER;
+    event->size = factor;
+    event->announced_after = ANNOUNCED_NEVER;
     event->at = node_at(reader, node);
     return 0;
 }
@@ -622,7 +622,7 @@ static int read_event(reader *reader, int node, scene_event *event)
 {
     event_text text = {0};
     text.event = event;
-    event->told = TOLD_NEVER;
+    event->announced_after = ANNOUNCED_NEVER;
     event->at = node_at(reader, node);
     if (read_map(reader, node, event_fields, &text) != 0 || refine_load(reader, node, &text) != 0)
         return -1;
@@ -661,7 +661,7 @@ static const field simulate_fields[] = {
      .help = "Length of the simulation in ticks."},
     {"seed", read_int, offsetof(scene_simulate, seed), &seeds, .of = OF_NUMBER,
      .help = "Seed of noise and random faults; the same seed gives the same bits; default 1."},
-    {"influence", read_choice, offsetof(scene_simulate, at_target), influence_places,
+    {"influence", read_either, offsetof(scene_simulate, at_target), influence_places,
      .help = "Shape at which the influence matrix of the controller is made: undeformed (default), "
              "or at the nonlinear optimum (target; needs kinematics: nonlinear)."},
     {"plant", read_plant, .of = OF_NUMBER, .form = &plant_form,
@@ -697,7 +697,7 @@ int read_simulate(reader *reader, int node, void *to, const void *rule)
             "a simulation needs a target; add target: {u3: middle, at: nodes, value: ...}");
     if (read_map(reader, node, simulate_fields, &scene->simulate) != 0)
         return -1;
-    scene->simulate.given = 1;
+    scene->simulate.given = true;
     if (!scene->simulate.at_target || scene->kinematics != KINEMATICS_LINEAR)
         return 0;
     return tree_fault(reader->t, tree_find(reader->t, node, "influence"),

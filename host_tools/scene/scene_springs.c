@@ -25,7 +25,7 @@ int read_any_direction(reader *reader, int node, void *to, const void *rule)
 {
     scene_direction *direction = to;
     int component = 0;
-    direction->given = 1;
+    direction->given = true;
     if (reader->t->node[node].kind == TREE_LIST)
         return read_unit(reader, node, direction->vector, rule);
     if (read_choice(reader, node, &component, components) != 0)

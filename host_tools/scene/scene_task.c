@@ -177,7 +177,7 @@ static const field actuator_fields[] = {
      .help = "Name; the amplifiers are name_1_1 ..., or name alone for a single patch."},
     {"drives", read_drives, .of = OF_NUMBER, .form = &drives_form,
      .help = "Grids of the same shape; patches at the same position share an amplifier."},
-    {"temperature", read_choice, offsetof(scene_actuator, is_temperature), uniform,
+    {"temperature", read_either, offsetof(scene_actuator, is_temperature), uniform,
      .help = "uniform: the input is a temperature instead of voltages."},
     {"stacks", read_stacks, .of = OF_NUMBER, .form = &stacks_form,
      .help = "Stacks or voice coils that push on points of the shell, one amplifier each."},
@@ -238,7 +238,7 @@ static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
 static const field sensor_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,
      .help = "Name; the electrodes are name_1_1 ..., or name alone for a single patch."},
-    {"circuit", read_choice, offsetof(scene_actuator, open), circuits,
+    {"circuit", read_either, offsetof(scene_actuator, open), circuits,
      .help = "open: no charge flows (default); short: no voltage."},
     {"drives", read_drives, 0, circuits, 1, .of = OF_NUMBER, .form = &drives_form,
      .help = "Grids of the same shape; patches at the same position share an electrode."},
@@ -250,7 +250,7 @@ const form sensors_form = {.type = FORM_LIST, .item = &sensor_form};
 static int read_sensor(reader *reader, int node, scene_actuator *actuator)
 {
     actuator->at = node_at(reader, node);
-    actuator->open = 1;
+    actuator->open = true;
     if (read_map(reader, node, sensor_fields, actuator) != 0)
         return -1;
     actuator->first = reader->s->electrodes;
@@ -314,12 +314,7 @@ static int read_amplifier(reader *reader, int node, void *to, const void *rule)
         return read_name(reader, node, name, rule);
     if (scene_find_amplifier(reader->s, node_text(reader, node), &limit->first, &limit->count))
         return 0;
-    if (reader->s->amplifiers == 0)
-        return tree_fault(reader->t, node, "there is no actuator '%.60s'; add actuators first",
-                          node_text(reader, node));
-    scene_amplifier_name(reader->s, 0, name);
-    return tree_fault(reader->t, node, "there is no actuator '%.60s'; the first one is '%s'",
-                      node_text(reader, node), name);
+    return refuse_amplifier(reader, node_at(reader, node), node_text(reader, node));
 }
 
 typedef struct each_text {
@@ -445,7 +440,8 @@ int read_limits(reader *reader, int node, void *to, const void *rule)
 typedef struct output_text {
     scene_output output;
     expr *value;
-    int weight_area, directions;
+    bool weight_area;
+    int directions;
 } output_text;
 
 static int read_component(reader *reader, int node, void *to, const void *rule)
@@ -690,7 +686,7 @@ static const form free_form = {.type = FORM_LIST, .item = &row_function_form, .m
      "Wanted displacement: a formula of x, y, z, theta1, theta2, a list of values in the order "   \
      "of the rows, or {file: ...}."},                                                              \
         {"weight",                                                                                 \
-         read_choice,                                                                              \
+         read_either,                                                                              \
          offsetof(output_text, weight_area),                                                       \
          target_weights,                                                                           \
          0,                                                                                        \
@@ -714,7 +710,7 @@ static const form free_form = {.type = FORM_LIST, .item = &row_function_form, .m
 
 static void keep_target(scene *scene, const output_text *text)
 {
-    scene->target.given = 1;
+    scene->target.given = true;
     scene->target.what = text->output;
     scene->target.what.reference = (double)NAN;
     strcpy(scene->target.what.name, "target");

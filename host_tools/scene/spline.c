@@ -15,10 +15,10 @@
 enum { BAND = 7, ROW = 3 * BAND + 1, VALUE = 0, SECOND = 1, MULTIPLIER = 2 };
 
 struct spline {
-    int n;
-    double *t;               /* [n] chord length from the first point to each knot */
-    double (*y)[2], (*m)[2]; /* [n] values y and second derivatives m of both coordinates at the
-                                knots */
+    int knots;
+    double *parameter;                /* [n] chord length from the first point to each knot */
+    double (*value)[2], (*second)[2]; /* [n] values y and second derivatives m of both coordinates
+                                at the knots */
 };
 
 /*
@@ -113,29 +113,29 @@ static void add_not_a_knot(double *band, const double *length, int knot, int k)
 static void fill_band(double *band, double (*solution)[2], const spline *spline,
                       const double (*tangent)[2], double smoothing)
 {
-    const int knots = spline->n;
+    const int knots = spline->knots;
     for (int i = 0; i < knots; i++) {
         *entry(band, 3 * i + VALUE, 3 * i + VALUE) = 1;
-        memcpy(solution[3 * i + VALUE], spline->y[i], sizeof *solution);
+        memcpy(solution[3 * i + VALUE], spline->value[i], sizeof *solution);
     }
     for (int i = 0; i < knots - 1; i++) {
-        const double weight = smoothing * (spline->t[i + 1] - spline->t[i]);
+        const double weight = smoothing * (spline->parameter[i + 1] - spline->parameter[i]);
         *entry(band, 3 * i + SECOND, 3 * i + SECOND) += weight / 3;
         *entry(band, 3 * i + SECOND, 3 * i + 3 + SECOND) += weight / 6;
         *entry(band, 3 * i + 3 + SECOND, 3 * i + SECOND) += weight / 6;
         *entry(band, 3 * i + 3 + SECOND, 3 * i + 3 + SECOND) += weight / 3;
     }
     for (int i = 1; i < knots - 1; i++) {
-        add_slope(band, spline->t, i, i - 1, i, -1);
-        add_slope(band, spline->t, i, i, i, 1);
+        add_slope(band, spline->parameter, i, i - 1, i, -1);
+        add_slope(band, spline->parameter, i, i, i, 1);
     }
     for (int end = 0; end < 2; end++) {
         const int knot = end ? knots - 1 : 0;
         if (!tangent) {
-            add_not_a_knot(band, spline->t, knot, end ? knots - 2 : 1);
+            add_not_a_knot(band, spline->parameter, knot, end ? knots - 2 : 1);
             continue;
         }
-        add_slope(band, spline->t, knot, end ? knots - 2 : 0, knot, 1);
+        add_slope(band, spline->parameter, knot, end ? knots - 2 : 0, knot, 1);
         for (int k = 0; k < 2; k++)
             solution[3 * knot + MULTIPLIER][k] =
                 tangent[end][k] / hypot(tangent[end][0], tangent[end][1]);
@@ -148,24 +148,24 @@ static void fill_band(double *band, double (*solution)[2], const spline *spline,
  */
 static int fit(spline *spline, const double (*tangent)[2], double smoothing)
 {
-    const int knots = spline->n;
-    const double whole = spline->t[knots - 1];
+    const int knots = spline->knots;
+    const double whole = spline->parameter[knots - 1];
     double *band = calloc((size_t)knots * 3 * ROW, sizeof *band),
            (*solution)[2] = calloc((size_t)knots * 3, sizeof *solution), sum = 0;
     if (band && solution) {
         for (int i = 0; i < knots; i++) {
-            spline->t[i] /= whole;
+            spline->parameter[i] /= whole;
             for (int k = 0; k < 2; k++)
-                spline->y[i][k] /= whole;
+                spline->value[i][k] /= whole;
         }
         fill_band(band, solution, spline, tangent, smoothing / whole / whole / whole);
         solve_band(band, solution, 3 * knots);
         for (int i = 0; i < knots; i++) {
-            spline->t[i] *= whole;
+            spline->parameter[i] *= whole;
             for (int k = 0; k < 2; k++) {
-                spline->y[i][k] = whole * solution[3 * i + VALUE][k];
-                spline->m[i][k] = solution[3 * i + SECOND][k] / whole;
-                sum += spline->y[i][k] + spline->m[i][k];
+                spline->value[i][k] = whole * solution[3 * i + VALUE][k];
+                spline->second[i][k] = solution[3 * i + SECOND][k] / whole;
+                sum += spline->value[i][k] + spline->second[i][k];
             }
         }
     }
@@ -177,17 +177,17 @@ static int fit(spline *spline, const double (*tangent)[2], double smoothing)
 
 static int start(spline *spline, int knots, const double (*point)[2])
 {
-    spline->n = knots;
-    spline->t = calloc((size_t)knots, sizeof *spline->t);
-    spline->y = calloc((size_t)knots, sizeof *spline->y);
-    spline->m = calloc((size_t)knots, sizeof *spline->m);
-    if (!spline->t || !spline->y || !spline->m)
+    spline->knots = knots;
+    spline->parameter = calloc((size_t)knots, sizeof *spline->parameter);
+    spline->value = calloc((size_t)knots, sizeof *spline->value);
+    spline->second = calloc((size_t)knots, sizeof *spline->second);
+    if (!spline->parameter || !spline->value || !spline->second)
         return 0;
-    memcpy(spline->y, point, (size_t)knots * sizeof *spline->y);
+    memcpy(spline->value, point, (size_t)knots * sizeof *spline->value);
     for (int i = 1; i < knots; i++) {
-        spline->t[i] =
-            spline->t[i - 1] + hypot(point[i][0] - point[i - 1][0], point[i][1] - point[i - 1][1]);
-        if (!(spline->t[i] > spline->t[i - 1]))
+        spline->parameter[i] = spline->parameter[i - 1] +
+                               hypot(point[i][0] - point[i - 1][0], point[i][1] - point[i - 1][1]);
+        if (!(spline->parameter[i] > spline->parameter[i - 1]))
             return 0;
     }
     return 1;
@@ -207,24 +207,24 @@ void spline_free(spline *spline)
 {
     if (!spline)
         return;
-    free(spline->t);
-    free(spline->y);
-    free(spline->m);
+    free(spline->parameter);
+    free(spline->value);
+    free(spline->second);
     free(spline);
 }
 
 double spline_length(const spline *spline)
 {
-    return spline->t[spline->n - 1];
+    return spline->parameter[spline->knots - 1];
 }
 
 /* Return the index of the piece of a spline, between two knots, in which a parameter value lies. */
 static int piece(const spline *spline, double parameter)
 {
-    int low = 0, high = spline->n - 1;
+    int low = 0, high = spline->knots - 1;
     while (high - low > 1) {
         const int middle = (low + high) / 2;
-        if (spline->t[middle] <= parameter)
+        if (spline->parameter[middle] <= parameter)
             low = middle;
         else
             high = middle;
@@ -234,20 +234,20 @@ static int piece(const spline *spline, double parameter)
 
 double spline_next_knot(const spline *spline, double parameter)
 {
-    if (parameter < spline->t[0])
-        return spline->t[0];
+    if (parameter < spline->parameter[0])
+        return spline->parameter[0];
     const int low = piece(spline, parameter);
-    return parameter < spline->t[low + 1] ? spline->t[low + 1] : HUGE_VAL;
+    return parameter < spline->parameter[low + 1] ? spline->parameter[low + 1] : HUGE_VAL;
 }
 
 void spline_at(const spline *spline, double parameter, double x[2], double d1[2], double d2[2])
 {
     const int low = piece(spline, parameter), high = low + 1;
-    const double h = spline->t[high] - spline->t[low], b = (parameter - spline->t[low]) / h,
-                 a = 1 - b;
+    const double h = spline->parameter[high] - spline->parameter[low],
+                 b = (parameter - spline->parameter[low]) / h, a = 1 - b;
     for (int k = 0; k < 2; k++) {
-        const double y0 = spline->y[low][k], y1 = spline->y[high][k], m0 = spline->m[low][k],
-                     m1 = spline->m[high][k];
+        const double y0 = spline->value[low][k], y1 = spline->value[high][k],
+                     m0 = spline->second[low][k], m1 = spline->second[high][k];
         x[k] = a * y0 + b * y1 + h * h / 6 * ((a * a * a - a) * m0 + (b * b * b - b) * m1);
         d1[k] = (y1 - y0) / h + h / 6 * ((1 - 3 * a * a) * m0 + (3 * b * b - 1) * m1);
         d2[k] = a * m0 + b * m1;

@@ -43,7 +43,7 @@ static double integral_of_piece(const scene_surface *surface, int direction, dou
         const double theta1 = direction == 1 ? point.place : 0;
         const double theta2 = direction == 2 ? point.place : 0;
         const surface_point at = surface_at(surface, theta1, theta2);
-        sum += point.weight * at.a[0] * at.a[1];
+        sum += point.weight * at.lame[0] * at.lame[1];
     }
     return sum;
 }

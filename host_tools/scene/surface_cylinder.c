@@ -28,19 +28,19 @@ static surface_point round_at(int axis, double along, double phi, double radius,
     const double tangent[2] = {(rise * cosine - radius * sine) / length,
                                (rise * sine + radius * cosine) / length};
     if (axis == 0) {
-        set(point.x, along, radius * sine, radius * cosine);
-        set(point.e[0], 1, 0, 0);
-        set(point.e[1], 0, tangent[1], tangent[0]);
-        set(point.e[2], 0, -tangent[0], tangent[1]);
+        set(point.position, along, radius * sine, radius * cosine);
+        set(point.triad[0], 1, 0, 0);
+        set(point.triad[1], 0, tangent[1], tangent[0]);
+        set(point.triad[2], 0, -tangent[0], tangent[1]);
     } else {
-        set(point.x, radius * cosine, radius * sine, along);
-        set(point.e[0], tangent[0], tangent[1], 0);
-        set(point.e[1], 0, 0, 1);
-        set(point.e[2], tangent[1], -tangent[0], 0);
+        set(point.position, radius * cosine, radius * sine, along);
+        set(point.triad[0], tangent[0], tangent[1], 0);
+        set(point.triad[1], 0, 0, 1);
+        set(point.triad[2], tangent[1], -tangent[0], 0);
     }
-    point.a[axis] = 1;
-    point.a[round] = length;
-    point.k[round] = (radius * radius + 2 * rise * rise) / (length * length * length);
+    point.lame[axis] = 1;
+    point.lame[round] = length;
+    point.curvature[round] = (radius * radius + 2 * rise * rise) / (length * length * length);
     return point;
 }
 

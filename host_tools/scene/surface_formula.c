@@ -47,27 +47,28 @@ surface_point formula_at(const scene_surface *surface, double theta1, double the
     const place at = place_at(surface, theta1, theta2);
     surface_point point;
     memset(&point, 0, sizeof point);
-    memcpy(point.x, at.x, sizeof point.x);
-    memcpy(point.e[0], at.first[0], sizeof point.e[0]);
-    point.a[0] = vector_normalise(point.e[0]);
-    point.a[1] = sqrt(vector_dot(at.first[1], at.first[1]));
-    vector_cross(at.first[0], at.first[1], point.e[2]);
-    const double normal = vector_normalise(point.e[2]);
-    vector_cross(point.e[2], point.e[0], point.e[1]);
+    memcpy(point.position, at.x, sizeof point.position);
+    memcpy(point.triad[0], at.first[0], sizeof point.triad[0]);
+    point.lame[0] = vector_normalise(point.triad[0]);
+    point.lame[1] = sqrt(vector_dot(at.first[1], at.first[1]));
+    vector_cross(at.first[0], at.first[1], point.triad[2]);
+    const double normal = vector_normalise(point.triad[2]);
+    vector_cross(point.triad[2], point.triad[0], point.triad[1]);
     for (int direction = 0; direction < 2; direction++)
-        point.k[direction] = normal > 0 ? -vector_dot(point.e[2], at.second[direction]) /
-                                              (point.a[direction] * point.a[direction])
-                                        : (double)NAN; /* the curvature is undefined where the
-                                                          surface has no normal */
+        point.curvature[direction] = normal > 0
+                                         ? -vector_dot(point.triad[2], at.second[direction]) /
+                                               (point.lame[direction] * point.lame[direction])
+                                         : (double)NAN; /* the curvature is undefined where the
+                                                           surface has no normal */
     return point;
 }
 
 void surface_formula_turn(const scene_surface *surface, const double theta[2], surface_point *point)
 {
     const place at = place_at(surface, theta[0], theta[1]);
-    memcpy(point->e[1], at.first[1], sizeof point->e[1]);
-    vector_normalise(point->e[1]);
-    vector_cross(point->e[1], point->e[2], point->e[0]);
+    memcpy(point->triad[1], at.first[1], sizeof point->triad[1]);
+    vector_normalise(point->triad[1]);
+    vector_cross(point->triad[1], point->triad[2], point->triad[0]);
 }
 
 double surface_formula_cosine(const scene_surface *surface, double theta1, double theta2)

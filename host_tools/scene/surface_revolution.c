@@ -28,15 +28,15 @@ surface_point revolution_at(const scene_surface *surface, double theta1, double 
     const double dr = meridian.d1[0] / length, dz = meridian.d1[1] / length;
     surface_point point;
     memset(&point, 0, sizeof point);
-    set(point.x, meridian.x[0] * cosine, meridian.x[0] * sine, meridian.x[1]);
-    set(point.e[0], dr * cosine, dr * sine, dz);
-    set(point.e[1], -sine, cosine, 0);
-    set(point.e[2], -dz * cosine, -dz * sine, dr);
-    point.a[0] = length;
-    point.a[1] = meridian.x[0];
-    point.k[0] = (dz * meridian.d2[0] - dr * meridian.d2[1]) / (length * length);
-    point.k[1] = -dz / meridian.x[0];
-    point.b[0] = dr / meridian.x[0];
+    set(point.position, meridian.x[0] * cosine, meridian.x[0] * sine, meridian.x[1]);
+    set(point.triad[0], dr * cosine, dr * sine, dz);
+    set(point.triad[1], -sine, cosine, 0);
+    set(point.triad[2], -dz * cosine, -dz * sine, dr);
+    point.lame[0] = length;
+    point.lame[1] = meridian.x[0];
+    point.curvature[0] = (dz * meridian.d2[0] - dr * meridian.d2[1]) / (length * length);
+    point.curvature[1] = -dz / meridian.x[0];
+    point.geodesic[0] = dr / meridian.x[0];
     return point;
 }
 

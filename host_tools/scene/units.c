@@ -3,17 +3,18 @@
 #include "units.h"
 
 #include <ctype.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { MOST_EXPONENT = 9999 };
 
-/* Symbol of a unit of measurement; `prefixed` is 1 if it may have an SI prefix. */
+/* Symbol of a unit of measurement; `prefixed` tells whether it may have an SI prefix. */
 typedef struct symbol {
     const char *text;
     units_unit unit;
-    int prefixed;
+    bool prefixed;
 } symbol;
 
 /*

@@ -35,8 +35,8 @@ typedef struct electrode {
     int announced_at, repaired_at; /* number of the tick in which the fault is announced to the
                                       controller; number of that in which the fault ends by itself;
                                       -1: never */
-    int is_held; /* 1: the controller treats the electrode as held, because the fault was announced
-                    or detected */
+    bool is_held; /* true: the controller treats the electrode as held, because the fault was
+                    announced or detected */
 } electrode;
 
 /*

@@ -144,7 +144,7 @@ int plant_open(plant *plant, const design *nominal, char *error)
         plant_close(plant);
         return -1;
     }
-    if (plant->analysis.nonlinear)
+    if (plant->analysis.is_nonlinear)
         memcpy(plant->scene_input, plant->analysis.equilibrium.full_input,
                (size_t)design->structure.input.count * sizeof *plant->scene_input);
     if (has_temperature_events(&design->simulate))
@@ -181,7 +181,8 @@ static int input_of(const plant *plant, int load)
 {
     const design *design = &plant->analysis.design;
     int extra = design->amplifiers + design->loads;
-    if (!plant->analysis.nonlinear || plant->analysis.design.load[load].follower == FOLLOWER_NONE)
+    if (!plant->analysis.is_nonlinear ||
+        plant->analysis.design.load[load].follower == FOLLOWER_NONE)
         return design->amplifiers + load;
     for (int k = 0; k < load; k++)
         extra += plant->analysis.design.load[k].follower != FOLLOWER_NONE;
@@ -207,7 +208,7 @@ void plant_rest(plant *plant)
     for (int k = 0; k < design->loads; k++)
         plant_load(plant, k, 1);
     plant_warm(plant, 0);
-    plant->has_shape = 0;
+    plant->has_shape = false;
     plant->is_at_rest = true;
 }
 
@@ -291,7 +292,7 @@ static int compute_equilibrium(plant *plant, char *error)
         pzs_solver_reset(run);
     analysis->status = pzs_equilibrium(run, plant->input);
     plant->linear_solves += run->info.linear_solves;
-    plant->has_shape = 1;
+    plant->has_shape = true;
     memcpy(plant->computed_input, plant->input, bytes);
     return PZS_IS_ERROR(analysis->status) ? analysis_explain(analysis, analysis->status, error) : 0;
 }
@@ -304,7 +305,7 @@ static int compute_equilibrium(plant *plant, char *error)
 static int static_shape(plant *plant, const double *voltage, double *shape, char *error)
 {
     memcpy(plant->input, voltage, (size_t)plant->analysis.design.amplifiers * sizeof *voltage);
-    if (!plant->analysis.nonlinear) {
+    if (!plant->analysis.is_nonlinear) {
         sum_columns(plant, (size_t)plant->analysis.design.targets, shape);
         return 0;
     }
@@ -332,7 +333,7 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
 static pzs_status compute_outputs(plant *plant)
 {
     analysis *analysis = &plant->analysis;
-    if (analysis->nonlinear)
+    if (analysis->is_nonlinear)
         pzs_observe(&analysis->design.structure, analysis->equilibrium.solver.info.displacement,
                     plant->value);
     else
@@ -361,7 +362,7 @@ int plant_readings(plant *plant, double *reading, char *error)
 static int static_displacement(plant *plant, double *displacement, char *error)
 {
     analysis *analysis = &plant->analysis;
-    if (analysis->nonlinear) {
+    if (analysis->is_nonlinear) {
         memcpy(displacement, analysis->equilibrium.solver.info.displacement,
                (size_t)analysis->design.mesh.free_dof * sizeof *displacement);
         return 0;
@@ -422,7 +423,7 @@ int plant_optimum(plant *plant, const double *target, const double *lowest, cons
     memcpy(design->lower, lowest, amplifiers * sizeof *lowest);
     memcpy(design->upper, highest, amplifiers * sizeof *highest);
     set_wanted(plant, target);
-    if (analysis->nonlinear)
+    if (analysis->is_nonlinear)
         memcpy(analysis->equilibrium.full_input, plant->input,
                design->structure.input.count * sizeof *plant->input);
     const int failed =
@@ -430,6 +431,6 @@ int plant_optimum(plant *plant, const double *target, const double *lowest, cons
     memcpy(design->lower, limit, amplifiers * sizeof *limit);
     memcpy(design->upper, limit + amplifiers, amplifiers * sizeof *limit);
     free(limit);
-    plant->has_shape = 0;
+    plant->has_shape = false;
     return failed ? -1 : static_shape(plant, best->voltage, shape, error);
 }

@@ -28,7 +28,7 @@ typedef struct plant {
                             as loads and support displacements */
     double *value;       /* [output rows] output values of the latest shape */
     int temperature;     /* index of the temperature input, or -1 where the plant has none */
-    int has_shape;       /* 1: at least one shape of the plant has been computed */
+    bool has_shape;      /* whether at least one shape of the plant has been computed */
     bool is_at_rest;     /* true: plant_rest has just set the plant to rest, and no time has passed
                             since */
     long linear_solves;  /* number of linear solves of the nonlinear equilibrium solver */

@@ -121,7 +121,7 @@ int simulate_tables(analysis *nominal, char *error)
     if (check_readings(design, error) < 0)
         return -1;
     memset(&best, 0, sizeof best);
-    nominal->nonlinear = 1;
+    nominal->is_nonlinear = true;
     int failed =
         voltages_optimum(nominal, (common_limits){.source = LIMITS_SCENE}, &best, error) < 0;
     if (!failed && pzs_influence_at(&nominal->equilibrium.solver, nominal->influence) != PZS_OK)
@@ -146,7 +146,7 @@ int simulate_tables(analysis *nominal, char *error)
  */
 static int check_free(const design *design, char *error)
 {
-    if (design->free_functions == 0 || !design->simulate.finds)
+    if (design->free_functions == 0 || !design->simulate.detects_faults)
         return 0;
     return scene_fault(
         design->simulate.at, error,
@@ -233,7 +233,7 @@ static int regularise(simulation *simulation, char *error)
 static int make_tables(const simulation *simulation, analysis *nominal, char *error)
 {
     if (!simulation->plant.has_inertia)
-        nominal->quasi_static = 1;
+        nominal->quasi_static = true;
     if (!nominal->quasi_static)
         certificate_make(&nominal->certificate, nominal);
     return simulate_tables(nominal, error) < 0 || certify_loop(nominal, error) < 0 ? -1 : 0;

@@ -55,7 +55,7 @@ static void fail_electrodes(loop *loop, const scene_event *event, int tick)
                                        : electrode->fault_voltage;
         electrode->failed_at = tick;
         electrode->fault = event->type == EVENT_DEAD ? ELECTRODE_DEAD : ELECTRODE_STUCK;
-        electrode->announced_at = event->told >= 0 ? tick + event->told : -1;
+        electrode->announced_at = event->announced_after >= 0 ? tick + event->announced_after : -1;
         electrode->repaired_at = event->ticks > 0 ? tick + event->ticks : -1;
     }
 }
@@ -67,13 +67,13 @@ static void repair_electrode(loop *loop, int amplifier)
         release_electrode(loop, amplifier);
     electrode->fault = ELECTRODE_GOOD;
     electrode->announced_at = electrode->repaired_at = -1;
-    electrode->is_held = 0;
+    electrode->is_held = false;
 }
 
 static void fail_sensors(loop *loop, const scene_event *event, int tick)
 {
     for (int i = 0; i < loop->sensors; i++) {
-        if (!(random_uniform(&loop->random) < event->amount))
+        if (!(random_uniform(&loop->random) < event->size))
             continue;
         if (event->type == EVENT_NAN)
             loop->sensor[i].nan_until = tick + event->ticks;
@@ -88,16 +88,16 @@ static void fail_sensors(loop *loop, const scene_event *event, int tick)
  */
 static void begin_disturbance(disturbance *disturbance, const scene_event *event, int tick)
 {
-    *disturbance = (struct disturbance){event->amount, tick + event->ticks};
+    *disturbance = (struct disturbance){event->size, tick + event->ticks};
 }
 
 static void apply_event(loop *loop, const scene_event *event, int tick)
 {
     switch (event->type) {
-    case EVENT_TARGET: loop->factor = event->amount; break;
+    case EVENT_TARGET: loop->factor = event->size; break;
     case EVENT_VALUE: set_target(loop, event); break;
-    case EVENT_LOAD: set_load(loop, event->load, event->amount); break;
-    case EVENT_TEMPERATURE: set_load(loop, loop->design->loads, event->amount); break;
+    case EVENT_LOAD: set_load(loop, event->load, event->size); break;
+    case EVENT_TEMPERATURE: set_load(loop, loop->design->loads, event->size); break;
     case EVENT_ALIVE:
         for (int i = 0; i < event->amplifiers; i++)
             repair_electrode(loop, event->amplifier[i]);
@@ -105,10 +105,10 @@ static void apply_event(loop *loop, const scene_event *event, int tick)
     case EVENT_NAN:
     case EVENT_FROZEN: fail_sensors(loop, event, tick); break;
     case EVENT_LOST: loop->missed_until = tick + event->ticks; break;
-    case EVENT_IMPULSE: plant_kick(&loop->simulation->plant, event->load, event->amount); break;
+    case EVENT_IMPULSE: plant_kick(&loop->simulation->plant, event->load, event->size); break;
     case EVENT_SINE:
         loop->wave[event->load] =
-            (wave){event->amount, event->frequency, loop->time, tick + event->ticks};
+            (wave){event->size, event->frequency, loop->time, tick + event->ticks};
         break;
     case EVENT_LATE: begin_disturbance(&loop->late, event, tick); break;
     case EVENT_JITTER: begin_disturbance(&loop->jitter, event, tick); break;
@@ -124,13 +124,13 @@ static void apply_event(loop *loop, const scene_event *event, int tick)
 static void apply_scheduled_event(loop *loop, const scene_event *event, int tick)
 {
     apply_event(loop, event, tick);
-    if (event->known)
-        loop->known_load[event->load] = event->amount;
+    if (event->feed_forward)
+        loop->known_load[event->load] = event->size;
     if (event->type == EVENT_TARGET)
-        loop->scheduled_factor = event->amount;
+        loop->scheduled_factor = event->size;
     if (event->type == EVENT_LOAD || event->type == EVENT_TEMPERATURE)
         loop->scheduled_load[event->type == EVENT_LOAD ? event->load : loop->design->loads] =
-            event->amount;
+            event->size;
 }
 
 /*
@@ -142,20 +142,21 @@ static void random_fault(loop *loop, int tick)
     static const scene_event_type kinds[] = {EVENT_NAN,  EVENT_NAN,   EVENT_FROZEN, EVENT_LOST,
                                              EVENT_DEAD, EVENT_STUCK, EVENT_TARGET, EVENT_LOAD};
     int amplifier[2];
-    scene_event event = {
-        .type = kinds[random_int(&loop->random, 8)], .amplifier = amplifier, .told = TOLD_NEVER};
-    event.amount = random_uniform(&loop->random);
+    scene_event event = {.type = kinds[random_int(&loop->random, 8)],
+                         .amplifier = amplifier,
+                         .announced_after = ANNOUNCED_NEVER};
+    event.size = random_uniform(&loop->random);
     event.ticks = 1 + random_int(&loop->random, 50);
     event.amplifiers = 1 + random_int(&loop->random, 2);
     for (int i = 0; i < 2; i++)
         amplifier[i] = random_int(&loop->random, loop->design->amplifiers);
     if (event.type == EVENT_DEAD || event.type == EVENT_STUCK)
-        event.told =
-            random_int(&loop->random, 2) ? random_int(&loop->random, event.ticks) : TOLD_NEVER;
+        event.announced_after =
+            random_int(&loop->random, 2) ? random_int(&loop->random, event.ticks) : ANNOUNCED_NEVER;
     if (event.type == EVENT_NAN && random_int(&loop->random, 4) == 0)
-        event.amount = 1; /* every sensor gives not-a-number readings */
+        event.size = 1; /* every sensor gives not-a-number readings */
     if (event.type == EVENT_TARGET || event.type == EVENT_LOAD)
-        event.amount = 2 * event.amount - 1;
+        event.size = 2 * event.size - 1;
     event.load = random_int(&loop->random, loop->design->loads + 1);
     if (event.type != EVENT_LOAD || event.load < loop->design->loads)
         apply_event(loop, &event, tick);
@@ -182,8 +183,8 @@ static void set_next_loads(loop *loop, int tick)
     memcpy(loop->next_load, loop->known_load,
            (size_t)loop->design->loads * sizeof *loop->known_load);
     for (int k = loop->next_event; k < simulate->events && simulate->event[k].tick == tick + 1; k++)
-        if (simulate->event[k].known)
-            loop->next_load[simulate->event[k].load] = simulate->event[k].amount;
+        if (simulate->event[k].feed_forward)
+            loop->next_load[simulate->event[k].load] = simulate->event[k].size;
 }
 
 static void run_events(loop *loop, int tick)
@@ -204,7 +205,7 @@ static void run_events(loop *loop, int tick)
             repair_electrode(loop, k);
         if (electrode->announced_at == tick) {
             hold_electrode(loop, k, electrode->fault_voltage);
-            electrode->is_held = 1;
+            electrode->is_held = true;
         }
     }
     for (int i = 0; i < loop->design->targets; i++)
@@ -406,7 +407,7 @@ static void count_detections(loop *loop, int tick)
         electrode *electrode = &loop->electrode[k];
         if (loop->state[k] != PZS_ELECTRODE_HELD || electrode->is_held)
             continue;
-        electrode->is_held = 1;
+        electrode->is_held = true;
         loop->detected++;
         if (electrode->fault == ELECTRODE_GOOD)
             loop->falsely_detected++;

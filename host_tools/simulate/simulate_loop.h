@@ -54,7 +54,7 @@ typedef struct loop {
                            both replace the library's step block (the block that computes the
                            voltages) where the simulation has a board */
     char *message;      /* [SCENE_ERROR] error text of a board that does not answer */
-    int is_silent;      /* 1: the board did not answer in the last tick */
+    bool is_silent;     /* whether the board failed to answer in the last tick */
     uint64_t random;    /* state of the random number generator */
     int next_event, missed_until;
     double factor, scheduled_factor; /* factor by which the target is multiplied (1): present value,
@@ -114,15 +114,15 @@ typedef struct loop {
                           minus wanted shape over that of the scene's target */
     pzs_status status; /* status of the controller in the last tick */
     int iterations;
-    int twin_agrees; /* 1: the board and its twin (the firmware's C code on this computer) gave
+    bool twin_agrees; /* true: the board and its twin (the firmware's C code on this computer) gave
                         bit-identical results in the last tick */
     int detected, falsely_detected, detection_ticks; /* number of electrodes that the fault detector
                                                         reported in the last tick; number of those
                                                         without a fault; longest time from a fault
                                                         to its detection (ticks) */
-    int is_missed, beyond_limits, not_finite; /* for the last tick: 1 where it was missed; number of
-                                                 voltages or steps beyond their limits; number of
-                                                 voltages that are not finite */
+    bool is_missed;                                  /* whether the last tick was missed */
+    int beyond_limits, not_finite; /* for the last tick: number of voltages or steps beyond their
+                                      limits; number of voltages that are not finite */
 } loop;
 
 /*

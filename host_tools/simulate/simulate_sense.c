@@ -30,8 +30,8 @@ static int kept_ticks(const scene_simulate *simulate)
 {
     int most = 0;
     for (int i = 0; i < simulate->events; i++)
-        if (simulate->event[i].type == EVENT_DELAY && simulate->event[i].amount > most)
-            most = (int)simulate->event[i].amount;
+        if (simulate->event[i].type == EVENT_DELAY && simulate->event[i].size > most)
+            most = (int)simulate->event[i].size;
     return simulate->delay + most + 1;
 }
 

@@ -31,13 +31,13 @@ static void name_value(const design *design, const scene_event *event, char *tex
         expr_is_constant(load->value) && !load->outer && load->type != LOAD_WEIGHT;
     char unit[WORDS_UNIT];
     words_unit(&design->units, words_of_load(load), unit);
-    if (event->amount == 0)
+    if (event->size == 0)
         snprintf(text, room, "off");
     else if (is_uniform)
-        snprintf(text, room, "%g%s%s", event->amount * expr_value(load->value, &anywhere),
+        snprintf(text, room, "%g%s%s", event->size * expr_value(load->value, &anywhere),
                  *unit ? " " : "", unit);
     else
-        snprintf(text, room, "x %g", event->amount);
+        snprintf(text, room, "x %g", event->size);
 }
 
 /*
@@ -51,7 +51,7 @@ static void name_load(const design *design, const scene_event *event, char *text
     if (design->loads > 1)
         snprintf(number, sizeof number, " (load %d)", event->load);
     snprintf(text, room, "%s%s %s%s", name_of_load(&design->load[event->load]), number, value,
-             event->known ? ", known" : "");
+             event->feed_forward ? ", known" : "");
 }
 
 static void name_electrodes(const design *design, const scene_event *event, const char *word,
@@ -69,9 +69,9 @@ static void name_motion(const design *design, const scene_event *event, char *te
 {
     const char *name = name_of_load(&design->load[event->load]);
     if (event->type == EVENT_IMPULSE)
-        snprintf(text, room, "impulse of the %s during %g s", name, event->amount);
+        snprintf(text, room, "impulse of the %s during %g s", name, event->size);
     else
-        snprintf(text, room, "%s varies by %g at %g Hz, %d ticks", name, event->amount,
+        snprintf(text, room, "%s varies by %g at %g Hz, %d ticks", name, event->size,
                  event->frequency, event->ticks);
 }
 
@@ -79,30 +79,30 @@ static void name_event(const design *design, const scene_event *event, char *tex
 {
     char unit[WORDS_UNIT];
     switch (event->type) {
-    case EVENT_TARGET: snprintf(text, room, "target x %g", event->amount); break;
+    case EVENT_TARGET: snprintf(text, room, "target x %g", event->size); break;
     case EVENT_VALUE: snprintf(text, room, "another target"); break;
     case EVENT_LOAD: name_load(design, event, text, room); break;
     case EVENT_TEMPERATURE:
-        snprintf(text, room, "temperature %g %s", event->amount,
+        snprintf(text, room, "temperature %g %s", event->size,
                  words_unit(&design->units, QUANTITY_TEMPERATURE, unit));
         break;
     case EVENT_NAN:
     case EVENT_FROZEN:
-        snprintf(text, room, "%g%% of the sensors %s, %d ticks", 100 * event->amount,
+        snprintf(text, room, "%g%% of the sensors %s, %d ticks", 100 * event->size,
                  event->type == EVENT_NAN ? "NaN" : "frozen", event->ticks);
         break;
     case EVENT_LOST: snprintf(text, room, "%d ticks lost", event->ticks); break;
     case EVENT_IMPULSE:
     case EVENT_SINE: name_motion(design, event, text, room); break;
     case EVENT_LATE:
-        snprintf(text, room, "voltages up to %g of a tick late, %d ticks", event->amount,
+        snprintf(text, room, "voltages up to %g of a tick late, %d ticks", event->size,
                  event->ticks);
         break;
     case EVENT_JITTER:
-        snprintf(text, room, "ticks vary by %g, %d ticks", event->amount, event->ticks);
+        snprintf(text, room, "ticks vary by %g, %d ticks", event->size, event->ticks);
         break;
     case EVENT_DELAY:
-        snprintf(text, room, "readings %g ticks later, %d ticks", event->amount, event->ticks);
+        snprintf(text, room, "readings %g ticks later, %d ticks", event->size, event->ticks);
         break;
     case EVENT_DEAD: name_electrodes(design, event, "dead", text, room); break;
     case EVENT_STUCK: name_electrodes(design, event, "stuck", text, room); break;

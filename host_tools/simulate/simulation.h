@@ -45,7 +45,7 @@ typedef struct simulate_sample {
     int active, iterations; /* number of commanded voltages at a limit; number of iterations of the
                                optimiser */
     pzs_status status;
-    int is_missed; /* 1: the tick was missed, and the controller did not run */
+    bool is_missed; /* true: the tick was missed, and the controller did not run */
 } simulate_sample;
 
 typedef void simulate_tick_callback(void *context, const simulate_sample *sample);
@@ -120,9 +120,9 @@ typedef struct simulation {
                              block */
     struct loop_blocks *undamped_blocks; /* block list without a vibration block, for the control
                                             laws for comparison */
-    int estimates, feeds, quantises; /* flags: the shape is estimated from few sensors; known loads
-                                        are fed forward to the voltages; the amplifiers have a
-                                        resolution or a dead band */
+    bool estimates;                      /* whether the shape is estimated from few sensors */
+    bool feeds;                          /* whether known loads are fed forward to the voltages */
+    bool quantises;   /* whether the amplifiers have a resolution or a dead band */
     double reference; /* weighted norm of the scene's target, the denominator of all relative errors
                        */
     double compared_regularisation; /* regularisation that LAW_REGULARISED adds to that of the scene

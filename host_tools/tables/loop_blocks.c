@@ -24,7 +24,7 @@ int loop_estimates(const design *design)
 
 int loop_feeds(const design *design)
 {
-    return design->simulate.feeds;
+    return design->simulate.has_feed_forward;
 }
 
 int loop_quantises(const design *design)
@@ -79,7 +79,7 @@ static bool has_amplifier(const loop_blocks *blocks)
 
 static bool has_detector(const loop_blocks *blocks)
 {
-    return blocks->design->simulate.finds;
+    return blocks->design->simulate.detects_faults;
 }
 
 static bool has_supervisor(const loop_blocks *blocks)
@@ -648,7 +648,7 @@ static void write_nodes(const emitter *emitter, const design *design)
             design->quads ? "x  y  z" : "theta1  theta2");
     for (int i = 0; i < design->targets; i++) {
         const int node = design->target_node[i];
-        const double *theta = design->mesh.theta[node], *place = design->mesh.point[node].x;
+        const double *theta = design->mesh.theta[node], *place = design->mesh.point[node].position;
         if (design->quads)
             fprintf(emitter->file, " * %6d %5d  %.6g  %.6g  %.6g\n", i, node, place[0], place[1],
                     place[2]);

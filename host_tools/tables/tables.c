@@ -389,8 +389,8 @@ static void write_verdict(const emitter *emitter, const certificate_loop *loop)
     const char *prefix = emitter->upper;
     if (!loop->is_made)
         return;
-    emit_comment(emitter, "storms (simulations with fast jumps of the target), and those of them "
-                          "that did not settle");
+    emit_comment(emitter, "storms (stress tests: simulations with fast jumps of the target), and "
+                          "those of them that did not settle");
     fprintf(emitter->file, "#define %s_STORMS %d\n#define %s_STORMS_FAILED %d\n", prefix,
             loop->storms, prefix, loop->failed);
     emit_comment(emitter, "largest growth factor of small vibrations in a tick");

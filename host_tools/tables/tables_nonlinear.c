@@ -12,17 +12,17 @@
 static void write_resultants(emitter *emitter, const pzs_nonlinear *tables, uint16_t inputs)
 {
     const int strains = LAMINATE_STRAINS;
-    const uint32_t entries = tables->given.start ? tables->given.start[inputs] : 0;
+    const uint32_t entries = tables->resultants.start ? tables->resultants.start[inputs] : 0;
     emitter->crc32 = GUARD_CRC_START;
     if (entries > 0) {
         emit_comment(emitter, "index of the first prescribed resultant of each input");
-        emit_longs(emitter, "resultant_start", tables->given.start, inputs + 1u);
-        emit_shorts(emitter, "resultant_element", tables->given.element, entries,
+        emit_longs(emitter, "resultant_start", tables->resultants.start, inputs + 1u);
+        emit_shorts(emitter, "resultant_element", tables->resultants.element, entries,
                     "element in which each prescribed resultant acts");
-        emit_shorts(emitter, "resultant_row", tables->given.which, entries,
+        emit_shorts(emitter, "resultant_row", tables->resultants.which, entries,
                     "row of the resultant values that each prescribed resultant uses");
-        emit_blocks(emitter, "resultant_value", *tables->given.value, tables->given.values,
-                    &strains, 1,
+        emit_blocks(emitter, "resultant_value", *tables->resultants.value,
+                    tables->resultants.values, &strains, 1,
                     "prescribed resultants per unit of an input, times the area of the element");
     }
     if (tables->prescribed.count > 0) {
@@ -38,7 +38,7 @@ static void write_resultants(emitter *emitter, const pzs_nonlinear *tables, uint
         fprintf(emitter->file,
                 "\n    {%u, %s_resultant_start, %s_resultant_element, %s_resultant_row, "
                 "%s_resultant_value},\n",
-                tables->given.values, emitter->prefix, emitter->prefix, emitter->prefix,
+                tables->resultants.values, emitter->prefix, emitter->prefix, emitter->prefix,
                 emitter->prefix);
     else
         fputs("\n    {0, NULL, NULL, NULL, NULL},\n", emitter->file);

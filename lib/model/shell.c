@@ -4,6 +4,7 @@
  * resultants at a displacement (shell.h).
  */
 #include "shell.h"
+#include "../core/vector3.h"
 #include "shell_corner.h"
 #include "shell_skew.h"
 #include <string.h>
@@ -22,11 +23,6 @@ typedef struct shape {
 } shape;
 
 static const pzs_real e3[3] = {0, 0, 1};
-
-static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* y += matrix times x */
 static void add_product(pzs_real y[3], const pzs_real matrix[3][3], const pzs_real x[3])
@@ -110,24 +106,27 @@ static void corner_strains(const shape *base, const shell_corner *change, pzs_re
 {
     const pzs_real hh4 = thickness * thickness / 4;
     for (int direction = 0; direction < 2; direction++) {
-        strain[2 * direction] = dot(base->mean[direction], change->mean[direction]) +
-                                hh4 * dot(base->diff[direction], change->diff[direction]);
+        strain[2 * direction] = vector3_dot(base->mean[direction], change->mean[direction]) +
+                                hh4 * vector3_dot(base->diff[direction], change->diff[direction]);
         strain[2 * direction + 1] =
-            thickness * (dot(base->mean[direction], change->diff[direction]) +
-                         dot(base->diff[direction], change->mean[direction]));
+            thickness * (vector3_dot(base->mean[direction], change->diff[direction]) +
+                         vector3_dot(base->diff[direction], change->mean[direction]));
         strain[E13 + direction] =
-            dot(base->mean[direction], change->beta) + dot(base->beta, change->mean[direction]) -
+            vector3_dot(base->mean[direction], change->beta) +
+            vector3_dot(base->beta, change->mean[direction]) -
             2 * thickness *
                 (base->diff[direction][2] * change->q + base->q * change->diff[direction][2]);
     }
-    strain[E33M] = dot(base->beta, change->beta) + 16 * base->q * change->q;
+    strain[E33M] = vector3_dot(base->beta, change->beta) + 16 * base->q * change->q;
     strain[E33D] = -8 * (base->beta[2] * change->q + base->q * change->beta[2]);
-    strain[E12M] =
-        dot(base->mean[0], change->mean[1]) + dot(base->mean[1], change->mean[0]) +
-        hh4 * (dot(base->diff[0], change->diff[1]) + dot(base->diff[1], change->diff[0]));
+    strain[E12M] = vector3_dot(base->mean[0], change->mean[1]) +
+                   vector3_dot(base->mean[1], change->mean[0]) +
+                   hh4 * (vector3_dot(base->diff[0], change->diff[1]) +
+                          vector3_dot(base->diff[1], change->diff[0]));
     strain[E12D] =
-        thickness * (dot(base->mean[0], change->diff[1]) + dot(base->diff[0], change->mean[1]) +
-                     dot(base->mean[1], change->diff[0]) + dot(base->diff[1], change->mean[0]));
+        thickness *
+        (vector3_dot(base->mean[0], change->diff[1]) + vector3_dot(base->diff[0], change->mean[1]) +
+         vector3_dot(base->mean[1], change->diff[0]) + vector3_dot(base->diff[1], change->mean[0]));
 }
 
 /*

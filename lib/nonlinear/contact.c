@@ -14,6 +14,7 @@
 #include "contact_check.h"
 #include "face.h"
 #include "../core/guard.h"
+#include "../core/vector3.h"
 #include "../model/model.h"
 #include "nonlinear.h"
 #include "../model/shell.h"
@@ -47,11 +48,6 @@ static pzs_contact *contact_of(pzs_solver_option *option)
     return (pzs_contact *)(void *)option;
 }
 
-static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* ---- bodies ----------------------------------------------------------- */
 
 /*
@@ -63,7 +59,7 @@ static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
 static pzs_real gap_round(pzs_real radius, const pzs_real from[3], const pzs_real *along,
                           pzs_real normal[3], pzs_real hessian[3][3])
 {
-    const pzs_real distance = PZS_SQRT(dot(from, from));
+    const pzs_real distance = PZS_SQRT(vector3_dot(from, from));
     const pzs_real inverse = distance > radius * PZS_EPSILON ? 1 / distance : 0;
     for (int i = 0; i < 3; i++)
         normal[i] = inverse * from[i];
@@ -83,7 +79,7 @@ pzs_real pzs_gap_plane(const pzs_body *body, const pzs_real position[3], pzs_rea
     memcpy(normal, body->axis, sizeof body->axis);
     const pzs_real from[3] = {position[0] - body->point[0], position[1] - body->point[1],
                               position[2] - body->point[2]};
-    return dot(from, normal);
+    return vector3_dot(from, normal);
 }
 
 pzs_real pzs_gap_cylinder(const pzs_body *body, const pzs_real position[3], pzs_real normal[3],
@@ -91,7 +87,7 @@ pzs_real pzs_gap_cylinder(const pzs_body *body, const pzs_real position[3], pzs_
 {
     pzs_real from[3] = {position[0] - body->point[0], position[1] - body->point[1],
                         position[2] - body->point[2]};
-    const pzs_real along = dot(from, body->axis);
+    const pzs_real along = vector3_dot(from, body->axis);
     for (int i = 0; i < 3; i++)
         from[i] -= along * body->axis[i];
     return gap_round(body->radius, from, body->axis, normal, hessian);
@@ -149,11 +145,12 @@ static contact_point find_point(const pzs_contact *contact, const pzs_solver *so
                       displacement[2] * triad[2][i];
     point.gap = contact->state.body->gap(contact->state.body, position, point.global, global);
     for (int i = 0; i < 3; i++) {
-        const pzs_real derivative[3] = {dot(triad[i], global[0]), dot(triad[i], global[1]),
-                                        dot(triad[i], global[2])};
-        point.normal[i] = dot(triad[i], point.global);
+        const pzs_real derivative[3] = {vector3_dot(triad[i], global[0]),
+                                        vector3_dot(triad[i], global[1]),
+                                        vector3_dot(triad[i], global[2])};
+        point.normal[i] = vector3_dot(triad[i], point.global);
         for (int j = 0; j < 3; j++)
-            point.hessian[i][j] = dot(triad[j], derivative);
+            point.hessian[i][j] = vector3_dot(triad[j], derivative);
     }
     return point;
 }
@@ -215,8 +212,9 @@ static void find_facing(pzs_contact *contact, const pzs_solver *solver)
             pzs_real eta[3];
             pzs_face_normal(&structure->type[structure->element_type[element]], height,
                             (const pzs_real(*)[3])displacement, corner, eta);
-            contact->state.facing[node] +=
-                contact->state.face->face == 0 ? -dot(eta, point.normal) : dot(eta, point.normal);
+            contact->state.facing[node] += contact->state.face->face == 0
+                                               ? -vector3_dot(eta, point.normal)
+                                               : vector3_dot(eta, point.normal);
         }
     }
 }
@@ -411,8 +409,8 @@ static void after_solve(pzs_solver_option *option, pzs_solver *solver, const pzs
         const contact_point point = find_point(contact, solver, node);
         pzs_real increment[3];
         node_displacement(contact, solver, node, du, increment);
-        contact->state.pressure[node] -=
-            contact_stiffness(contact, solver, node) * (point.gap + dot(point.normal, increment));
+        contact->state.pressure[node] -= contact_stiffness(contact, solver, node) *
+                                         (point.gap + vector3_dot(point.normal, increment));
     }
 }
 
@@ -434,11 +432,12 @@ static void add_unit_force(pzs_solver_option *option, pzs_solver *solver, uint32
         const pzs_real stiffness = contact_stiffness(contact, solver, node);
         pzs_real force[1][3], motion[3];
         for (int i = 0; i < 3; i++)
-            motion[i] = dot(contact->state.face->triad[node][i], contact->state.face->motion);
+            motion[i] =
+                vector3_dot(contact->state.face->triad[node][i], contact->state.face->motion);
         for (int i = 0; i < 3; i++)
             force[0][i] = contact->state.face->area[node] *
-                          (stiffness * dot(point.normal, motion) * point.normal[i] -
-                           contact->state.pressure[node] * dot(point.hessian[i], motion));
+                          (stiffness * vector3_dot(point.normal, motion) * point.normal[i] -
+                           contact->state.pressure[node] * vector3_dot(point.hessian[i], motion));
         pzs_face_scatter(solver->state.model, &node, 1, face_height(contact, solver),
                          (const pzs_real(*)[3])force, out);
     }
@@ -618,7 +617,7 @@ static pzs_status check_body(const pzs_body *body, int32_t *where)
 {
     const bool has_axis = body->gap == pzs_gap_plane || body->gap == pzs_gap_cylinder;
     const bool has_radius = body->gap == pzs_gap_cylinder || body->gap == pzs_gap_sphere;
-    const pzs_real off = dot(body->axis, body->axis) - 1;
+    const pzs_real off = vector3_dot(body->axis, body->axis) - 1;
     pzs_real number[7] = {0};
     if (body->crc != pzs_body_crc(body))
         return PZS_E_CRC;

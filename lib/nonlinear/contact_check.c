@@ -2,6 +2,7 @@
 /* Check of a contact for penetration between the nodes and during a load step (contact_check.h). */
 #include "contact_check.h"
 #include "face.h"
+#include "../core/vector3.h"
 #include "../model/model.h"
 #include "../model/shell.h"
 #include <string.h>
@@ -21,11 +22,6 @@ enum { MOTION_BISECTIONS = 24, MOTION_STEPS = 32 };
  * curvature of the body.
  */
 #define SAG_LIMIT ((pzs_real)0.2)
-
-static pzs_real dot(const pzs_real a[3], const pzs_real b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 pzs_real pzs_contact_closed_gap(const pzs_contact *contact)
 {
@@ -78,7 +74,7 @@ pzs_real pzs_contact_reach(const pzs_contact *contact, const pzs_structure *stru
             const pzs_real *from = contact->state.face->place[structure->element[element][k]];
             const pzs_real *to = contact->state.face->place[structure->element[element][k + 2]];
             const pzs_real diagonal[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
-            const pzs_real size2 = dot(diagonal, diagonal);
+            const pzs_real size2 = vector3_dot(diagonal, diagonal);
             most = size2 > most ? size2 : most;
         }
     return PZS_SQRT(most) / 2;
@@ -129,8 +125,8 @@ static body_point find_body_point(const pzs_contact *contact, const pzs_real pos
     pzs_real hessian[3][3], left[3];
     at.gap = contact->state.body->gap(contact->state.body, position, at.normal, hessian);
     for (int i = 0; i < 3; i++)
-        left[i] = dot(hessian[i], at.normal);
-    const pzs_real across = dot(left, at.normal);
+        left[i] = vector3_dot(hessian[i], at.normal);
+    const pzs_real across = vector3_dot(left, at.normal);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             at.hessian[i][j] = hessian[i][j] - at.normal[i] * left[j] - left[i] * at.normal[j] +
@@ -146,9 +142,10 @@ static body_point find_body_point(const pzs_contact *contact, const pzs_real pos
 /* Return d'H d for a vector d and the second derivatives H of the gap along the surface. */
 static pzs_real curvature_along(const body_point *at, const pzs_real direction[3])
 {
-    const pzs_real product[3] = {dot(at->hessian[0], direction), dot(at->hessian[1], direction),
-                                 dot(at->hessian[2], direction)};
-    return dot(product, direction);
+    const pzs_real product[3] = {vector3_dot(at->hessian[0], direction),
+                                 vector3_dot(at->hessian[1], direction),
+                                 vector3_dot(at->hessian[2], direction)};
+    return vector3_dot(product, direction);
 }
 
 /* ---- one element -------------------------------------------------------- */
@@ -201,8 +198,8 @@ static void find_slopes(facet_search *search, pzs_real along, pzs_real across, p
 {
     pzs_real distance[4];
     for (int corner = 0; corner < 4; corner++)
-        distance[corner] = interpolate(time, dot(normal, search->corner[0][corner]),
-                                       dot(normal, search->corner[1][corner]));
+        distance[corner] = interpolate(time, vector3_dot(normal, search->corner[0][corner]),
+                                       vector3_dot(normal, search->corner[1][corner]));
     search->slope[0] = interpolate(across, distance[1] - distance[0], distance[2] - distance[3]);
     search->slope[1] = interpolate(along, distance[3] - distance[0], distance[2] - distance[1]);
 }
@@ -277,12 +274,12 @@ static pzs_real crossing_time(const pzs_contact *contact, const pzs_real from[3]
     const pzs_real closed = 2 * pzs_contact_closed_gap(contact);
     pzs_real behind[3], low = 0, high = 1;
     const pzs_real gap = gap_at(contact, from, normal);
-    if (gap < -closed || !(dot(normal, motion) < 0))
+    if (gap < -closed || !(vector3_dot(normal, motion) < 0))
         return 0;
     gap_at(contact, to, behind);
-    const bool ends_behind = dot(normal, behind) < 0;
+    const bool ends_behind = vector3_dot(normal, behind) < 0;
     memcpy(normal, behind, sizeof behind);
-    if (!(dot(normal, motion) > 0))
+    if (!(vector3_dot(normal, motion) > 0))
         return 1;
     for (int i = 0; i < MOTION_BISECTIONS; i++) {
         const pzs_real middle = (low + high) / 2;
@@ -290,7 +287,7 @@ static pzs_real crossing_time(const pzs_contact *contact, const pzs_real from[3]
                                       from[2] + middle * motion[2]};
         if (gap_at(contact, position, normal) < -closed && ends_behind)
             return -1;
-        if (dot(normal, motion) > 0)
+        if (vector3_dot(normal, motion) > 0)
             high = middle;
         else
             low = middle;
@@ -368,9 +365,9 @@ static bool is_separated(const facet_search *search, int k)
 {
     pzs_real position[3], normal[3];
     facet_point(search->corner[k], (pzs_real)0.5, (pzs_real)0.5, position);
-    const pzs_real gap = gap_at(search->contact, position, normal) - dot(normal, position);
+    const pzs_real gap = gap_at(search->contact, position, normal) - vector3_dot(normal, position);
     for (int i = 0; i < 8; i++)
-        if (!(gap + dot(normal, search->corner[i / 4][i % 4]) > 0))
+        if (!(gap + vector3_dot(normal, search->corner[i / 4][i % 4]) > 0))
             return false;
     return true;
 }
@@ -420,7 +417,7 @@ static bool faces_away(const facet_search *search)
         facet_point(corner, (pzs_real)0.5, (pzs_real)0.5, middle);
         gap_at(search->contact, middle, normal);
         pzs_face_cross(diagonal, other_diagonal, up);
-        const pzs_real facing = dot(up, normal);
+        const pzs_real facing = vector3_dot(up, normal);
         if ((search->contact->state.face->face == 0 ? -facing : facing) < 0)
             return false;
     }
@@ -490,14 +487,14 @@ pzs_status pzs_contact_check(pzs_contact *contact, const pzs_solver *solver)
 static pzs_real free_motion(const pzs_contact *contact, const pzs_real position[3],
                             const pzs_real motion[3], pzs_real near)
 {
-    const pzs_real length = PZS_SQRT(dot(motion, motion));
+    const pzs_real length = PZS_SQRT(vector3_dot(motion, motion));
     pzs_real part = 0;
     for (int i = 0; i < MOTION_STEPS && part < 1; i++) {
         const pzs_real at[3] = {position[0] - part * motion[0], position[1] - part * motion[1],
                                 position[2] - part * motion[2]};
         pzs_real normal[3];
         const pzs_real left = gap_at(contact, at, normal) - near;
-        if (left > 0 && dot(normal, motion) <= 0)
+        if (left > 0 && vector3_dot(normal, motion) <= 0)
             return 1;
         if (!(left > near / 16))
             break;
@@ -514,7 +511,7 @@ pzs_real pzs_contact_largest_part(const pzs_contact *contact, const pzs_solver *
                            body_motion(contact, solver, solver->state.converged_input_value);
     const pzs_real motion[3] = {moved * face->motion[0], moved * face->motion[1],
                                 moved * face->motion[2]};
-    const pzs_real length = PZS_SQRT(dot(motion, motion)),
+    const pzs_real length = PZS_SQRT(vector3_dot(motion, motion)),
                    height = pzs_face_height(solver->state.model->state.structure, face->face);
     pzs_real part = 1, radius = face->size;
     for (uint16_t node = 0; length > 0 && node < solver->state.model->state.structure->nodes;

@@ -31,7 +31,7 @@ static pzs_real charge_at(const pzs_solver *solver, const pzs_electrodes *tables
                           uint32_t electrode)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
-    const pzs_prescribed_resultants *given = &solver->state.tables->given;
+    const pzs_prescribed_resultants *given = &solver->state.tables->resultants;
     const uint16_t input = tables->input[electrode];
     pzs_real charge = 0;
     for (uint32_t i = given->start[input]; i < given->start[input + 1]; i++) {
@@ -49,7 +49,8 @@ static pzs_real charge_at(const pzs_solver *solver, const pzs_electrodes *tables
 
 pzs_status pzs_charges_at(const pzs_solver *solver, const pzs_electrodes *tables, pzs_real *charge)
 {
-    if (!solver || !solver->state.model || !tables || !charge || !solver->state.tables->given.start)
+    if (!solver || !solver->state.model || !tables || !charge ||
+        !solver->state.tables->resultants.start)
         return PZS_E_ARGUMENT;
     for (uint32_t k = 0; k < tables->count; k++)
         charge[k] = charge_at(solver, tables, k);
@@ -228,7 +229,8 @@ static const struct pzs_solver_option_calls calls = {
 pzs_status pzs_attach_circuit(pzs_solver *solver, pzs_circuit *circuit,
                               const pzs_electrodes *tables, void *work, size_t bytes)
 {
-    if (!solver || !solver->state.model || !circuit || !work || !solver->state.tables->given.start)
+    if (!solver || !solver->state.model || !circuit || !work ||
+        !solver->state.tables->resultants.start)
         return PZS_E_ARGUMENT;
     const pzs_status status = pzs_electrode_check(tables, solver->state.model->state.structure);
     if (status != PZS_OK)

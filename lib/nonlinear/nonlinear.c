@@ -34,24 +34,27 @@ static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 static bool counts_fit(const pzs_nonlinear *tables, const pzs_structure *structure)
 {
     const uint32_t inputs = structure->input.count,
-                   entries = tables->given.start ? tables->given.start[inputs] : 0;
-    return entries <= inputs * structure->elements && tables->given.values <= entries &&
+                   entries = tables->resultants.start ? tables->resultants.start[inputs] : 0;
+    return entries <= inputs * structure->elements && tables->resultants.values <= entries &&
            tables->prescribed.count <= structure->free_dof;
 }
 
 uint32_t pzs_nonlinear_crc(const pzs_nonlinear *tables, const pzs_structure *structure)
 {
     const uint32_t inputs = structure->input.count,
-                   entries = tables->given.start ? tables->given.start[inputs] : 0;
+                   entries = tables->resultants.start ? tables->resultants.start[inputs] : 0;
     uint32_t crc = GUARD_CRC_START;
     if (!counts_fit(tables, structure))
         return crc;
     if (entries > 0) {
-        crc = pzs_guard_crc(crc, tables->given.start, (inputs + 1) * sizeof *tables->given.start);
-        crc = pzs_guard_crc(crc, tables->given.element, entries * sizeof *tables->given.element);
-        crc = pzs_guard_crc(crc, tables->given.which, entries * sizeof *tables->given.which);
-        crc = pzs_guard_crc(crc, tables->given.value,
-                            tables->given.values * sizeof *tables->given.value);
+        crc = pzs_guard_crc(crc, tables->resultants.start,
+                            (inputs + 1) * sizeof *tables->resultants.start);
+        crc = pzs_guard_crc(crc, tables->resultants.element,
+                            entries * sizeof *tables->resultants.element);
+        crc = pzs_guard_crc(crc, tables->resultants.which,
+                            entries * sizeof *tables->resultants.which);
+        crc = pzs_guard_crc(crc, tables->resultants.value,
+                            tables->resultants.values * sizeof *tables->resultants.value);
     }
     if (tables->prescribed.count > 0) {
         crc = pzs_guard_crc(crc, &tables->prescribed.input, sizeof tables->prescribed.input);
@@ -76,13 +79,13 @@ pzs_status pzs_nonlinear_seal(pzs_nonlinear *tables, const pzs_structure *struct
 static bool tables_in_range(const pzs_nonlinear *tables, const pzs_structure *structure)
 {
     const uint32_t inputs = structure->input.count,
-                   entries = tables->given.start ? tables->given.start[inputs] : 0;
+                   entries = tables->resultants.start ? tables->resultants.start[inputs] : 0;
     for (uint32_t j = 0; entries > 0 && j < inputs; j++)
-        if (tables->given.start[j] > tables->given.start[j + 1])
+        if (tables->resultants.start[j] > tables->resultants.start[j + 1])
             return false;
     for (uint32_t i = 0; i < entries; i++)
-        if (tables->given.element[i] >= structure->elements ||
-            tables->given.which[i] >= tables->given.values)
+        if (tables->resultants.element[i] >= structure->elements ||
+            tables->resultants.which[i] >= tables->resultants.values)
             return false;
     for (uint32_t i = 0; i < tables->prescribed.count; i++)
         if (tables->prescribed.dof[i] >= structure->free_dof)
@@ -199,7 +202,7 @@ void pzs_nonlinear_attach(pzs_solver *solver, pzs_solver_option *option,
 void pzs_nonlinear_set_prescribed(pzs_solver *solver)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
-    const pzs_prescribed_resultants *given = &solver->state.tables->given;
+    const pzs_prescribed_resultants *given = &solver->state.tables->resultants;
     memset(solver->state.prescribed, 0, structure->elements * sizeof *solver->state.prescribed);
     for (uint32_t j = 0; given->start && j < structure->input.count; j++)
         for (uint32_t entry = given->start[j];
@@ -214,14 +217,14 @@ void pzs_nonlinear_set_prescribed(pzs_solver *solver)
 
 static bool has_prescribed_resultants(const pzs_solver *solver, uint32_t input)
 {
-    const uint32_t *start = solver->state.tables->given.start;
+    const uint32_t *start = solver->state.tables->resultants.start;
     return start && start[input + 1] > start[input];
 }
 
 void pzs_nonlinear_unit_force(pzs_solver *solver, uint32_t input, pzs_real *force)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
-    const pzs_prescribed_resultants *given = &solver->state.tables->given;
+    const pzs_prescribed_resultants *given = &solver->state.tables->resultants;
     const bool is_actuation = has_prescribed_resultants(solver, input);
     if (!is_actuation)
         pzs_model_add_input(solver->state.model, input, 1, force);

@@ -83,7 +83,8 @@ links "$CLANGXX" words.cpp -std=c++17
 [ ! -s "$scratch/found" ] && [ -f "$B/64/libpiezoshape.a" ]
 tap $? 'every external symbol begins with pzs_'
 
-# The text of the table structs without comments and blanks; their checksum is recorded beside the format number.
+# The text of the table structs without comments, blanks and names of parameters, which change no byte of a table; its checksum
+# is recorded beside the format number.
 tables='pzs_rows pzs_element_type pzs_structure pzs_electrodes pzs_prescribed_resultants pzs_prescribed_motion pzs_nonlinear
     pzs_follower pzs_body pzs_contact_face pzs_problem pzs_estimator pzs_vibration pzs_governor pzs_feed_forward_table pzs_known_loads pzs_amplifier
     pzs_fault_detection pzs_hysteresis pzs_supervision pzs_block'
@@ -94,7 +95,8 @@ for table in $tables; do
         $0 ~ "^typedef struct " name " [{]" { on = 1 }
         on { print }
         on && /^}/ { exit }' "$scratch/bare"
-done | tr -d ' \n\t' >"$scratch/structs"
+done | tr '\n\t' '  ' |
+    sed -E ':again; s/(\(\*[a-z_]+\)\([^()]*[ *])[A-Za-z_0-9]+((\[[0-9]*\])*[,)])/\1\2/; t again' | tr -d ' \n' >"$scratch/structs"
 sum=$(cksum <"$scratch/structs" | cut -d' ' -f1)
 format=$(sed -n 's/^#define PZS_TABLE_FORMAT \([0-9]*\)u$/\1/p' include/pzs_version.h)
 grep -qx "$format $sum" tests/gates/table_format.txt

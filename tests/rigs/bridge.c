@@ -22,7 +22,7 @@ static bridge_rows rows_of(const pzs_rows *rows)
 
 static void fill_path(bridge *tables, const equilibrium *equilibrium)
 {
-    const pzs_prescribed_resultants *resultants = &equilibrium->tables.given;
+    const pzs_prescribed_resultants *resultants = &equilibrium->tables.resultants;
     tables->full_input = equilibrium->full_input;
     tables->given_values = resultants->values;
     tables->given_start = resultants->start;

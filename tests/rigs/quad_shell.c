@@ -31,7 +31,7 @@ void quad_shell_init(quad_shell *shell, double thickness, double young, double p
     shell->scene.layer = shell->layer;
     shell->scene.material = shell->material;
     shell->scene.layers = shell->scene.materials = 1;
-    shell->scene.reference_is_middle = 1;
+    shell->scene.reference_is_middle = true;
     shell->scene.element = (scene_element){1, 1, 0.09, 1, 1, 1, 1, 7, 0};
     shell->quads.regions = 1;
     shell->quads.region = grow(NULL, 1, sizeof *shell->quads.region);
@@ -212,15 +212,15 @@ int quad_shell_build(quad_shell *shell, const double sweep[3])
 void quad_shell_force(quad_shell *shell, int node, const double force[3])
 {
     for (int axis = 0; axis < 3; axis++)
-        shell->force[node][axis] += vector_dot(shell->mesh.point[node].e[axis], force);
+        shell->force[node][axis] += vector_dot(shell->mesh.point[node].triad[axis], force);
 }
 
 void quad_shell_couple(quad_shell *shell, int node, const double couple[3])
 {
     double turned[3];
-    vector_cross(couple, shell->mesh.point[node].e[2], turned);
+    vector_cross(couple, shell->mesh.point[node].triad[2], turned);
     for (int axis = 0; axis < 3; axis++)
-        shell->force[node][3 + axis] += vector_dot(shell->mesh.point[node].e[axis], turned);
+        shell->force[node][3 + axis] += vector_dot(shell->mesh.point[node].triad[axis], turned);
 }
 
 /* Integral over an element of the product of the shape functions of two corners. */
@@ -388,7 +388,7 @@ void quad_shell_displacement(const quad_shell *shell, int node, double displacem
     for (int i = 0; i < 3; i++) {
         displacement[i] = 0;
         for (int axis = 0; axis < 3; axis++)
-            displacement[i] += shell->mesh.point[node].e[axis][i] * shell->u[node][axis];
+            displacement[i] += shell->mesh.point[node].triad[axis][i] * shell->u[node][axis];
     }
 }
 

@@ -218,7 +218,7 @@ static double patch_error(const scene_run *r, int k, double (*exact)(double x, d
     const design *design = &r->analysis.design;
     double error = 0, largest = 0;
     for (int n = 0; n < design->mesh.nodes; n++) {
-        const double *x = design->mesh.point[n].x, want = exact(x[0], x[1]);
+        const double *x = design->mesh.point[n].position, want = exact(x[0], x[1]);
         largest = fmax(largest, fabs(want));
         error = fmax(error, fabs(r->output[design->named_first[k] + n] - want));
     }

@@ -227,7 +227,7 @@ static double output_error(const scene_run *r, int k, const double f[4])
     const design *design = &r->analysis.design;
     double error = 0, largest = 0;
     for (int n = 0; n < design->mesh.nodes; n++) {
-        const double *x = design->mesh.point[n].x,
+        const double *x = design->mesh.point[n].position,
                      want =
                          f[0] * x[0] + f[1] * x[1] + f[2] * (x[0] * x[0] + x[1] * x[1]) / 2 + f[3];
         largest = fmax(largest, fabs(want));

@@ -124,8 +124,8 @@ static void test_same_plate(void **state)
                 grid_flip(&grid, 3);
             write_grid(k && order ? MSH2_BINARY : MSH4_TEXT);
             scene_run r = run_scene(body, LAYERS);
-            const double sign =
-                k && r.analysis.design.mesh.point[0].e[2][2] < 0 ? -1 : 1; /* flipped elements */
+            const bool is_flipped = r.analysis.design.mesh.point[0].triad[2][2] < 0;
+            const double sign = k && is_flipped ? -1 : 1;
             for (int i = 0; i < 2 && sign > 0; i++) {
                 const double value = scene_run_value(&r, i);
                 if (k == 0)
@@ -232,7 +232,7 @@ static void test_dish_directors(void **state)
         fail_msg("%s", r.error);
     const mesh *mesh = &r.analysis.design.mesh;
     for (int n = 0; n < mesh->nodes; n++) {
-        const double *x = mesh->point[n].x, *d = mesh->point[n].e[2];
+        const double *x = mesh->point[n].position, *d = mesh->point[n].triad[2];
         double exact[3] = {-x[0] / (2 * focal), -x[1] / (2 * focal), 1};
         const double length = sqrt(exact[0] * exact[0] + exact[1] * exact[1] + 1);
         const double sign = d[2] > 0 ? 1 : -1;

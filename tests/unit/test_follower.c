@@ -451,8 +451,8 @@ static void damaged_counts_are_not_followed(void **state)
     const pzs_nonlinear sound = {
         PZS_TABLE_FORMAT, 0, 0, {1, start[0], element, which, value}, {0, 0, NULL, NULL}};
     pzs_nonlinear bad[3] = {sound, sound, sound};
-    bad[0].given.start = start[1];
-    bad[1].given.values = 0x8001u;
+    bad[0].resultants.start = start[1];
+    bad[1].resultants.values = 0x8001u;
     bad[2].prescribed.count = 0x8000u;
     for (int i = 0; i < 3; i++)
         bad[i].crc = pzs_nonlinear_crc(&sound, &g->structure);

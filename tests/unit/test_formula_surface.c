@@ -61,10 +61,10 @@ static void test_geometry_of_a_sphere(void **state)
     }
     const surface_point point = surface_at(&sphere, 0.7, 0.4);
     for (int i = 0; i < 3; i++)
-        assert_true(fabs(point.e[2][i] - point.x[i] / 2) < 8 * DBL_EPSILON);
+        assert_true(fabs(point.triad[2][i] - point.position[i] / 2) < 8 * DBL_EPSILON);
     for (int a = 0; a < 2; a++)
-        assert_true(fabs(point.k[a] - 0.5) < 16 * DBL_EPSILON);
-    assert_true(fabs(point.a[1] - 2 * sin(0.7)) < 8 * DBL_EPSILON);
+        assert_true(fabs(point.curvature[a] - 0.5) < 16 * DBL_EPSILON);
+    assert_true(fabs(point.lame[1] - 2 * sin(0.7)) < 8 * DBL_EPSILON);
     const double theta1[2] = {0.3, 1.2}, theta2[2] = {0.1, 0.9};
     const double area = 4 * (cos(0.3) - cos(1.2)) * 0.8;
     assert_true(fabs(surface_area(&sphere, theta1, theta2) / area - 1) < 1e-13);

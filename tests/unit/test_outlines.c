@@ -442,7 +442,7 @@ static void test_random_shares(void **state)
                 const double slope_a[4] = {b - 1, 1 - b, b, -b}, slope_b[4] = {a - 1, -a, a, 1 - a};
                 for (int n = 0; n < 4; n++)
                     for (int c = 0; c < 2; c++) {
-                        const double at = mesh->point[mesh->element[e][n]].x[c];
+                        const double at = mesh->point[mesh->element[e][n]].position[c];
                         x[c] += weight[n] * at;
                         along[c] += slope_a[n] * at;
                         across[c] += slope_b[n] * at;
@@ -540,8 +540,8 @@ static void test_whole_elements(void **state)
     const design *a = &whole.analysis.design, *b = &outlined.analysis.design;
     assert_same_rows(&a->structure.input, &b->structure.input);
     assert_same_rows(&a->electrodes.direct, &b->electrodes.direct);
-    const pzs_prescribed_resultants *g = &whole.analysis.equilibrium.tables.given,
-                                    *h = &outlined.analysis.equilibrium.tables.given;
+    const pzs_prescribed_resultants *g = &whole.analysis.equilibrium.tables.resultants,
+                                    *h = &outlined.analysis.equilibrium.tables.resultants;
     const uint32_t entries = g->start[a->structure.input.count];
     assert_int_equal(g->values, h->values);
     assert_memory_equal(g->start, h->start, (a->structure.input.count + 1u) * sizeof *g->start);

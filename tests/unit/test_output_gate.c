@@ -288,7 +288,7 @@ static void test_damaged_lengths(void **state)
     nonlinear.prescribed.count = 5; /* of four free dof */
     assert_int_equal(pzs_nonlinear_seal(&nonlinear, &structure), PZS_E_ARGUMENT);
     nonlinear.prescribed.count = 0;
-    nonlinear.given.start = bad;
+    nonlinear.resultants.start = bad;
     assert_int_equal(pzs_nonlinear_seal(&nonlinear, &structure), PZS_E_ARGUMENT);
 }
 

@@ -179,7 +179,7 @@ static void test_rigid_motion(void **state)
         solve_run(&r, "tests/rigs/scenes/rigid.yaml", element[k]);
         const design *design = &r.analysis.design;
         for (int n = 0; n < design->mesh.nodes; n++) {
-            const double *x = design->mesh.point[n].x,
+            const double *x = design->mesh.point[n].position,
                          want[3] = {0, x[1] * (cos(0.6) - 1) - x[2] * sin(0.6),
                                     x[1] * sin(0.6) + x[2] * (cos(0.6) - 1)};
             for (int i = 0; i < 3; i++)
@@ -395,7 +395,7 @@ static void test_auto(void **state)
         scene_run r, known;
         solve_run(&r, "tests/rigs/scenes/strip.yaml", cases[i].changes);
         solve_run(&known, "tests/rigs/scenes/strip.yaml", cases[i].known);
-        assert_int_equal(r.analysis.nonlinear, cases[i].nonlinear);
+        assert_int_equal(r.analysis.is_nonlinear, cases[i].nonlinear);
         assert_int_equal(r.analysis.linear_error > r.scene.tolerance, cases[i].nonlinear);
         assert_true(apart(r.u, known.u, dof_of(&r)) == 0);
         scene_run_close(&r);
@@ -454,7 +454,7 @@ static void test_given_force_at_rest(void **state)
         snprintf(changes, sizeof changes, "%skinematics=nonlinear", element[k]);
         open_run(&r, "plate-50-patches", changes);
         const pzs_structure *structure = &r.analysis.design.structure;
-        const pzs_prescribed_resultants *g = &r.analysis.equilibrium.tables.given;
+        const pzs_prescribed_resultants *g = &r.analysis.equilibrium.tables.resultants;
         double *f = calloc(structure->free_dof, sizeof *f),
                *column = calloc(structure->free_dof, sizeof *f), zero[SHELL_MAX] = {0};
         for (uint32_t j = 0; j < 25; j++) {

@@ -38,11 +38,11 @@ static void round_path(device *d)
     d->given = rounded(b->given_value, 10 * (size_t)b->given_values);
     d->amount = rounded(b->full_input, (size_t)b->input.count);
     d->tables.format = PZS_TABLE_FORMAT;
-    d->tables.given.values = (uint16_t)b->given_values;
-    d->tables.given.start = b->given_start;
-    d->tables.given.element = b->given_element;
-    d->tables.given.which = b->given_which;
-    d->tables.given.value = (const pzs_real(*)[10])(const void *)d->given;
+    d->tables.resultants.values = (uint16_t)b->given_values;
+    d->tables.resultants.start = b->given_start;
+    d->tables.resultants.element = b->given_element;
+    d->tables.resultants.which = b->given_which;
+    d->tables.resultants.value = (const pzs_real(*)[10])(const void *)d->given;
     d->tables.crc = pzs_nonlinear_crc(&d->tables, &d->structure);
 }
 

@@ -454,7 +454,7 @@ static void test_pressed_torus(void **state)
     const mesh *mesh = &r.analysis.design.mesh;
     double peak[2] = {0, 0}, edge = 0; /* pressure, angle; angle */
     for (int n = 0; n < mesh->nodes; n++) {
-        const double *x = mesh->point[n].x,
+        const double *x = mesh->point[n].position,
                      angle = atan2(-x[2], hypot(x[0], x[1]) - 200) * 180 / acos(-1.0);
         if (fabs(x[1]) > 1e-6 || x[0] < 0 || angle < 0 || !p->contact.state.touching[n])
             continue;

@@ -439,8 +439,8 @@ static void test_slenderness(void **state)
         open_run(&r, "vlasov-plate", "");
         double low = HUGE_VAL, high = -HUGE_VAL;
         for (int node = 0; node < r.analysis.design.mesh.nodes; node++) {
-            low = fmin(low, r.analysis.design.mesh.point[node].x[0]);
-            high = fmax(high, r.analysis.design.mesh.point[node].x[0]);
+            low = fmin(low, r.analysis.design.mesh.point[node].position[0]);
+            high = fmax(high, r.analysis.design.mesh.point[node].position[0]);
         }
         scene_run_close(&r);
         snprintf(changes, sizeof changes, "layers=[{material: plate, thickness: %.17g}]",
@@ -502,7 +502,7 @@ static void test_shipped(void **state)
         solve_run(&r, shipped[i].scene, "");
         plausible_scene(&warnings, &r.scene);
         plausible_mesh(&warnings, &r.analysis.design.mesh);
-        plausible_result(&warnings, &r.analysis.design.mesh, r.u, !r.analysis.nonlinear,
+        plausible_result(&warnings, &r.analysis.design.mesh, r.u, !r.analysis.is_nonlinear,
                          "the solution");
         for (int k = 0; k < warnings.count; k++)
             snprintf(found + strlen(found), sizeof found - strlen(found), " %s",

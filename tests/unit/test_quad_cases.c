@@ -57,7 +57,7 @@ static void edge_force(quad_shell *shell, const double point[3], const double no
     int node[200], count = 0;
     double at[200], low = HUGE_VAL, high = -HUGE_VAL;
     for (int n = 0; n < shell->mesh.nodes; n++) {
-        const double *x = shell->mesh.point[n].x;
+        const double *x = shell->mesh.point[n].position;
         const double step[3] = {x[0] - point[0], x[1] - point[1], x[2] - point[2]};
         if (fabs(vector_dot(step, normal)) > 1e-9)
             continue;

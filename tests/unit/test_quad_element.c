@@ -52,7 +52,7 @@ static void set_layer(quad_shell *shell, int i, const double *p)
     material->nu12 = p[8];
     material->nu13 = p[9];
     material->nu23 = p[10];
-    material->has_d = 1;
+    material->has_d = true;
     material->d31 = p[11];
     material->d32 = p[12];
     material->d33 = p[13];
@@ -72,7 +72,7 @@ static void open_case(quad_shell *shell, const testdata *t)
     for (int i = 0; i < layers->rows; i++)
         set_layer(shell, i, layers->value + 17 * i);
     shell->scene.layers = shell->scene.materials = layers->rows;
-    shell->scene.reference_is_middle = 0;
+    shell->scene.reference_is_middle = false;
     shell->scene.reference = -testdata_values(t, "z")[0];
     shell->scene.element.dof_per_node = (int)testdata_values(t, "unknowns")[0];
     memcpy(shell->quads.region[0].direction, testdata_values(t, "direction"), 3 * sizeof(double));
@@ -287,12 +287,12 @@ static void test_rigid_rotation(void **state)
             const surface_point *point = &shell.mesh.point[r];
             double move[3], turn[3];
             for (int i = 0; i < 3; i++) {
-                move[i] = vector_dot(q[i], point->x) - point->x[i] + 0.7;
-                turn[i] = vector_dot(q[i], point->e[2]) - point->e[2][i];
+                move[i] = vector_dot(q[i], point->position) - point->position[i] + 0.7;
+                turn[i] = vector_dot(q[i], point->triad[2]) - point->triad[2][i];
             }
             for (int a = 0; a < 3; a++) {
-                u[7 * r + a] = vector_dot(point->e[a], move);
-                u[7 * r + 3 + a] = vector_dot(point->e[a], turn);
+                u[7 * r + a] = vector_dot(point->triad[a], move);
+                u[7 * r + 3 + a] = vector_dot(point->triad[a], turn);
             }
         }
         pzs_shell_strains_at(&shell.mesh.type[0], 7, u, e);
@@ -466,8 +466,8 @@ static void patch_forces(const quad_shell *shell, const double q[3][3], int part
             for (int v = 0; v < 2; v++)
                 global[v][i] = vector_dot(q[i], local[v]);
         for (int a = 0; a < 3; a++) {
-            u[n][a] = vector_dot(shell->mesh.point[n].e[a], global[0]);
-            u[n][3 + a] = vector_dot(shell->mesh.point[n].e[a], global[1]);
+            u[n][a] = vector_dot(shell->mesh.point[n].triad[a], global[0]);
+            u[n][3 + a] = vector_dot(shell->mesh.point[n].triad[a], global[1]);
         }
     }
     for (int e = 0; e < 5; e++) {
@@ -536,7 +536,7 @@ static void test_patch(void **state)
 /* Two equal layers; the lower one is poled against the upper one if `bends`. */
 static void set_piezo(quad_shell *shell, double d31, bool bends)
 {
-    shell->material[0].has_d = 1;
+    shell->material[0].has_d = true;
     shell->material[0].d31 = shell->material[0].d32 = d31;
     shell->layer[0].thickness /= 2;
     shell->layer[1] = shell->layer[0];

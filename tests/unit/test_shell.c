@@ -56,7 +56,7 @@ static void set_layer(one *o, int i, const double *p)
     material->nu12 = p[8];
     material->nu13 = p[9];
     material->nu23 = p[10];
-    material->has_d = 1;
+    material->has_d = true;
     material->d31 = p[11];
     material->d32 = p[12];
     material->d33 = p[13];
@@ -195,7 +195,8 @@ static void check_witness(const testdata *t, one *o)
           testdata_values(t, "cell"), layer, 1, z[0]);
     for (int r = 0; r < 4; r++) {
         const surface_point *p = &o->mesh.point[o->mesh.element[0][r]];
-        const double here[6] = {p->a[0], p->a[1], p->k[0], p->k[1], p->b[0], p->b[1]};
+        const double here[6] = {p->lame[0],      p->lame[1],     p->curvature[0],
+                                p->curvature[1], p->geodesic[0], p->geodesic[1]};
         ASSERT_CLOSE(t->name, "node geometry", here, nodes + 6 * r, 6, 1e-14);
     }
     for (int mode = 0; mode < 4; mode++) {
@@ -659,7 +660,7 @@ static void turned(const double x[3], double out[3])
 static void in_triad(const surface_point *p, const double v[3], double out[3])
 {
     for (int a = 0; a < 3; a++)
-        out[a] = p->e[a][0] * v[0] + p->e[a][1] * v[1] + p->e[a][2] * v[2];
+        out[a] = p->triad[a][0] * v[0] + p->triad[a][1] * v[1] + p->triad[a][2] * v[2];
 }
 
 /* Unknowns of a node under the rigid motion. */
@@ -668,12 +669,12 @@ static void rigid_node(const one *o, const surface_point *p, double u[7])
     const double middle = (o->mesh.laminate.z[0] + o->mesh.laminate.z[1]) / 2;
     double x[3], v[3];
     for (int i = 0; i < 3; i++)
-        x[i] = p->x[i] + middle * p->e[2][i];
+        x[i] = p->position[i] + middle * p->triad[2][i];
     turned(x, v);
     for (int i = 0; i < 3; i++)
         v[i] += shift[i];
     in_triad(p, v, u);
-    turned(p->e[2], v);
+    turned(p->triad[2], v);
     in_triad(p, v, u + 3);
     u[6] = 0;
 }
@@ -697,11 +698,12 @@ static void test_rigid_motion_at_a_point(void **state)
                                              derivative */
                 const double z = (o.mesh.laminate.z[0] + o.mesh.laminate.z[1]) / 2;
                 double v[3], lam[3];
-                turned(p->e[a], v);
+                turned(p->triad[a], v);
                 in_triad(p, v, lam);
                 for (int part = 0; part < 2; part++)
                     for (int row = 0; row < 3; row++) {
-                        double rest = lam[row] * (part == 0 ? 1 + p->k[a] * z : p->k[a]);
+                        double rest =
+                            lam[row] * (part == 0 ? 1 + p->curvature[a] * z : p->curvature[a]);
                         for (int c = 0; c < 3; c++)
                             rest -= type->s[r][a][row][c] * u[7 * r + 3 * part + c];
                         u[7 * neighbour[r][a] + 3 * part + row] = rest / type->t[r][a][row][row];
@@ -786,7 +788,8 @@ static void turn_unknowns(const one *o, const double x[24], double y[24])
         const surface_point *p = &o->mesh.point[o->mesh.element[0][i / 2]];
         double v[3], change[3];
         for (int c = 0; c < 3; c++)
-            v[c] = x[3 * i] * p->e[0][c] + x[3 * i + 1] * p->e[1][c] + x[3 * i + 2] * p->e[2][c];
+            v[c] = x[3 * i] * p->triad[0][c] + x[3 * i + 1] * p->triad[1][c] +
+                   x[3 * i + 2] * p->triad[2][c];
         turned(v, change);
         in_triad(p, change, y + 3 * i);
         for (int c = 0; c < 3; c++)
@@ -893,8 +896,8 @@ static void test_free_expansion(void **state)
         build(&o, f ? &improved : &published, "plate", NULL, samples[0].cell, layer, 1, -0.04);
         for (int r = 0; r < 4; r++) {
             const surface_point *p = &o.mesh.point[o.mesh.element[0][r]];
-            u[7 * r] = 1e-3 * p->x[0];
-            u[7 * r + 1] = 1e-3 * p->x[1];
+            u[7 * r] = 1e-3 * p->position[0];
+            u[7 * r + 1] = 1e-3 * p->position[1];
             u[7 * r + 5] = 1e-3;
         }
         laminate_unit_resultants(&o.mesh.laminate, &o.scene.element, &o.mesh.place[0], -1, h0);

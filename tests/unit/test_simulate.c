@@ -494,7 +494,7 @@ static const refusal bad_sets[] = {
     {"simulate.events=[{at: 5, temperature: y}]", "'temperature: y' varies over the surface"},
     {"simulate.events=[{at: 5, dead: v_1_1}]", "'dead' must be a list"},
     {"simulate.events=[{at: 5, dead: [v_9_9]}]",
-     "there is no actuator 'v_9_9'; the first one is 'v'"},
+     "there is no actuator 'v_9_9'; the first one is 'v_1_1'"},
     {"simulate.events=[{at: 5, dead: [v, v]}]", "'v' makes more electrodes than there are"},
     {"simulate.events=[{at: 5, stuck: [[v]]}]", "must be a single value, not a list"},
     {"simulate.events=[{at: 5, alive: [v], announced: 3}]",

@@ -458,9 +458,10 @@ static void test_points(void **state)
     const mesh *mesh = &r.analysis.design.mesh;
     for (int n = 0; n < mesh->nodes; n++)
         for (unsigned i = 0; i < 3; i++) {
-            const double *x = mesh->point[n].x;
+            const double *x = mesh->point[n].position;
             const double z = 0.5 + 0.2 * x[1] - 0.3 * x[0];
-            r.u[mesh->node_dof[(size_t)n * mesh->dof_per_node + i]] = z * mesh->point[n].e[i][2];
+            r.u[mesh->node_dof[(size_t)n * mesh->dof_per_node + i]] =
+                z * mesh->point[n].triad[i][2];
         }
     for (int k = 0; k < 4; k++)
         assert_near("point", springs_elongation(&mesh->springs, k, r.u),
@@ -488,9 +489,9 @@ static void test_face(void **state)
         for (unsigned i = 0; i < 3; i++) {
             const surface_point *point = &mesh->point[n];
             double lean[3];
-            vector_cross(turn, point->e[2], lean);
+            vector_cross(turn, point->triad[2], lean);
             r.u[mesh->node_dof[(size_t)n * mesh->dof_per_node + 3 + i]] =
-                vector_dot(lean, point->e[i]);
+                vector_dot(lean, point->triad[i]);
         }
     assert_near("outer", springs_elongation(&mesh->springs, 0, r.u), 0.125 * 0.01, 1e-12);
     assert_near("inner", springs_elongation(&mesh->springs, 1, r.u), -0.125 * 0.01, 1e-12);
@@ -510,7 +511,7 @@ static void displacement_of(const scene_run *r, int node, double moved[3])
         moved[i] = 0;
         for (int a = 0; a < 3; a++) {
             const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + (size_t)a];
-            moved[i] += dof == PZS_CONSTRAINED ? 0 : r->u[dof] * mesh->point[node].e[a][i];
+            moved[i] += dof == PZS_CONSTRAINED ? 0 : r->u[dof] * mesh->point[node].triad[a][i];
         }
     }
 }
@@ -530,7 +531,7 @@ static double strain_excess(const scene_run *r)
             displacement_of(r, own, u[0]);
             displacement_of(r, other, u[1]);
             for (int i = 0; i < 3 && own != other; i++) {
-                const double step = mesh->point[other].x[i] - mesh->point[own].x[i];
+                const double step = mesh->point[other].position[i] - mesh->point[own].position[i];
                 stretch += step * (u[1][i] - u[0][i]);
                 square += step * step;
             }

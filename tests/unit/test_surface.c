@@ -105,8 +105,9 @@ static void check_triad(const char *name, const surface_point *p)
     for (int i = 0; i < 3; i++) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         for (int b = 0; b < 3; b++)
-            check(name, dot(p->e[i], p->e[b]), i == b, 1e-15 * 4);
-        check(name, p->e[2][i], p->e[0][j] * p->e[1][k] - p->e[0][k] * p->e[1][j], 1e-15 * 4);
+            check(name, dot(p->triad[i], p->triad[b]), i == b, 1e-15 * 4);
+        check(name, p->triad[2][i],
+              p->triad[0][j] * p->triad[1][k] - p->triad[0][k] * p->triad[1][j], 1e-15 * 4);
     }
 }
 
@@ -122,18 +123,22 @@ static void check_derivatives(const char *name, const scene_surface *s, const do
         const double size = s->type == SURFACE_REVOLUTION && a == 0 ? 50 : 1, h = 1e-3 * size;
         const surface_point q[4] = {moved(s, t, a, h), moved(s, t, a, -h), moved(s, t, a, 2 * h),
                                     moved(s, t, a, -2 * h)};
-        const double far = fabs(p.x[0]) + fabs(p.x[1]) + fabs(p.x[2]) + 1,
+        const double far = fabs(p.position[0]) + fabs(p.position[1]) + fabs(p.position[2]) + 1,
                      rounding = 1e-11 * far / size;
         for (int i = 0; i < 3; i++) {
-            const double x = (8 * (q[0].x[i] - q[1].x[i]) - (q[2].x[i] - q[3].x[i])) / (12 * h);
-            const double n =
-                (8 * (q[0].e[2][i] - q[1].e[2][i]) - (q[2].e[2][i] - q[3].e[2][i])) / (12 * h);
-            check(name, p.a[a] * p.e[a][i], x, rounding);
-            check(name, p.a[a] * p.k[a] * p.e[a][i], n, 1e-11);
+            const double x = (8 * (q[0].position[i] - q[1].position[i]) -
+                              (q[2].position[i] - q[3].position[i])) /
+                             (12 * h);
+            const double n = (8 * (q[0].triad[2][i] - q[1].triad[2][i]) -
+                              (q[2].triad[2][i] - q[3].triad[2][i])) /
+                             (12 * h);
+            check(name, p.lame[a] * p.triad[a][i], x, rounding);
+            check(name, p.lame[a] * p.curvature[a] * p.triad[a][i], n, 1e-11);
         }
         const double other =
-            (8 * (q[0].a[1 - a] - q[1].a[1 - a]) - (q[2].a[1 - a] - q[3].a[1 - a])) / (12 * h);
-        check(name, p.b[a] * p.a[0] * p.a[1], other, rounding);
+            (8 * (q[0].lame[1 - a] - q[1].lame[1 - a]) - (q[2].lame[1 - a] - q[3].lame[1 - a])) /
+            (12 * h);
+        check(name, p.geodesic[a] * p.lame[0] * p.lame[1], other, rounding);
     }
 }
 
@@ -192,7 +197,7 @@ static void test_area(void **state)
             for (int i = 0; i < n * n; i++) {
                 const surface_point p = surface_at(&s, m->theta[0][0] + (i / n + 0.5) * d1,
                                                    m->theta[1][0] + (i % n + 0.5) * d2);
-                sum[r] += p.a[0] * p.a[1] * d1 * d2;
+                sum[r] += p.lame[0] * p.lame[1] * d1 * d2;
             }
         }
         for (int r = 0; r < 2; r++)
@@ -227,14 +232,14 @@ static void test_reflector(void **state)
     (void)state;
     for (int k = 1; k < 9; k++) {
         const surface_point p = surface_at(&s, 0.2 * k, 0.7 * k);
-        const double ray[3] = {0, 0, -1}, along = dot(ray, p.e[2]);
-        const double way = (p.x[2] - s.focal_length) / hypot(p.x[0], p.x[1]);
+        const double ray[3] = {0, 0, -1}, along = dot(ray, p.triad[2]);
+        const double way = (p.position[2] - s.focal_length) / hypot(p.position[0], p.position[1]);
         double out[3];
         for (int i = 0; i < 3; i++)
-            out[i] = ray[i] - 2 * along * p.e[2][i];
+            out[i] = ray[i] - 2 * along * p.triad[2][i];
         check("height of the reflected ray over its way to the axis",
               -out[2] / hypot(out[0], out[1]), way, 1e-14 * (1 + fabs(way)));
-        assert_true(p.e[2][2] > 0 && out[0] * p.x[0] + out[1] * p.x[1] < 0);
+        assert_true(p.triad[2][2] > 0 && out[0] * p.position[0] + out[1] * p.position[1] < 0);
     }
 }
 
@@ -251,13 +256,13 @@ static void test_outside(void **state)
                                                            : 0;
         const int axis =
             (s.type == SURFACE_CYLINDER || s.type == SURFACE_SPIRAL) && s.axial == 1 ? 0 : 2;
-        double away[3] = {p.x[0], p.x[1], p.x[2]};
+        double away[3] = {p.position[0], p.position[1], p.position[2]};
         if (s.type != SURFACE_PLATE && s.type != SURFACE_POLAR && s.type != SURFACE_PARABOLOID) {
             for (int i = 0; i < 2 && tube > 0; i++)
                 away[i] -= tube * (i == 0 ? cos(t[1]) : sin(t[1]));
             if (tube == 0 && s.type != SURFACE_SPHERE)
                 away[axis] = 0;
-            assert_true(dot(away, p.e[2]) > 0);
+            assert_true(dot(away, p.triad[2]) > 0);
         }
         spline_free(s.meridian);
     }

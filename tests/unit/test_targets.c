@@ -330,7 +330,7 @@ static void test_free_nonlinear(void **state)
     for (int k = 0; k < 2; k++) {
         influence_run(&r[k], "plate-50-patches",
                       k ? with(small, ";target.value=0.1*x*(y-0.1)+1e-3-0.02*x") : small);
-        r[k].analysis.nonlinear = 1;
+        r[k].analysis.is_nonlinear = true;
         optimum(&r[k], within(200), &result[k]);
     }
     assert_true(largest_difference(result[0].voltage, result[1].voltage, result[0].amplifiers) <
