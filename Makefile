@@ -193,6 +193,7 @@ $(call for_variants,calibrate,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,model,64 32 san64 san32,@tests/rigs/testdata.o @bridge64.o)
 $(foreach t,follower contact,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,simulate,64 san64,@tests/rigs/scene_run.o @host.a)
+$(call for_variants,shell_motion,64 san64,@tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a)
 $(call for_variants,plant,64 san64,@tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a)
 $(call for_variants,loop,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,certify,64,@tests/rigs/scene_run.o @host.a)
@@ -267,6 +268,8 @@ check-long: setup-test
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DFAULT_TICKS=1000000 $(FOLDERS) $(INCLUDE) \
 	    tests/unit/test_simulate.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-simulate \
 	    && $(B)/long-simulate
+	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DLONG_MOTION=1 $(FOLDERS) $(INCLUDE) tests/unit/test_shell_motion.c tests/rigs/testdata.c \
+	    $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-motion && $(B)/long-motion
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DSLOW_ROWS=1 $(FOLDERS) $(INCLUDE) \
 	    tests/unit/test_path_tables.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-path \
 	    && $(B)/long-path
@@ -296,7 +299,7 @@ measured: $(B)/pzs
 	B=$(B) sh tests/bench/measured.sh --write
 
 oracle:
-	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py && $(PYTHON) write_thin.py && $(PYTHON) write_quads.py && $(PYTHON) write_sandwich.py && $(PYTHON) write_plant.py && $(PYTHON) write_damper.py
+	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py && $(PYTHON) write_thin.py && $(PYTHON) write_quads.py && $(PYTHON) write_sandwich.py && $(PYTHON) write_plant.py && $(PYTHON) write_motion.py && $(PYTHON) write_damper.py
 
 include firmware_demo/firmware.mk
 -include tests/bench/bench.mk

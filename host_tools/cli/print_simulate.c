@@ -6,6 +6,7 @@
 #include "print_vibration.h"
 #include "../system/progress.h"
 #include "../simulate/imperfections_scene.h"
+#include "../simulate/plant_motion.h"
 #include "../simulate/simulate_words.h"
 #include "../text/words.h"
 
@@ -76,6 +77,22 @@ int print_run(simulation *simulation, const simulate_sinks *sinks, char *error)
 
 /* ---- text ------------------------------------------------------------- */
 
+/*
+ * Print the time steps of a nonlinear motion: their length relative to a tick, and the mean number
+ * of linear solves in one.
+ */
+static void print_steps(const plant *plant)
+{
+    const shell_motion *motion = &plant->shell_motion;
+    const double ticks = motion->step_most * plant->analysis.design.control.rate;
+    printf(
+        "  nonlinear motion of %d free dof at large rotation: %.3g time steps a tick, %.2f linear "
+        "solves a step, %d at most; viscosity %.3g s for faster modes\n",
+        plant->analysis.design.mesh.free_dof, 1 / ticks,
+        motion->steps > 0 ? (double)motion->linear_solves / (double)motion->steps : 0,
+        motion->solves_most, motion->viscosity);
+}
+
 /* Print whether the plant vibrates, and the number of its modes or the reason why it does not. */
 static void print_inertia(const plant *plant)
 {
@@ -87,6 +104,8 @@ static void print_inertia(const plant *plant)
     else
         printf("  quasi-static plant, no inertia (%s): each shape is an equilibrium\n",
                plant->reason);
+    if (plant->shell_motion.step_most > 0)
+        print_steps(plant);
 }
 
 static void print_plant(const simulation *simulation)
@@ -266,7 +285,8 @@ void print_simulation(const simulation *simulation, const simulate_record *recor
     double seconds = 0;
     for (int law = 0; law < LAWS; law++)
         seconds += simulation->count[law].seconds;
-    printf("  %.2f s, %ld linear solves of the plant\n", seconds, simulation->plant.linear_solves);
+    printf("  %.2f s, %ld linear solves of the plant\n", seconds,
+           simulation->plant.linear_solves + simulation->plant.shell_motion.linear_solves);
 }
 
 /* ---- JSON ------------------------------------------------------------- */
@@ -337,6 +357,10 @@ static void json_plant(json *json, const simulation *simulation)
         json_string(json, "none_because", plant->reason);
     }
     json_close(json, '}');
+    json_string(json, "motion", plant->motion->name);
+    if (plant->shell_motion.step_most > 0)
+        json_number(json, "steps_a_tick",
+                    1 / (plant->shell_motion.step_most * plant->analysis.design.control.rate));
     json_string(json, "imperfections", imperfections);
 }
 

@@ -577,6 +577,12 @@ typedef struct scene_imperfections {
 } scene_imperfections;
 
 /*
+ * Motion of a plant with inertia. MOTION_MODAL: vibration in the modes of the undeformed state
+ * about the static equilibrium; MOTION_NONLINEAR: all degrees of freedom at large rotation.
+ */
+typedef enum scene_motion { MOTION_MODAL, MOTION_NONLINEAR } scene_motion;
+
+/*
  * Closed-loop simulation of the controller with a plant that differs from the scene, with sensors,
  * amplifiers and a schedule of events.
  */
@@ -605,7 +611,11 @@ typedef struct scene_simulate {
     bool inertia_given, inertia; /* inertia_given: the scene says whether the plant has inertia;
                                     inertia: the plant has inertia */
     int modes;                   /* largest number of vibration modes of a plant with inertia */
-    bool hysteresis_given;       /* whether the scene gives the width of the hysteresis loop */
+    bool motion_given;           /* whether the scene gives the motion of a plant with inertia */
+    scene_motion motion;         /* motion of a plant with inertia */
+    int steps; /* fewest time steps of a nonlinear motion in a control tick; 0: chosen from the
+                  natural frequencies */
+    bool hysteresis_given; /* whether the scene gives the width of the hysteresis loop */
     scene_imperfections imperfections;
     bool detects_faults; /* whether the controller has to detect the fault of some electrode itself
                             (ANNOUNCED_DETECTED) */

@@ -7,6 +7,7 @@
 #include "scene_parts.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -76,6 +77,22 @@ static int read_inertia(reader *reader, int node, void *to, const void *rule)
     return read_flag(reader, node, &simulate->inertia, rule);
 }
 
+static const choice motions[] = {
+    {"modal", MOTION_MODAL}, {"nonlinear", MOTION_NONLINEAR}, {NULL, 0}};
+static const form motion_form = {.type = FORM_WORD, .words = motions};
+
+static int read_motion(reader *reader, int node, void *to, const void *rule)
+{
+    scene_simulate *simulate = to;
+    int motion = 0;
+    (void)rule;
+    simulate->motion_given = true;
+    if (read_choice(reader, node, &motion, motions) != 0)
+        return -1;
+    simulate->motion = (scene_motion)motion;
+    return 0;
+}
+
 static int read_hysteresis(reader *reader, int node, void *to, const void *rule)
 {
     scene_simulate *simulate = to;
@@ -84,6 +101,7 @@ static int read_hysteresis(reader *reader, int node, void *to, const void *rule)
 }
 
 static const range mode_count = {1, 200, 0, "must be from 1 to 200"};
+static const range step_count = {1, 1000, 0, "must be from 1 to 1000"};
 static const range creep_part = {
     0, 0.2, 0, "must lie between 0 and 0.2; it is the creep a decade of time over the voltage"};
 static const range loop_width = {
@@ -128,6 +146,14 @@ static const field plant_fields[] = {
     {"modes", read_int, offsetof(scene_simulate, modes), &mode_count, .of = OF_NUMBER,
      .help = "Largest number of modes that vibrate; the others follow without delay; default "
              "100."},
+    {"motion", read_motion, .form = &motion_form,
+     .help =
+         "Motion of a plant that vibrates; nonlinear: all degrees of freedom at large rotation, "
+         "the default for a nonlinear plant; modal: the modes of the undeformed state about the "
+         "static equilibrium, the default for a linear one."},
+    {"steps", read_int, offsetof(scene_simulate, steps), &step_count, .of = OF_NUMBER,
+     .help = "Fewest time steps of a nonlinear motion in a tick; default so many that the fastest "
+             "mode which the controller can follow takes 12 steps a period or more."},
     {.key = NULL}};
 
 /*
@@ -679,6 +705,22 @@ static const field simulate_fields[] = {
 
 const form simulate_form = {.type = FORM_MAP, .fields = simulate_fields};
 
+/*
+ * Choose the motion of the plant where the scene does not say, and refuse a nonlinear motion of a
+ * linear plant.
+ */
+static int check_motion(reader *reader, int node)
+{
+    scene_simulate *simulate = &reader->s->simulate;
+    const bool is_linear = simulate->kinematics == KINEMATICS_LINEAR;
+    if (!simulate->motion_given)
+        simulate->motion = is_linear ? MOTION_MODAL : MOTION_NONLINEAR;
+    if (!is_linear || simulate->motion == MOTION_MODAL)
+        return 0;
+    return tree_fault(reader->t, tree_find(reader->t, node, "plant"),
+                      "motion: nonlinear needs a nonlinear plant; write kinematics: nonlinear");
+}
+
 int read_simulate(reader *reader, int node, void *to, const void *rule)
 {
     static const double default_rate = 1000;
@@ -698,6 +740,8 @@ int read_simulate(reader *reader, int node, void *to, const void *rule)
     if (read_map(reader, node, simulate_fields, &scene->simulate) != 0)
         return -1;
     scene->simulate.given = true;
+    if (check_motion(reader, node) != 0)
+        return -1;
     if (!scene->simulate.at_target || scene->kinematics != KINEMATICS_LINEAR)
         return 0;
     return tree_fault(reader->t, tree_find(reader->t, node, "influence"),

@@ -5,9 +5,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../model/material_scale.h"
+#include "../../lib/model/electrode.h"
 #include "../model/mass.h"
+#include "../model/material_scale.h"
 #include "influence_sum.h"
+#include "plant_motion.h"
+
+/* Motions of a plant with inertia, in the order of scene_motion. */
+static const plant_motion *const motions[] = {&plant_modal, &plant_nonlinear};
 
 /* ---- open ------------------------------------------------------------- */
 
@@ -97,26 +102,46 @@ static bool wants_inertia(plant *plant)
     return plant->reason[0] == '\0';
 }
 
-/* Compute the modes of the plant. Returns 0, or -1 with error filled. */
-static int prepare_modes(plant *plant, char *error)
+/*
+ * Choose how the plant moves: a nonlinear motion of a plant with open electrodes is not possible,
+ * because their voltages would be unknowns of each time step.
+ */
+static int choose_motion(plant *plant, char *error)
+{
+    const scene_simulate *simulate = &plant->analysis.design.simulate;
+    const bool is_open = pzs_electrode_open_count(&plant->analysis.design.electrodes) > 0;
+    const bool is_nonlinear = simulate->motion == MOTION_NONLINEAR;
+    if (is_nonlinear && is_open && simulate->motion_given)
+        return scene_fault(simulate->at, error,
+                           "motion: nonlinear is not possible with open electrodes; write "
+                           "motion: modal");
+    plant->motion = motions[is_nonlinear && is_open ? MOTION_MODAL : simulate->motion];
+    return 0;
+}
+
+/*
+ * Compute the modes of a plant with inertia and prepare its motion. Returns 0, or -1 with error
+ * filled.
+ */
+static int prepare_motion(plant *plant, char *error)
 {
     const design *design = &plant->analysis.design;
     const size_t inputs = (size_t)(design->amplifiers + design->loads);
+    plant->motion = &plant_quasi_static;
     if (!wants_inertia(plant))
         return design->simulate.inertia
                    ? scene_fault(design->simulate.at, error,
                                  "a plant with inertia is not possible: %.300s", plant->reason)
                    : 0;
-    if (vibration_solve(&plant->vibration, design, design->simulate.modes, MASS_LUMPED, error) < 0)
+    if (vibration_solve(&plant->vibration, design, design->simulate.modes, MASS_LUMPED, error) <
+            0 ||
+        choose_motion(plant, error) < 0)
         return -1;
-    plant->modal_input = calloc(inputs + 1, sizeof *plant->modal_input);
     plant->deviation = calloc((size_t)design->structure.output.count + 1, sizeof *plant->deviation);
     plant->has_inertia = true;
-    if (!plant->modal_input || !plant->deviation ||
-        !modal_open(&plant->modal, design, &plant->vibration, inputs) ||
-        !inertia_open(&plant->inertia, &plant->modal))
+    if (!plant->deviation || !modal_open(&plant->modal, design, &plant->vibration, inputs))
         return scene_fault(design->simulate.at, error, "out of memory");
-    return 0;
+    return plant->motion->open(plant, error);
 }
 
 int plant_open(plant *plant, const design *nominal, char *error)
@@ -127,7 +152,7 @@ int plant_open(plant *plant, const design *nominal, char *error)
     if (failed)
         scene_fault(nominal->simulate.at, error, "out of memory");
     failed = failed || analysis_prepare(&plant->analysis, &plant->scene, error) < 0 ||
-             analysis_influence(&plant->analysis, error) < 0 || prepare_modes(plant, error) < 0;
+             analysis_influence(&plant->analysis, error) < 0 || prepare_motion(plant, error) < 0;
     const design *design = &plant->analysis.design;
     if (!failed) {
         plant->input = calloc((size_t)design->structure.input.count, sizeof *plant->input);
@@ -159,10 +184,10 @@ void plant_close(plant *plant)
         analysis_free(&plant->analysis);
     scene_vary_free(&plant->scene);
     expr_free(plant->kelvin);
-    inertia_close(&plant->inertia);
+    if (plant->motion)
+        plant->motion->close(plant);
     modal_close(&plant->modal);
     vibration_free(&plant->vibration);
-    free(plant->modal_input);
     free(plant->deviation);
     free(plant->input);
     free(plant->computed_input);
@@ -173,11 +198,7 @@ void plant_close(plant *plant)
 
 /* ---- loads ------------------------------------------------------------ */
 
-/*
- * Index of the input that belongs to a load. On a nonlinear structure each follower load (load that
- * turns with the surface) has its own input behind those of all loads, in the order of the loads.
- */
-static int input_of(const plant *plant, int load)
+int plant_input(const plant *plant, int load)
 {
     const design *design = &plant->analysis.design;
     int extra = design->amplifiers + design->loads;
@@ -191,7 +212,7 @@ static int input_of(const plant *plant, int load)
 
 void plant_load(plant *plant, int load, double factor)
 {
-    plant->input[input_of(plant, load)] = factor;
+    plant->input[plant_input(plant, load)] = factor;
 }
 
 void plant_warm(plant *plant, double kelvin)
@@ -212,39 +233,22 @@ void plant_rest(plant *plant)
     plant->is_at_rest = true;
 }
 
-/* ---- vibration -------------------------------------------------------- */
+/* ---- motion ----------------------------------------------------------- */
 
-/*
- * Set the inputs of the modal model to their present values. At the first call after plant_rest the
- * plant is at rest in the equilibrium under these inputs.
- */
-static void set_modal_inputs(plant *plant)
+static void set_voltages(plant *plant, const double *voltage)
 {
-    const design *design = &plant->analysis.design;
-    const size_t amplifiers = (size_t)design->amplifiers;
-    memcpy(plant->modal_input, plant->input, amplifiers * sizeof *plant->modal_input);
-    for (int k = 0; k < design->loads; k++)
-        plant->modal_input[amplifiers + (size_t)k] = plant->input[input_of(plant, k)];
-    if (plant->is_at_rest)
-        inertia_rest(&plant->inertia, plant->modal_input);
-    else
-        inertia_jump(&plant->inertia, plant->modal_input);
-    plant->is_at_rest = false;
+    memcpy(plant->input, voltage, (size_t)plant->analysis.design.amplifiers * sizeof *voltage);
 }
 
 void plant_kick(plant *plant, int load, double seconds)
 {
-    if (plant->has_inertia)
-        inertia_kick(&plant->inertia, (size_t)(plant->analysis.design.amplifiers + load), seconds);
+    plant->motion->kick(plant, load, seconds);
 }
 
-void plant_elapse(plant *plant, const double *voltage, double seconds)
+int plant_elapse(plant *plant, const double *voltage, double seconds, char *error)
 {
-    if (!plant->has_inertia)
-        return;
-    memcpy(plant->input, voltage, (size_t)plant->analysis.design.amplifiers * sizeof *voltage);
-    set_modal_inputs(plant);
-    inertia_advance(&plant->inertia, seconds);
+    set_voltages(plant, voltage);
+    return plant->motion->advance(plant, seconds, error);
 }
 
 double plant_vibration(const plant *plant)
@@ -260,16 +264,31 @@ double plant_period(const plant *plant)
     return has_modes ? 2 * 3.14159265358979323846 / plant->modal.frequency[0] : 0;
 }
 
-/* Compute the deviation of every output row from the static equilibrium. */
-static void compute_deviation(plant *plant)
+int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
 {
-    if (!plant->has_inertia)
-        return;
-    set_modal_inputs(plant);
-    inertia_observe(&plant->inertia, 0, plant->modal.rows, plant->deviation);
+    set_voltages(plant, voltage);
+    return plant->motion->shape(plant, shape, error);
 }
 
-/* ---- shapes ----------------------------------------------------------- */
+int plant_readings(plant *plant, double *reading, char *error)
+{
+    const analysis *analysis = &plant->analysis;
+    const scene_estimate *estimate = &plant->analysis.design.estimate;
+    if (plant->motion->outputs(plant, error) < 0)
+        return -1;
+    for (int index = 0; index < estimate->readings; index++)
+        for (int i = 0; i < analysis_outputs(analysis, estimate->reading[index].output); i++)
+            *reading++ =
+                analysis_output(analysis, estimate->reading[index].output, i, plant->value);
+    return 0;
+}
+
+int plant_displacement(plant *plant, double *displacement, char *error)
+{
+    return plant->motion->displacement(plant, displacement, error);
+}
+
+/* ---- quasi-static plant ----------------------------------------------- */
 
 static void sum_columns(const plant *plant, size_t rows, double *shape)
 {
@@ -297,14 +316,8 @@ static int compute_equilibrium(plant *plant, char *error)
     return PZS_IS_ERROR(analysis->status) ? analysis_explain(analysis, analysis->status, error) : 0;
 }
 
-/*
- * Compute the static shape under voltages and the present loads.
- *   voltage [amplifiers] in   (V)
- *   shape   [targets]    out
- */
-static int static_shape(plant *plant, const double *voltage, double *shape, char *error)
+int plant_static_shape(plant *plant, double *shape, char *error)
 {
-    memcpy(plant->input, voltage, (size_t)plant->analysis.design.amplifiers * sizeof *voltage);
     if (!plant->analysis.is_nonlinear) {
         sum_columns(plant, (size_t)plant->analysis.design.targets, shape);
         return 0;
@@ -316,21 +329,7 @@ static int static_shape(plant *plant, const double *voltage, double *shape, char
     return 0;
 }
 
-int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
-{
-    if (static_shape(plant, voltage, shape, error) < 0)
-        return -1;
-    compute_deviation(plant);
-    for (int i = 0; i < plant->analysis.design.targets && plant->has_inertia; i++)
-        shape[i] += plant->deviation[i];
-    return 0;
-}
-
-/*
- * Compute all static output values, including the voltages and charges of electrodes where the
- * scene has such outputs.
- */
-static pzs_status compute_outputs(plant *plant)
+int plant_static_outputs(plant *plant, char *error)
 {
     analysis *analysis = &plant->analysis;
     if (analysis->is_nonlinear)
@@ -338,28 +337,11 @@ static pzs_status compute_outputs(plant *plant)
                     plant->value);
     else
         sum_columns(plant, analysis->design.structure.output.count, plant->value);
-    return analysis_electrodes(analysis, plant->input);
-}
-
-int plant_readings(plant *plant, double *reading, char *error)
-{
-    const analysis *analysis = &plant->analysis;
-    const scene_estimate *estimate = &plant->analysis.design.estimate;
-    const pzs_status status = compute_outputs(plant);
-    for (size_t i = 0; i < analysis->design.structure.output.count && plant->has_inertia; i++)
-        plant->value[i] += plant->deviation[i];
-    for (int index = 0; index < estimate->readings; index++)
-        for (int i = 0; i < analysis_outputs(analysis, estimate->reading[index].output); i++)
-            *reading++ =
-                analysis_output(analysis, estimate->reading[index].output, i, plant->value);
+    const pzs_status status = analysis_electrodes(analysis, plant->input);
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
-/*
- * Compute the displacement vector of the static equilibrium.
- *   displacement [free_dof] out
- */
-static int static_displacement(plant *plant, double *displacement, char *error)
+int plant_static_displacement(plant *plant, double *displacement, char *error)
 {
     analysis *analysis = &plant->analysis;
     if (analysis->is_nonlinear) {
@@ -371,19 +353,41 @@ static int static_displacement(plant *plant, double *displacement, char *error)
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
-int plant_displacement(plant *plant, double *displacement, char *error)
+static int no_open(plant *plant, char *error)
 {
-    const size_t dof = (size_t)plant->analysis.design.mesh.free_dof;
-    if (static_displacement(plant, displacement, error) < 0)
-        return -1;
-    for (size_t i = 0; i < plant->modal.modes && plant->has_inertia; i++) {
-        const double *modal_part =
-            plant->vibration.shape + ((size_t)plant->vibration.rigid + i) * dof;
-        for (size_t k = 0; k < dof; k++)
-            displacement[k] += plant->inertia.deviation[i] * modal_part[k];
-    }
+    (void)plant;
+    (void)error;
     return 0;
 }
+
+static void no_close(plant *plant)
+{
+    (void)plant;
+}
+
+static void no_kick(plant *plant, int load, double seconds)
+{
+    (void)plant;
+    (void)load;
+    (void)seconds;
+}
+
+static int no_time(plant *plant, double seconds, char *error)
+{
+    (void)plant;
+    (void)seconds;
+    (void)error;
+    return 0;
+}
+
+const plant_motion plant_quasi_static = {"quasi-static",
+                                         no_open,
+                                         no_close,
+                                         no_kick,
+                                         no_time,
+                                         plant_static_shape,
+                                         plant_static_outputs,
+                                         plant_static_displacement};
 
 /* ---- optimum ---------------------------------------------------------- */
 
@@ -401,7 +405,7 @@ static void set_wanted(plant *plant, const double *target)
         for (int k = 0; k < design->loads; k++)
             design->wanted[i] +=
                 plant->analysis.influence[i * inputs + (size_t)(design->amplifiers + k)] *
-                plant->input[input_of(plant, k)];
+                plant->input[plant_input(plant, k)];
     }
     design_take_free(design, design->target);
     design_take_free(design, design->wanted);
@@ -432,5 +436,8 @@ int plant_optimum(plant *plant, const double *target, const double *lowest, cons
     memcpy(design->upper, limit + amplifiers, amplifiers * sizeof *limit);
     free(limit);
     plant->has_shape = false;
-    return failed ? -1 : static_shape(plant, best->voltage, shape, error);
+    if (failed)
+        return -1;
+    set_voltages(plant, best->voltage);
+    return plant_static_shape(plant, shape, error);
 }

@@ -3,11 +3,13 @@
  * The plant of a simulation: the structure of the scene with other material constants, loads of any
  * size and a temperature change. The controller does not know these differences.
  *
- * A plant with inertia vibrates about its static equilibrium in the modes of its reference state
- * (inertia.h). Modes that are left out, and all modes of a quasi-static plant, follow without
- * delay. The equilibrium may be that of a nonlinear structure; its natural frequencies and mode
- * shapes are then still those of the reference state, which is valid as long as the deformation
- * changes the frequencies only slightly.
+ * Each row of a table in plant.c is one way in which a plant moves (plant_motion.h):
+ *   quasi-static  every shape is the static equilibrium
+ *   modal         vibration about the static equilibrium in the modes of the undeformed state
+ *       (inertia.h); modes that are left out follow without delay. The equilibrium may be that of a
+ *       nonlinear structure, whose modes are then still those of the undeformed state: this is
+ * valid as long as the deformation changes the natural frequencies only slightly nonlinear     all
+ * degrees of freedom of the mesh move with their mass at large rotation (shell_motion.h)
  */
 #ifndef PLANT_H
 #define PLANT_H
@@ -15,6 +17,9 @@
 #include "../model/voltages.h"
 #include "../model/modal.h"
 #include "inertia.h"
+#include "shell_motion.h"
+
+struct plant_motion;
 
 typedef struct plant {
     scene scene;  /* copy of the scene with the constants of the plant */
@@ -32,14 +37,17 @@ typedef struct plant {
     bool is_at_rest;     /* true: plant_rest has just set the plant to rest, and no time has passed
                             since */
     long linear_solves;  /* number of linear solves of the nonlinear equilibrium solver */
+    const struct plant_motion *motion; /* how the plant moves */
     bool has_inertia;
     char reason[SCENE_ERROR]; /* the reason why a plant has no inertia */
     vibration vibration;      /* natural frequencies and mode shapes of a plant with inertia */
     modal modal;
-    inertia inertia;
+    inertia inertia;           /* state of a modal motion */
+    shell_motion shell_motion; /* state of a nonlinear motion */
     double *modal_input; /* [amplifiers + loads] inputs of the modal model: voltages (V) and load
                             factors */
-    double *deviation; /* [output rows] deviation of the latest shape from the static equilibrium */
+    double *deviation;   /* [output rows] deviation of the latest shape from the static equilibrium,
+                            for a nonlinear motion by one step of Newton's method */
 } plant;
 
 /*
@@ -71,8 +79,9 @@ void plant_kick(plant *plant, int load, double seconds);
  * quasi-static plant.
  *   voltage [amplifiers] in  (V)
  *   seconds              in  (s)
+ * Returns 0, or -1 with error filled where a nonlinear motion could not be computed.
  */
-void plant_elapse(plant *plant, const double *voltage, double seconds);
+int plant_elapse(plant *plant, const double *voltage, double seconds, char *error);
 
 /* Weighted norm of the latest shape's deviation from the static equilibrium; 0 without inertia. */
 double plant_vibration(const plant *plant);
@@ -83,7 +92,8 @@ double plant_period(const plant *plant);
 /*
  * Compute the shape of the plant under voltages at this instant: on a nonlinear structure the
  * equilibrium, computed from the latest shape; on a linear structure from the influence matrix;
- * with inertia plus the present vibration.
+ * with a modal motion plus the present vibration. A nonlinear motion has its shape from the time
+ * that has passed, and not from the voltages at this instant.
  *   voltage [amplifiers] in   (V)
  *   shape   [targets]    out  displacements
  * Returns 0, or -1 with error filled.

@@ -250,8 +250,9 @@ static bool varies(const loop *loop)
  * Let time pass while the amplifiers are to give constant voltages.
  *   output [amplifiers] in  (V)
  *   seconds             in  (s)
+ * Returns 0, or -1 with error filled.
  */
-static void advance_plant(loop *loop, const double *output, double seconds)
+static int advance_plant(loop *loop, const double *output, double seconds, char *error)
 {
     const int parts = varies(loop) ? IMPERFECTION_PARTS : 1;
     const imperfections wiring = loop_imperfections(loop);
@@ -259,9 +260,11 @@ static void advance_plant(loop *loop, const double *output, double seconds)
         const double part = seconds / parts;
         imperfections_actuate(&wiring, output, part, loop->effect);
         set_waves(loop, loop->time + part / 2);
-        plant_elapse(&loop->simulation->plant, loop->effect, part);
+        if (plant_elapse(&loop->simulation->plant, loop->effect, part, error) < 0)
+            return -1;
         loop->time += part;
     }
+    return 0;
 }
 
 /*
@@ -273,20 +276,24 @@ static double random_part(loop *loop, const disturbance *disturbance, int tick)
     return tick < disturbance->until ? disturbance->size * random_uniform(&loop->random) : 0;
 }
 
-/* Let the time between the last tick and the present one pass. */
-static void elapse_interval(loop *loop, int tick)
+/*
+ * Let the time between the last tick and the present one pass. Returns 0, or -1 with error filled.
+ */
+static int elapse_interval(loop *loop, int tick, char *error)
 {
     const double nominal = 1 / loop->design->control.rate;
     const double late = random_part(loop, &loop->late, tick);
     const double sign = tick < loop->jitter.until && random_int(&loop->random, 2) ? -1 : 1;
     const double interval = nominal * (1 + sign * random_part(loop, &loop->jitter, tick));
-    advance_plant(loop, loop->previous_output, late * interval);
-    advance_plant(loop, loop->output, (1 - late) * interval);
+    if (advance_plant(loop, loop->previous_output, late * interval, error) < 0 ||
+        advance_plant(loop, loop->output, (1 - late) * interval, error) < 0)
+        return -1;
     for (int k = 0; k < loop->design->loads; k++)
         if (loop->wave[k].until == tick) {
             loop->wave[k].until = 0;
             plant_load(&loop->simulation->plant, k, loop->load[k]);
         }
+    return 0;
 }
 
 /* ---- step limit ------------------------------------------------------------- */
@@ -545,8 +552,8 @@ int loop_active(const loop *loop)
 int loop_tick(loop *loop, int tick, char *error)
 {
     const size_t amplifiers = (size_t)loop->design->amplifiers;
-    if (tick > 0)
-        elapse_interval(loop, tick);
+    if (tick > 0 && elapse_interval(loop, tick, error) < 0)
+        return -1;
     run_events(loop, tick);
     set_waves(loop, loop->time);
     const imperfections wiring = loop_imperfections(loop);

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * The ways in which the plant of a simulation moves, each one row of the table in plant.c, and the
+ * static results that they share.
+ */
+#ifndef PLANT_MOTION_H
+#define PLANT_MOTION_H
+
+struct plant;
+
+/*
+ * One way in which a plant moves. The functions that may fail return 0, or -1 with error filled.
+ * The inputs of the plant (`input`: voltages, loads, temperature) are set before each call.
+ */
+typedef struct plant_motion {
+    const char *name;
+    /* Prepare the motion, after the modes of the plant are computed; close releases its memory. */
+    int (*open)(struct plant *plant, char *error);
+    void (*close)(struct plant *plant);
+    /* Apply the force of a load during `seconds`, at one instant. */
+    void (*kick)(struct plant *plant, int load, double seconds);
+    /* Let time pass under the present inputs. */
+    int (*advance)(struct plant *plant, double seconds, char *error);
+    /*
+     * Compute the shape at this instant and, for a plant with inertia, the deviation of every
+     * output row from the static equilibrium. shape [targets] out  displacements
+     */
+    int (*shape)(struct plant *plant, double *shape, char *error);
+    /* Compute the values of all outputs in the latest shape, into the member `value`. */
+    int (*outputs)(struct plant *plant, char *error);
+    /*
+     * Compute the displacement vector of the latest shape.
+     *   displacement [free_dof] out
+     */
+    int (*displacement)(struct plant *plant, double *displacement, char *error);
+} plant_motion;
+
+extern const plant_motion plant_quasi_static, plant_modal, plant_nonlinear;
+
+/*
+ * Index of the input that belongs to a load. On a nonlinear structure each follower load (load that
+ * turns with the surface) has its own input behind those of all loads, in the order of the loads.
+ */
+int plant_input(const struct plant *plant, int load);
+
+/*
+ * Results of the static equilibrium under the present inputs: displacements of the target rows
+ * [targets]; values of all outputs, into the member `value`, after plant_static_shape; displacement
+ * vector [free_dof], after plant_static_shape.
+ */
+int plant_static_shape(struct plant *plant, double *shape, char *error);
+int plant_static_outputs(struct plant *plant, char *error);
+int plant_static_displacement(struct plant *plant, double *displacement, char *error);
+
+#endif

@@ -1,0 +1,569 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Motion of a shell with mass at large rotation, by energy-momentum steps (shell_motion.h). */
+#include "shell_motion.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../../lib/core/guard.h"
+#include "../../lib/core/linalg.h"
+#include "../../lib/core/product.h"
+#include "../../lib/model/model.h"
+#include "../../lib/model/shell.h"
+#include "../../lib/model/spring.h"
+#include "../../lib/nonlinear/nonlinear.h"
+#include "../model/modal.h"
+
+enum { SOLVES_MOST = 16 }; /* Largest number of linear solves in one time step. */
+
+/*
+ * Convergence tolerance of a time step: largest norm of the last increment relative to the change
+ * of the displacement in half the step, and relative to the displacement itself where the structure
+ * hardly moves.
+ */
+static const double tolerance = 1e-7, tolerance_at_rest = 1e-10;
+
+/* Largest phase of the fastest followed mode in a step, and in a control tick (radians). */
+static const double step_phase = 0.5, tick_phase = 2;
+
+static const pzs_structure *structure_of(const shell_motion *motion)
+{
+    return motion->solver.state.model->state.structure;
+}
+
+/* ---- open ------------------------------------------------------------- */
+
+static bool take_memory(shell_motion *motion)
+{
+    const pzs_structure *structure = structure_of(motion);
+    const size_t dof = structure->free_dof, elements = structure->elements,
+                 inputs = structure->input.count;
+    const size_t vectors = 9 * dof + inputs;
+    motion->memory = calloc(vectors + (22 + 22 + 10) * elements, sizeof *motion->memory);
+    if (!motion->memory)
+        return false;
+    double *at = motion->memory;
+    double **const of_dof[] = {&motion->displacement,     &motion->velocity,
+                               &motion->acceleration,     &motion->half_change,
+                               &motion->increment,        &motion->end,
+                               &motion->scratch,          &motion->solver.state.displacement,
+                               &motion->solver.state.load};
+    for (size_t i = 0; i < sizeof of_dof / sizeof *of_dof; i++, at += dof)
+        *of_dof[i] = at;
+    motion->solver.state.input_value = at;
+    at += inputs;
+    motion->start_resultant = (double(*)[22])at;
+    motion->solver.state.resultant = motion->start_resultant + elements;
+    motion->solver.state.prescribed = (double(*)[10])(motion->solver.state.resultant + elements);
+    return true;
+}
+
+/* Number of modes, rigid motions not counted, that a time step follows: half a radian at most. */
+static size_t count_followed(const vibration *vibration, double step)
+{
+    size_t count = 0;
+    for (int mode = vibration->rigid; mode < vibration->count; mode++)
+        count += sqrt(vibration->square[mode]) * step <= step_phase * (1 + 1e-9);
+    return count;
+}
+
+/*
+ * Choose the viscosity where the scene states damping ratios: the largest one that gives no
+ * followed mode more than its ratio.
+ */
+static double viscosity_of(const shell_motion *motion, const scene_dynamics *dynamics)
+{
+    double viscosity = HUGE_VAL;
+    for (size_t i = 0; i < motion->modes; i++) {
+        const double frequency =
+            sqrt(motion->vibration->square[(size_t)motion->vibration->rigid + i]);
+        viscosity = fmin(viscosity, 2 * modal_damping(dynamics, (int)i, frequency) / frequency);
+    }
+    return isfinite(viscosity) ? viscosity : 0;
+}
+
+/* Prepare the damping. Returns whether memory was available. */
+static bool prepare_damping(shell_motion *motion, const scene_dynamics *dynamics)
+{
+    const vibration *vibration = motion->vibration;
+    const size_t dof = structure_of(motion)->free_dof;
+    if (dynamics->is_rayleigh) {
+        motion->mass_damping = dynamics->rayleigh[0];
+        motion->viscosity = dynamics->rayleigh[1];
+        return true;
+    }
+    motion->modes = count_followed(vibration, motion->step_most);
+    motion->viscosity = viscosity_of(motion, dynamics);
+    motion->mode_damping = calloc(motion->modes + 1, sizeof *motion->mode_damping);
+    motion->mode_force = calloc(motion->modes * dof + 1, sizeof *motion->mode_force);
+    if (!motion->mode_damping || !motion->mode_force)
+        return false;
+    for (size_t i = 0; i < motion->modes; i++) {
+        const size_t mode = (size_t)vibration->rigid + i;
+        const double frequency = sqrt(vibration->square[mode]);
+        const double of_scene = 2 * modal_damping(dynamics, (int)i, frequency) * frequency;
+        const double by_viscosity = motion->viscosity * vibration->square[mode];
+        motion->mode_damping[i] = fmax(0, of_scene - by_viscosity);
+        mass_multiply(&motion->mass, motion->solver.state.model, vibration->shape + mode * dof,
+                      motion->mode_force + i * dof);
+    }
+    return true;
+}
+
+int shell_motion_open(shell_motion *motion, const equilibrium *equilibrium,
+                      const vibration *vibration, double step_most, char *error)
+{
+    const design *design = equilibrium->design;
+    memset(motion, 0, sizeof *motion);
+    motion->vibration = vibration;
+    motion->solver = equilibrium->solver;
+    motion->step_most = step_most;
+    if (mass_build(&motion->mass, design, MASS_LUMPED, error) < 0)
+        return -1;
+    if (!take_memory(motion) || (vibration && !prepare_damping(motion, &design->dynamics)))
+        return scene_fault(design->simulate.at, error, "out of memory");
+    return 0;
+}
+
+void shell_motion_close(shell_motion *motion)
+{
+    mass_free(&motion->mass);
+    free(motion->mode_damping);
+    free(motion->mode_force);
+    free(motion->memory);
+    memset(motion, 0, sizeof *motion);
+}
+
+double shell_motion_step(const vibration *vibration, double interval)
+{
+    double fastest = 0;
+    for (int mode = vibration->rigid; mode < vibration->count; mode++) {
+        const double phase = sqrt(vibration->square[mode]) * interval;
+        if (fastest == 0 || phase <= tick_phase)
+            fastest = phase;
+    }
+    return interval / fmax(1, ceil(fastest / step_phase));
+}
+
+/* ---- elements --------------------------------------------------------- */
+
+/*
+ * Stress resultants of one element at a displacement, without the prescribed ones.
+ *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
+ *   increment    [4 dof_per_node] in   increment along which the resultants are extrapolated; NULL:
+ *                                      none
+ *   resultant    [22]             out  (N m)
+ */
+static void elastic_resultants(const shell_motion *motion, uint32_t element,
+                               const double *displacement, const double *increment,
+                               double resultant[22])
+{
+    const pzs_structure *structure = structure_of(motion);
+    pzs_shell_resultants(&structure->type[structure->element_type[element]],
+                         structure->dof_per_node, displacement, increment, NULL, resultant);
+}
+
+static void gather(const shell_motion *motion, uint32_t element, const double *vector,
+                   double gathered[SHELL_MAX])
+{
+    pzs_model_gather(motion->solver.state.model, structure_of(motion)->element[element],
+                     SHELL_NODES, vector, gathered);
+}
+
+/*
+ * Factor of the elastic tangent of an element in a step: 1, plus twice the viscosity of the
+ * material over the step.
+ */
+static double tangent_factor(const shell_motion *motion, double step)
+{
+    return 1 + motion->viscosity / step;
+}
+
+/*
+ * Half of the step plus the viscosity that acts on the velocity (s): the change of the displacement
+ * in the step, less the step times the velocity at its start, is this time times the change of the
+ * velocity.
+ */
+static double response_time(const shell_motion *motion, double step)
+{
+    return (step + motion->viscosity) / 2;
+}
+
+/* Derivative of the force of inertia and of damping of mass by the change in half the step (1/s2).
+ */
+static double mass_factor(const shell_motion *motion, double step)
+{
+    return 2 / (step * response_time(motion, step)) + 2 * motion->mass_damping / step;
+}
+
+/*
+ * Stress resultants of an element that act at half the step: mean of those at the start and at the
+ * end of the step, viscosity times their rate, and the prescribed resultants.
+ *   resultant [22] out  (N m)
+ */
+static void acting_resultants(const shell_motion *motion, uint32_t element, double step,
+                              double resultant[22])
+{
+    double displacement[SHELL_MAX], at_end[22];
+    const double *at_start = motion->start_resultant[element];
+    gather(motion, element, motion->end, displacement);
+    elastic_resultants(motion, element, displacement, NULL, at_end);
+    for (int i = 0; i < 22; i++)
+        resultant[i] = (at_start[i] + at_end[i]) / 2 +
+                       motion->viscosity / (2 * step) * (at_end[i] - at_start[i]);
+    for (int i = 0; i < SHELL_STRAINS; i++)
+        resultant[i] += motion->solver.state.prescribed[element][i];
+}
+
+/*
+ * Add the tangent and the mass of one element to the matrix of the step, and subtract its internal
+ * force from the imbalance.
+ */
+static void add_element(shell_motion *motion, uint32_t element, double step, double *imbalance)
+{
+    pzs_model *model = motion->solver.state.model;
+    const pzs_structure *structure = structure_of(motion);
+    const pzs_element_type *type = &structure->type[structure->element_type[element]];
+    const double factor = pzs_model_type_factor(model, element),
+                 elastic = tangent_factor(motion, step);
+    double displacement[SHELL_MAX], force[SHELL_MAX], tangent[SHELL_PACKED(SHELL_MAX)],
+        geometric[22], acting[22];
+    gather(motion, element, motion->solver.state.displacement, displacement);
+    for (int i = 0; i < 22; i++)
+        geometric[i] = motion->solver.state.resultant[element][i] / elastic;
+    pzs_shell_system(type, structure->dof_per_node, displacement, NULL, geometric, force, tangent);
+    pzs_model_add_matrix(model, structure->element[element], SHELL_NODES, factor * elastic,
+                         tangent);
+    pzs_model_add_matrix(model, structure->element[element], SHELL_NODES, mass_factor(motion, step),
+                         mass_element(&motion->mass, (int)element));
+    acting_resultants(motion, element, step, acting);
+    pzs_shell_force_at(type, structure->dof_per_node, displacement, acting, force);
+    pzs_model_scatter(model, structure->element[element], SHELL_NODES, -factor, force, imbalance);
+    memcpy(motion->solver.state.resultant[element], acting, sizeof acting);
+}
+
+/*
+ * Extrapolate the stress resultants of all elements, which are those that act at half the step,
+ * along the increment.
+ */
+static void extrapolate(shell_motion *motion, double step)
+{
+    const double elastic = tangent_factor(motion, step);
+    for (uint32_t element = 0; element < structure_of(motion)->elements; element++) {
+        double displacement[SHELL_MAX], increment[SHELL_MAX], before[22], after[22];
+        gather(motion, element, motion->solver.state.displacement, displacement);
+        gather(motion, element, motion->increment, increment);
+        elastic_resultants(motion, element, displacement, NULL, before);
+        elastic_resultants(motion, element, displacement, increment, after);
+        for (int i = 0; i < 22; i++)
+            motion->solver.state.resultant[element][i] += elastic * (after[i] - before[i]);
+    }
+}
+
+/* ---- one linear solve --------------------------------------------------- */
+
+/* Whether the force of an input is that of prescribed resultants (voltages, temperature). */
+static bool is_actuation(const shell_motion *motion, uint32_t input)
+{
+    const uint32_t *start = motion->solver.state.tables->resultants.start;
+    return start && start[input + 1] > start[input];
+}
+
+/* Add the loads at half the step to the imbalance, and subtract their derivative from the matrix.
+ */
+static void add_loads(shell_motion *motion, double *imbalance)
+{
+    pzs_solver *solver = &motion->solver;
+    for (uint32_t input = 0; input < structure_of(motion)->input.count; input++)
+        if (solver->state.input_value[input] != 0 && !is_actuation(motion, input))
+            pzs_model_add_input(solver->state.model, input, solver->state.input_value[input],
+                                imbalance);
+    for (pzs_solver_option *option = solver->state.option; option; option = option->next)
+        if (option->call->add_forces)
+            option->call->add_forces(option, solver, imbalance);
+}
+
+/*
+ * Subtract the forces of inertia, of the damping of mass and of the damped modes from the
+ * imbalance. The matrix of the step leaves the damped modes out, because that would fill it: the
+ * iteration then converges by their damping ratio.
+ */
+static void subtract_inertia(shell_motion *motion, double step, double *imbalance)
+{
+    const size_t dof = structure_of(motion)->free_dof;
+    double *const acceleration = motion->scratch;
+    const double factor = mass_factor(motion, step), time = response_time(motion, step);
+    for (size_t i = 0; i < dof; i++)
+        acceleration[i] = factor * motion->half_change[i] - motion->velocity[i] / time;
+    mass_multiply(&motion->mass, motion->solver.state.model, acceleration, motion->increment);
+    for (size_t i = 0; i < dof; i++)
+        imbalance[i] -= motion->increment[i];
+    for (size_t mode = 0; mode < motion->modes; mode++) {
+        const double *force = motion->mode_force + mode * dof;
+        const double speed = 2 / step * pzs_linalg_inner(force, motion->half_change, (uint32_t)dof);
+        for (size_t i = 0; i < dof; i++)
+            imbalance[i] -= motion->mode_damping[mode] * speed * force[i];
+    }
+}
+
+/*
+ * Assemble the matrix of the step and the force imbalance at the present displacement at half the
+ * step.
+ *   imbalance [free_dof] out  (N and N m)
+ */
+static void build(shell_motion *motion, double step, double *imbalance)
+{
+    pzs_model *model = motion->solver.state.model;
+    const pzs_structure *structure = structure_of(motion);
+    double *const strained = motion->scratch;
+    pzs_linalg_clear(&model->state.stiffness);
+    model->state.stage = STAGE_READY;
+    memset(imbalance, 0, structure->free_dof * sizeof *imbalance);
+    for (uint32_t i = 0; i < structure->free_dof; i++) {
+        motion->end[i] = motion->displacement[i] + 2 * motion->half_change[i];
+        strained[i] = motion->solver.state.displacement[i] +
+                      motion->viscosity / step * motion->half_change[i];
+    }
+    for (uint32_t element = 0; element < structure->elements; element++)
+        add_element(motion, element, step, imbalance);
+    pzs_model_add_springs(model);
+    pzs_model_add_spring_force(model, -1, strained, imbalance);
+    add_loads(motion, imbalance);
+    subtract_inertia(motion, step, imbalance);
+}
+
+/*
+ * Make one linear solve, and update displacement and stress resultants. Returns false where the
+ * matrix is singular or a result is not finite.
+ */
+static bool solve_and_update(shell_motion *motion, double step)
+{
+    pzs_solver *solver = &motion->solver;
+    const uint32_t dof = structure_of(motion)->free_dof;
+    const pzs_prescribed_motion *held = &solver->state.tables->prescribed;
+    double *const imbalance = solver->state.load;
+    build(motion, step, imbalance);
+    for (uint32_t i = 0; i < held->count; i++)
+        pzs_nonlinear_prescribe(&solver->state.model->state.stiffness, held->dof[i], 0, imbalance);
+    motion->linear_solves++;
+    if (!pzs_nonlinear_factor(solver))
+        return false;
+    pzs_model_backsolve(solver->state.model, imbalance, motion->increment);
+    if (pzs_guard_nonfinite(motion->increment, dof) >= 0)
+        return false;
+    extrapolate(motion, step);
+    for (uint32_t i = 0; i < dof; i++) {
+        motion->half_change[i] += motion->increment[i];
+        solver->state.displacement[i] = motion->displacement[i] + motion->half_change[i];
+    }
+    return true;
+}
+
+/* ---- one step ----------------------------------------------------------- */
+
+/*
+ * Begin a step: predict the displacement from the velocity and the acceleration of the last step,
+ * and compute the stress resultants at the start.
+ */
+static void begin_step(shell_motion *motion, double step)
+{
+    const pzs_structure *structure = structure_of(motion);
+    const pzs_prescribed_motion *held = &motion->solver.state.tables->prescribed;
+    for (uint32_t i = 0; i < structure->free_dof; i++)
+        motion->half_change[i] =
+            step / 2 * (motion->velocity[i] + step / 2 * motion->acceleration[i]);
+    for (uint32_t i = 0; i < held->count; i++)
+        motion->half_change[held->dof[i]] = 0;
+    for (uint32_t i = 0; i < structure->free_dof; i++)
+        motion->solver.state.displacement[i] = motion->displacement[i] + motion->half_change[i];
+    for (uint32_t element = 0; element < structure->elements; element++) {
+        double displacement[SHELL_MAX];
+        gather(motion, element, motion->displacement, displacement);
+        elastic_resultants(motion, element, displacement, NULL, motion->start_resultant[element]);
+    }
+}
+
+static void end_step(shell_motion *motion, double step)
+{
+    const double time = response_time(motion, step);
+    for (uint32_t i = 0; i < structure_of(motion)->free_dof; i++) {
+        const double change = 2 * motion->half_change[i];
+        motion->displacement[i] += change;
+        motion->acceleration[i] = (change - step * motion->velocity[i]) / (time * step);
+        motion->velocity[i] += step * motion->acceleration[i];
+    }
+}
+
+/* Try one step. Returns whether Newton's method converged; otherwise the motion has not changed. */
+static bool try_step(shell_motion *motion, double step)
+{
+    const pzs_solver *solver = &motion->solver;
+    begin_step(motion, step);
+    for (int solves = 1; solves <= SOLVES_MOST; solves++) {
+        if (!solve_and_update(motion, step))
+            return false;
+        const double last2 = pzs_nonlinear_norm2(solver, motion->increment, NULL),
+                     moved2 = pzs_nonlinear_norm2(solver, motion->half_change, NULL),
+                     whole2 = pzs_nonlinear_norm2(solver, solver->state.displacement, NULL);
+        if (!(last2 <=
+              tolerance * tolerance * moved2 + tolerance_at_rest * tolerance_at_rest * whole2))
+            continue;
+        end_step(motion, step);
+        motion->steps++;
+        motion->solves_most = solves > motion->solves_most ? solves : motion->solves_most;
+        return true;
+    }
+    return false;
+}
+
+bool shell_motion_advance(shell_motion *motion, const double *value, double seconds)
+{
+    const uint32_t whole = 1u << SHELL_MOTION_HALVINGS;
+    const double count = ceil(seconds / motion->step_most * (1 - 1e-9));
+    uint32_t left = count > 1 ? (uint32_t)count * whole : whole, stride = whole;
+    const double unit = seconds / left;
+    memcpy(motion->solver.state.input_value, value,
+           structure_of(motion)->input.count * sizeof *value);
+    pzs_nonlinear_set_prescribed(&motion->solver);
+    while (left > 0 && seconds > 0) {
+        stride = stride < left ? stride : left;
+        if (try_step(motion, stride * unit)) {
+            left -= stride;
+            stride = 2 * stride < whole ? 2 * stride : whole;
+        } else if (stride == 1) {
+            return false;
+        } else {
+            stride /= 2;
+        }
+    }
+    return true;
+}
+
+/* ---- state -------------------------------------------------------------- */
+
+void shell_motion_rest(shell_motion *motion, const double *displacement, const double *value)
+{
+    const pzs_structure *structure = structure_of(motion);
+    memcpy(motion->displacement, displacement, structure->free_dof * sizeof *displacement);
+    memset(motion->velocity, 0, structure->free_dof * sizeof *motion->velocity);
+    memset(motion->acceleration, 0, structure->free_dof * sizeof *motion->acceleration);
+    memcpy(motion->solver.state.input_value, value, structure->input.count * sizeof *value);
+    pzs_nonlinear_set_prescribed(&motion->solver);
+    for (uint32_t element = 0; element < structure->elements; element++) {
+        double of_element[SHELL_MAX];
+        gather(motion, element, motion->displacement, of_element);
+        elastic_resultants(motion, element, of_element, NULL,
+                           motion->solver.state.resultant[element]);
+        for (int i = 0; i < SHELL_STRAINS; i++)
+            motion->solver.state.resultant[element][i] +=
+                motion->solver.state.prescribed[element][i];
+    }
+}
+
+void shell_motion_kick(shell_motion *motion, uint32_t input, double seconds)
+{
+    pzs_solver *solver = &motion->solver;
+    pzs_model *model = solver->state.model;
+    const pzs_structure *structure = structure_of(motion);
+    const pzs_prescribed_motion *held = &solver->state.tables->prescribed;
+    double *const force = motion->increment;
+    memset(force, 0, structure->free_dof * sizeof *force);
+    memcpy(solver->state.displacement, motion->displacement, structure->free_dof * sizeof *force);
+    pzs_nonlinear_unit_force(solver, input, force);
+    pzs_linalg_clear(&model->state.stiffness);
+    model->state.stage = STAGE_READY;
+    for (uint32_t element = 0; element < structure->elements; element++)
+        pzs_model_add_matrix(model, structure->element[element], SHELL_NODES, 1,
+                             mass_element(&motion->mass, (int)element));
+    for (uint32_t i = 0; i < held->count; i++)
+        pzs_nonlinear_prescribe(&model->state.stiffness, held->dof[i], 0, force);
+    pzs_nonlinear_factor(solver);
+    pzs_model_backsolve(model, force, force);
+    for (uint32_t i = 0; i < structure->free_dof; i++)
+        motion->velocity[i] += seconds * force[i];
+}
+
+const double *shell_motion_deviation(shell_motion *motion, const double *value)
+{
+    pzs_solver *solver = &motion->solver;
+    const pzs_structure *structure = structure_of(motion);
+    const pzs_prescribed_motion *held = &solver->state.tables->prescribed;
+    const size_t bytes = structure->free_dof * sizeof *motion->increment;
+    double *const deviation = motion->increment;
+    memcpy(solver->state.displacement, motion->displacement, bytes);
+    memcpy(solver->state.input_value, value, structure->input.count * sizeof *value);
+    pzs_nonlinear_set_prescribed(solver);
+    pzs_nonlinear_build(solver, true, deviation);
+    for (uint32_t i = 0; i < held->count; i++)
+        pzs_nonlinear_prescribe(&solver->state.model->state.stiffness, held->dof[i], 0, deviation);
+    const bool is_regular = pzs_nonlinear_factor(solver);
+    pzs_model_backsolve(solver->state.model, deviation, deviation);
+    if (!is_regular || pzs_guard_nonfinite(deviation, structure->free_dof) >= 0)
+        memset(deviation, 0, bytes);
+    for (uint32_t i = 0; i < structure->free_dof; i++)
+        deviation[i] = -deviation[i];
+    return deviation;
+}
+
+/* ---- energy ------------------------------------------------------------- */
+
+double shell_motion_kinetic(shell_motion *motion)
+{
+    const uint32_t dof = structure_of(motion)->free_dof;
+    mass_multiply(&motion->mass, motion->solver.state.model, motion->velocity, motion->scratch);
+    return pzs_linalg_inner(motion->velocity, motion->scratch, dof) / 2;
+}
+
+/*
+ * Work of constant stress resultants of one element from the undeformed state to the present
+ * displacement. The strains are quadratic in the displacement u and zero without displacement, so
+ * they are L(u/2) u with the strain-displacement matrix L, and the work is u times the internal
+ * force of the resultants at u/2.
+ */
+static double work_of(const shell_motion *motion, uint32_t element, const double resultant[22])
+{
+    const pzs_structure *structure = structure_of(motion);
+    const unsigned rows = SHELL_NODES * (unsigned)structure->dof_per_node;
+    double displacement[SHELL_MAX], half[SHELL_MAX], force[SHELL_MAX];
+    gather(motion, element, motion->displacement, displacement);
+    for (unsigned i = 0; i < rows; i++)
+        half[i] = displacement[i] / 2;
+    pzs_shell_force_at(&structure->type[structure->element_type[element]], structure->dof_per_node,
+                       half, resultant, force);
+    return pzs_model_type_factor(motion->solver.state.model, element) *
+           pzs_linalg_inner(displacement, force, rows);
+}
+
+double shell_motion_strain_energy(shell_motion *motion)
+{
+    const pzs_structure *structure = structure_of(motion);
+    double sum = 0;
+    for (uint32_t element = 0; element < structure->elements; element++) {
+        double displacement[SHELL_MAX], resultant[22];
+        gather(motion, element, motion->displacement, displacement);
+        elastic_resultants(motion, element, displacement, NULL, resultant);
+        sum += work_of(motion, element, resultant) / 2;
+    }
+    memset(motion->scratch, 0, structure->free_dof * sizeof *motion->scratch);
+    pzs_model_add_spring_force(motion->solver.state.model, 1, motion->displacement,
+                               motion->scratch);
+    return sum + pzs_linalg_inner(motion->displacement, motion->scratch, structure->free_dof) / 2;
+}
+
+double shell_motion_potential(shell_motion *motion, const double *value)
+{
+    const pzs_structure *structure = structure_of(motion);
+    double sum = 0;
+    memcpy(motion->solver.state.input_value, value, structure->input.count * sizeof *value);
+    pzs_nonlinear_set_prescribed(&motion->solver);
+    for (uint32_t element = 0; element < structure->elements; element++) {
+        double resultant[22] = {0};
+        memcpy(resultant, motion->solver.state.prescribed[element],
+               sizeof motion->solver.state.prescribed[element]);
+        sum += work_of(motion, element, resultant);
+    }
+    memset(motion->scratch, 0, structure->free_dof * sizeof *motion->scratch);
+    for (uint32_t input = 0; input < structure->input.count; input++)
+        if (!is_actuation(motion, input))
+            pzs_model_add_input(motion->solver.state.model, input, value[input], motion->scratch);
+    return sum - pzs_linalg_inner(motion->displacement, motion->scratch, structure->free_dof);
+}

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Motion of a shell with mass at large rotation: all free degrees of freedom of the mesh, advanced
+ * by energy-momentum steps with Newton's method of independent stress resultants.
+ *
+ * A step of length h leads from the displacement u0 with the velocity v0 to u1 with v1. With the
+ * displacement at half the step, m = (u0 + u1)/2, the step solves
+ *   M (v1 - v0)/h + L(m)' S + damping = F(m),     (u1 - u0)/h = (v0 + v1)/2
+ * with the mass matrix M, the strain-displacement matrix L at m, and the loads F at m. S is the
+ * mean of the stress resultants at u0 and at u1. Because the strains are quadratic in the
+ * displacement, L(m) (u1 - u0) is exactly the change of the strains. Without damping and loads the
+ * step therefore keeps the energy, and on a free structure the linear and the angular momentum, for
+ * any h. The error is of second order: the period of a mode of angular frequency w is too long by
+ * about (w h)^2/12.
+ *
+ * Damping has three parts, none of which can add energy, whatever the step:
+ *   - damping of mass, a M (u1 - u0)/h
+ *   - viscosity b, which damps a mode of angular frequency w by the ratio b w/2. One half of b is a
+ *     viscosity of the material, which adds b/2 times their rate to the stress resultants; the
+ * other half adds b/2 times the acceleration to (u1 - u0)/h. The second half is needed because a
+ *     material viscosity alone does not damp motions that are much faster than a step
+ *   - damping of each mode that the steps follow, in its reference shape, which brings the damping
+ *     ratio of the mode to the one that the scene states
+ * Rayleigh's coefficients of the scene are a and b. Where the scene states damping ratios, a is
+ * zero and b is the largest viscosity that gives no followed mode more than its ratio. Faster
+ * motions are thus damped more than the followed ones.
+ */
+#ifndef SHELL_MOTION_H
+#define SHELL_MOTION_H
+
+#include "../model/equilibrium.h"
+#include "../model/mass.h"
+#include "../model/vibration.h"
+
+/* Number of times that a step may be halved where Newton's method does not converge. */
+enum { SHELL_MOTION_HALVINGS = 6 };
+
+typedef struct shell_motion {
+    const vibration *vibration; /* modes that are damped; NULL: no damping */
+    mass mass;
+    pzs_solver solver; /* solver of the nonlinear equilibrium of the same structure, with the arrays
+                          of the motion in place of its own: `displacement` is the displacement at
+                          half the step, `resultant` its extrapolated stress resultants */
+    double step_most;  /* longest time step (s) */
+    double mass_damping, viscosity; /* damping a of mass (1/s); viscosity b of which one half acts
+                                       on the stress resultants and one on the velocity (s) */
+    size_t modes;                   /* number of followed modes, which are damped one by one */
+    double *mode_damping; /* [modes] twice the damping ratio times the angular frequency of each
+                             followed mode, less the part by viscosity (1/s) */
+    double *mode_force;   /* [modes][free_dof] product of the mass matrix and the shape of each
+                             followed mode */
+    double *memory;       /* one allocation that holds all vectors over the degrees of freedom */
+    double *displacement; /* [free_dof] present displacement (m and 1) */
+    double *velocity;     /* [free_dof] present velocity (m/s and 1/s) */
+    double *acceleration; /* [free_dof] mean acceleration in the last step (m/s2 and 1/s2) */
+    double *half_change;  /* [free_dof] displacement at half the step less that at its start */
+    double *increment;    /* [free_dof] increment of Newton's method (m and 1) */
+    double *end;          /* [free_dof] displacement at the end of the step (m and 1) */
+    double *scratch;      /* [free_dof] work vector */
+    double (*start_resultant)[22]; /* [elements] stress resultants at the start of the step (N m) */
+    long steps, linear_solves;     /* number of time steps, and of linear solves in all of them */
+    int solves_most;               /* largest number of linear solves in one time step */
+} shell_motion;
+
+/*
+ * Prepare the motion of a structure, which starts undeformed and at rest.
+ *   equilibrium in   nonlinear equilibrium of the structure; must outlive the motion. The two share
+ *                    the memory of the stiffness matrix, so that each factors it anew
+ *   vibration   in   modes to damp; NULL: the motion is not damped
+ *   step_most   in   longest time step (s)
+ * Returns 0, or -1 with error filled; call shell_motion_close in either case.
+ */
+int shell_motion_open(shell_motion *motion, const equilibrium *equilibrium,
+                      const vibration *vibration, double step_most, char *error);
+void shell_motion_close(shell_motion *motion);
+
+/*
+ * Longest time step for control ticks: a whole part of the tick interval, with at most half a
+ * radian a step for the highest natural frequency that a control tick can follow (one of at most
+ * two radians a tick), or for the first one where all are faster. The period of that mode is then
+ * at most 2 % too long. interval in  time between two ticks (s)
+ */
+double shell_motion_step(const vibration *vibration, double interval);
+
+/*
+ * Set the motion to rest in a displacement.
+ *   displacement [free_dof] in
+ *   value        [inputs]   in   input values under which the structure is at rest
+ */
+void shell_motion_rest(shell_motion *motion, const double *displacement, const double *value);
+
+/*
+ * Apply the impulse of one input: the unit force of the input at the present displacement during
+ * `seconds`, in a time too short for any displacement.
+ */
+void shell_motion_kick(shell_motion *motion, uint32_t input, double seconds);
+
+/*
+ * Let time pass under constant input values.
+ *   value [inputs] in  input values of the structure: voltages (V), load factors, temperature
+ * Returns whether Newton's method has converged in every step. The motion stays at the last
+ * converged step otherwise.
+ */
+bool shell_motion_advance(shell_motion *motion, const double *value, double seconds);
+
+/*
+ * Deviation of the present displacement from the static equilibrium under input values, by one step
+ * of Newton's method: exact for small deviations. Zero where the tangent is singular.
+ * Returns the deviation [free_dof] (m and 1), valid until the next call of a function of the
+ * motion.
+ */
+const double *shell_motion_deviation(shell_motion *motion, const double *value);
+
+/* Kinetic energy, and strain energy of the elements and springs (N m). */
+double shell_motion_kinetic(shell_motion *motion);
+double shell_motion_strain_energy(shell_motion *motion);
+
+/*
+ * Potential energy of the input values at the present displacement (N m): that of the loads of
+ * constant direction and of the prescribed stress resultants.
+ */
+double shell_motion_potential(shell_motion *motion, const double *value);
+
+#endif
