@@ -259,8 +259,9 @@ static void global(const rig *r, int node, const double *vector, double of_place
     memset(of_director, 0, 3 * sizeof *of_director);
     for (int a = 0; a < 3; a++)
         for (int i = 0; i < 3; i++) {
-            of_place[i] += point->e[a][i] * vector[s->node_dof[node * s->dof_per_node + a]];
-            of_director[i] += point->e[a][i] * vector[s->node_dof[node * s->dof_per_node + 3 + a]];
+            of_place[i] += point->triad[a][i] * vector[s->node_dof[node * s->dof_per_node + a]];
+            of_director[i] +=
+                point->triad[a][i] * vector[s->node_dof[node * s->dof_per_node + 3 + a]];
         }
 }
 
@@ -280,8 +281,8 @@ static void momentum_of(rig *r, double momentum[6])
         global(r, node, r->motion.displacement, place, director);
         global(r, node, product, force, moment);
         for (int i = 0; i < 3; i++) {
-            place[i] += point->x[i];
-            director[i] += point->e[2][i];
+            place[i] += point->position[i];
+            director[i] += point->triad[2][i];
             momentum[i] += force[i];
         }
         for (int i = 0; i < 3; i++) {
