@@ -11,6 +11,8 @@
 #include "../mesh/springs.h"
 #include "../quads/vector.h"
 #include "../scene/outline_shares.h"
+#include "load_forces.h"
+#include "node_forces.h"
 
 /* ---- sparse rows under construction ----------------------------------- */
 
@@ -75,36 +77,6 @@ static void rows_of(const row_builder *builder, pzs_rows *rows)
 
 /* ---- outputs ---------------------------------------------------------- */
 
-/* Unit vector [3] of a displacement component, in the local axes of a node. */
-static void direction(const surface_point *point, scene_component component, double unit[3])
-{
-    for (int axis = 0; axis < 3; axis++)
-        unit[axis] = component <= COMPONENT_U3 ? component - COMPONENT_U1 == (unsigned)axis
-                                               : point->triad[axis][component - COMPONENT_X];
-}
-
-/* Height of a face above the middle surface of a shell of a given thickness. */
-static double face_height(scene_face face, double thickness)
-{
-    if (face == FACE_OUTER)
-        return thickness / 2;
-    return face == FACE_INNER ? -thickness / 2 : 0;
-}
-
-/*
- * Weights of the first six dof of a node (mean of both faces' displacements, their difference
- * divided by the thickness) in the displacement of a face along a direction [3].
- */
-static void face_weights(const mesh *mesh, scene_face face, const double direction[3],
-                         double weight[7])
-{
-    for (int axis = 0; axis < 3; axis++) {
-        weight[axis] = direction[axis];
-        weight[3 + axis] = face_height(face, mesh->laminate.thickness) * direction[axis];
-    }
-    weight[6] = 0;
-}
-
 /*
  * Weights of the dof of a node in a displacement component (design.h). The displacement of the
  * middle surface also depends on the seventh dof, along the thickness direction.
@@ -113,21 +85,10 @@ void design_output_weights(const mesh *mesh, int node, scene_component component
                            double weight[7])
 {
     double unit[3];
-    direction(&mesh->point[node], component, unit);
-    face_weights(mesh, face, unit, weight);
+    node_direction(&mesh->point[node], component, unit);
+    node_face_weights(mesh, face, unit, weight);
     if (face == FACE_MIDDLE)
         weight[6] = mesh->laminate.thickness * unit[2];
-}
-
-/* Add weights on the free dof of a node, multiplied by a factor, to a dense row [free_dof]. */
-static void add_node(const mesh *mesh, int node, double factor, const double weight[7],
-                     double *dense)
-{
-    for (unsigned i = 0; i < mesh->dof_per_node; i++) {
-        const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + i];
-        if (dof != PZS_CONSTRAINED)
-            dense[dof] += factor * weight[i];
-    }
 }
 
 static void append_output(const mesh *mesh, const scene_output *output, int node, row_builder *rows,
@@ -136,7 +97,7 @@ static void append_output(const mesh *mesh, const scene_output *output, int node
     double weight[7];
     memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
     design_output_weights(mesh, node, output->component, output->face, weight);
-    add_node(mesh, node, 1, weight, dense);
+    node_add(mesh, node, 1, weight, dense);
     append_row(rows, dense, mesh->free_dof);
 }
 
@@ -283,18 +244,6 @@ static int build_named(design *design, row_builder *rows, double *dense, int *no
 
 /* ---- inputs ----------------------------------------------------------- */
 
-static void scatter(const mesh *mesh, int element, double factor, const double *force,
-                    double *dense)
-{
-    for (int corner = 0; corner < 4; corner++)
-        for (unsigned i = 0; i < mesh->dof_per_node; i++) {
-            const uint16_t dof =
-                mesh->node_dof[mesh->element[element][corner] * mesh->dof_per_node + i];
-            if (dof != PZS_CONSTRAINED)
-                dense[dof] += factor * force[(unsigned)corner * mesh->dof_per_node + i];
-        }
-}
-
 /*
  * Add the prescribed stress resultants of one element, times its area, for 1 V across a ply (or for
  * a temperature change of 1 K where ply < 0), multiplied by `factor`, to h0 [10].
@@ -374,36 +323,6 @@ int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell,
     return acts;
 }
 
-laminate_field design_temperatures(const scene_load *load)
-{
-    const expr_point anywhere = {0, 0, 0, 0, 0};
-    laminate_field field = {-1, {0, 0}};
-    field.temperature[0] = expr_value(load->value, &anywhere);
-    field.temperature[1] = load->outer ? expr_value(load->outer, &anywhere) : field.temperature[0];
-    return field;
-}
-
-void design_temperature_resultants(const mesh *mesh, const scene_load *load, int element,
-                                   double h0[LAMINATE_STRAINS])
-{
-    const laminate_field field = design_temperatures(load);
-    laminate_resultants(&mesh->laminate, &mesh->scene->element,
-                        &mesh->place[mesh->element_type[element]], &field, h0);
-}
-
-/*
- * Add the nodal forces that prescribed resultants of one element cause in the reference state to a
- * dense column [free_dof].
- */
-static void add_resultants(const mesh *mesh, int element, const double h0[LAMINATE_STRAINS],
-                           double *dense)
-{
-    double force[SHELL_MAX];
-    pzs_shell_prescribed_force(&mesh->type[mesh->element_type[element]], mesh->dof_per_node, h0,
-                               force);
-    scatter(mesh, element, 1, force, dense);
-}
-
 /*
  * Append one column of nodal forces per unit of input (1 V or 1 K) for each amplifier of an
  * actuator, or for each electrode of a sensor. The column is the sum over all patches that the
@@ -417,7 +336,7 @@ static void patch_columns(const mesh *mesh, const scene_actuator *actuator, row_
         memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
         for (int element = 0; element < mesh->elements; element++)
             if (design_actuation(mesh, actuator, cell, element, h0))
-                add_resultants(mesh, element, h0, dense);
+                node_add_resultants(mesh, element, h0, dense);
         append_row(columns, dense, mesh->free_dof);
     }
 }
@@ -433,223 +352,6 @@ static void stack_columns(const mesh *mesh, int actuator, row_builder *columns, 
         memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
         springs_add(&mesh->springs, row, mesh->scene->actuator[actuator].stacks->force, dense);
         append_row(columns, dense, mesh->free_dof);
-    }
-}
-
-/*
- * Whether a load acts along a vector that the scene gives, instead of along a displacement
- * component.
- */
-static bool has_vector(const scene_load *load)
-{
-    return vector_length(load->vector) > 0;
-}
-
-/*
- * Force of a load at a node per unit of the load, in components of the local axes of the node. A
- * pressure acts along the thickness direction.
- */
-static void load_vector(const mesh *mesh, const scene_load *load, int node, double value,
-                        double vector[3])
-{
-    const surface_point *point = &mesh->point[node];
-    const double z = mesh->laminate.z[load->face == FACE_OUTER];
-    const double stretch =
-        load->true_area ? (1 + point->curvature[0] * z) * (1 + point->curvature[1] * z) : 1;
-    direction(point, load->component, vector);
-    for (int axis = 0; axis < 3 && load->type == LOAD_WEIGHT && has_vector(load); axis++)
-        vector[axis] = vector_dot(point->triad[axis], load->vector);
-    for (int axis = 0; axis < 3; axis++)
-        vector[axis] *= value * stretch;
-}
-
-/*
- * Add the nodal forces of a concentrated force on the face that the load names, by the virtual work
- * of the force. A force on the middle surface is divided equally between both faces.
- */
-static void add_force(const mesh *mesh, const scene_load *load, int node, double factor,
-                      const double direction[3], double *dense)
-{
-    double weight[7];
-    face_weights(mesh, load->face, direction, weight);
-    add_node(mesh, node, factor, weight, dense);
-}
-
-/*
- * Components, in the local axes of node `to`, of a load that is given in the local axes of node
- * `from`. A pressure has the same components at both nodes, because a vector interpolated along a
- * chord would lose angle^2/6 of its length. A load of fixed direction keeps its vector in the
- * Cartesian element formulation, and its components in the published one.
- */
-static void carry(const mesh *mesh, const scene_load *load, int from, int to,
-                  const double direction[3], double out[3])
-{
-    for (int axis = 0; axis < 3; axis++) {
-        out[axis] = direction[axis];
-        if (!mesh->scene->element.cartesian || load->component <= COMPONENT_U3)
-            continue;
-        out[axis] = 0;
-        for (int other = 0; other < 3; other++)
-            for (int i = 0; i < 3; i++)
-                out[axis] += mesh->point[to].triad[axis][i] * mesh->point[from].triad[other][i] *
-                             direction[other];
-    }
-}
-
-double design_chords(const mesh *mesh, int element, int corner, scene_face face, double flat[2][2],
-                     double lean[2])
-{
-    const pzs_element_type *type = &mesh->type[mesh->element_type[element]];
-    const double half = face_height(face, type->thickness);
-    for (int axis = 0; axis < 2; axis++) {
-        for (int i = 0; i < 2; i++)
-            flat[axis][i] = type->g_mean[corner][axis][i] + half * type->g_diff[corner][axis][i];
-        const double length = hypot(flat[axis][0], flat[axis][1]),
-                     x = atan2(type->g_mean[corner][axis][2] + half * type->g_diff[corner][axis][2],
-                               length);
-        lean[axis] = length * (fabs(x) > 1e-3 ? 1 / x - 1 / tan(x) : x / 3);
-    }
-    return flat[0][0] * flat[1][1] - flat[0][1] * flat[1][0];
-}
-
-/*
- * Add the in-plane force on the middle surface that a pressure causes at a corner of an element
- * because the chords of the element are inclined to the tangent plane.
- *   direction [3] in  pressure at the corner as a vector
- */
-static void add_lean(const mesh *mesh, const scene_load *load, int element, int corner, double size,
-                     const double direction[3], double *dense)
-{
-    double flat[2][2], lean[2], weight[7] = {0};
-    const double part =
-        direction[2] * size / design_chords(mesh, element, corner, load->face, flat, lean);
-    weight[0] = part * (lean[1] * flat[0][1] - lean[0] * flat[1][1]);
-    weight[1] = part * (lean[0] * flat[1][0] - lean[1] * flat[0][0]);
-    add_node(mesh, mesh->element[element][corner], 1, weight, dense);
-}
-
-/*
- * Weight of the load value at node `column` in the consistent nodal force on node `row`, for a
- * distributed load on an element (count = 4; in 1/36 of the area) or on an edge (count = 2; in 1/6
- * of the length).
- */
-static double consistent_weight(int count, int row, int column)
-{
-    const int is_opposite = count == 4 && (row ^ column) == 2;
-    int weight = count == 4 ? 4 : 2;
-    if (is_opposite)
-        weight /= 4;
-    else if (row != column)
-        weight /= 2;
-    return weight;
-}
-
-/*
- * Add the nodal forces of a distributed load on an edge or an element with consistent weights.
- *   place  in  corner metric of the element, or NULL for an edge
- *   size   in  length of the edge or area of the element
- */
-static void add_distributed(const mesh *mesh, const scene_load *load, const laminate_place *place,
-                            const int *node, const double *value, int count, double size,
-                            double *dense)
-{
-    const int whole = count == 4 ? 36 : 6;
-    for (int row = 0; row < count; row++)
-        for (int column = 0; column < count; column++) {
-            double direction[3], carried[3];
-            load_vector(mesh, load, node[column], value[column], direction);
-            carry(mesh, load, node[column], node[row], direction, carried);
-            const double excess = place ? corner_pair_excess(place, row, column) : 0;
-            const double weight =
-                size * consistent_weight(count, row, column) / whole + size * excess;
-            add_force(mesh, load, node[row], weight, carried, dense);
-        }
-}
-
-/*
- * Whether a load on a face acts on an element. Without a set the load acts on all elements, else on
- * those of its set.
- */
-static bool is_loaded(const mesh *mesh, const scene_load *load, uint32_t element)
-{
-    const quad_mesh *quads = mesh->quads;
-    if (!quads || load->where.type != WHERE_SET)
-        return true;
-    return quad_set_has(quad_set_find(quads->element_set, quads->element_sets, load->where.set),
-                        element);
-}
-
-static void face_column(const mesh *mesh, const scene_load *load, const double *value,
-                        double density, double *dense)
-{
-    for (int element = 0; element < mesh->elements; element++) {
-        const laminate_place *place = &mesh->place[mesh->element_type[element]];
-        double weight = density;
-        int node[4];
-        double corner[4];
-        if (!is_loaded(mesh, load, (uint32_t)element))
-            continue;
-        for (int ply = 0; load->type == LOAD_WEIGHT && ply < mesh->laminate.plies; ply++)
-            if (place->present_plies >> ply & 1u)
-                weight += mesh->laminate.ply[ply].density *
-                          (mesh->laminate.ply[ply].z[1] - mesh->laminate.ply[ply].z[0]);
-        for (int i = 0; i < 4; i++) {
-            node[i] = mesh->element[element][i];
-            corner[i] = value[node[i]];
-        }
-        add_distributed(mesh, load, place, node, corner, 4, place->area * weight, dense);
-        for (int i = 0; i < 4 && mesh->scene->element.cartesian && load->component == COMPONENT_U3;
-             i++) {
-            double direction[3];
-            load_vector(mesh, load, node[i], corner[i], direction);
-            add_lean(mesh, load, element, i, place->area / 4 * corner_jacobian(place, i), direction,
-                     dense);
-        }
-    }
-}
-
-/*
- * Nodal forces of a load on an edge of the mesh, or on an edge set of a mesh from a file. The
- * length of an element side is that of its chord.
- */
-static void line_column(const mesh *mesh, const scene_load *load, const double *value,
-                        double *dense)
-{
-    const int sides = mesh_sides(mesh, &load->where);
-    for (int k = 0; k < sides; k++) {
-        const mesh_side side = mesh_side_at(mesh, &load->where, k);
-        const double corner[2] = {value[side.node[0]], value[side.node[1]]};
-        add_distributed(mesh, load, NULL, side.node, corner, 2, side.length, dense);
-    }
-}
-
-static void load_column(const mesh *mesh, const scene_load *load, const double *value, int *node,
-                        double *dense)
-{
-    double direction[3];
-    switch (load->type) {
-    case LOAD_POINT:
-        mesh_select(mesh, &load->where, node);
-        load_vector(mesh, load, node[0], value[node[0]], direction);
-        add_force(mesh, load, node[0], 1, direction, dense);
-        break;
-    case LOAD_MOMENT: {
-        double weight[7];
-        mesh_select(mesh, &load->where, node);
-        (void)springs_rotation(&mesh->point[node[0]], &load->about, weight);
-        add_node(mesh, node[0], value[node[0]], weight, dense);
-        break;
-    }
-    case LOAD_LINE: line_column(mesh, load, value, dense); break;
-    case LOAD_FACE: face_column(mesh, load, value, 1, dense); break;
-    case LOAD_WEIGHT: face_column(mesh, load, value, 0, dense); break;
-    case LOAD_TEMPERATURE:
-        for (int element = 0; element < mesh->elements; element++) {
-            double h0[LAMINATE_STRAINS];
-            design_temperature_resultants(mesh, load, element, h0);
-            add_resultants(mesh, element, h0, dense);
-        }
-        break;
     }
 }
 
@@ -683,22 +385,22 @@ static int extras_of(const design *design)
  * Refuse a moment about the normal of the shell, about which the shell has no rotation. Returns 0,
  * or -1 with error filled.
  */
-static int check_moment(const mesh *mesh, const scene_load *load, int *node, char *error)
+static int check_moment(const mesh *mesh, const scene_load *load, char *error)
 {
     double weight[7];
     if (load->type != LOAD_MOMENT)
         return 0;
-    mesh_select(mesh, &load->where, node);
-    if (springs_rotation(&mesh->point[node[0]], &load->about, weight) == 0)
+    const int node = mesh_point_node(mesh, &load->where);
+    if (springs_rotation(&mesh->point[node], &load->about, weight) == 0)
         return 0;
     return scene_fault(load->at, error,
                        "the axis of the moment is normal to the surface at %s, where a shell has "
                        "no rotation; choose an axis in the surface, or use two forces",
-                       mesh_node_text(mesh, node[0]).text);
+                       mesh_node_text(mesh, node).text);
 }
 
-static int build_inputs(design *design, row_builder *columns, double *dense, int *node,
-                        double *value, char *error)
+static int build_inputs(design *design, row_builder *columns, double *dense, double *value,
+                        char *error)
 {
     const scene *scene = design->scene;
     const mesh *mesh = &design->mesh;
@@ -710,10 +412,10 @@ static int build_inputs(design *design, row_builder *columns, double *dense, int
     design->amplifiers = (int)columns->rows;
     for (int k = 0; k < scene->loads; k++) {
         if (design_load_values(mesh, &scene->load[k], value, error) < 0 ||
-            check_moment(mesh, &scene->load[k], node, error) < 0)
+            check_moment(mesh, &scene->load[k], error) < 0)
             return -1;
         memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
-        load_column(mesh, &scene->load[k], value, node, dense);
+        load_forces_add(mesh, &scene->load[k], value, dense);
         append_row(columns, dense, mesh->free_dof);
     }
     design->loads = scene->loads;
@@ -768,7 +470,7 @@ static void fill_structure(design *design, const row_builder *columns, const row
 static int build_all(design *design, row_builder *columns, row_builder *rows, double *dense,
                      double *value, int *node, char *error)
 {
-    if (build_inputs(design, columns, dense, node, value, error) < 0)
+    if (build_inputs(design, columns, dense, value, error) < 0)
         return -1;
     if (build_targets(design, rows, dense, node, error) < 0)
         return -1;

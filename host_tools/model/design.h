@@ -167,16 +167,6 @@ int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell,
                      double h0[LAMINATE_STRAINS]);
 
 /*
- * design_temperatures returns the temperatures of the inner and outer face under a temperature
- * load; design_temperature_resultants computes the stress resultants of this load in one element,
- * times the area of the element.
- *   h0 [10] out
- */
-laminate_field design_temperatures(const scene_load *load);
-void design_temperature_resultants(const mesh *mesh, const scene_load *load, int element,
-                                   double h0[LAMINATE_STRAINS]);
-
-/*
  * One patch of a grid of patches, second grid index fastest, and the part of an element that the
  * patch covers.
  */
@@ -224,20 +214,6 @@ double design_target_gap(const design *design);
  */
 int design_target_values(const design *design, const expr *wanted, scene_at at, double *value,
                          char *error);
-
-/*
- * Base vectors of a face at one corner of an element of the improved formulation.
- *
- * The base vectors are chords, inclined by a/2 to the tangent plane where the element spans the
- * angle a. The fraction (1 - (a/2) cot(a/2))/(a/2) of the inclination, about a third, is used for
- * pressures: the pressure's component along the surface then has the resultant and the moment that
- * it has on the arc, and balances the stretched chords of a ring at any angles.
- *   flat [2][2] out  components of the base vectors in the tangent plane
- *   lean [2]    out  inclination of each base vector that is used for pressures
- * Returns the area that the base vectors span.
- */
-double design_chords(const mesh *mesh, int element, int corner, scene_face face, double flat[2][2],
-                     double lean[2]);
 
 /*
  * Evaluate a load at the nodes.

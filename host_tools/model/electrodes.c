@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include "../../lib/model/electrode.h"
 #include "../scene/outline_common.h"
+#include "load_forces.h"
 
 /*
  * Voltage that one input applies across one ply of an element: `factor` times the value of the
@@ -120,7 +121,7 @@ static void add_element(const design *design, int element, across_list *list, do
         }
         for (int k = 0; k < scene->loads; k++)
             if (scene->load[k].type == LOAD_TEMPERATURE) {
-                const laminate_field kelvin = design_temperatures(&scene->load[k]);
+                const laminate_field kelvin = load_temperatures(&scene->load[k]);
                 row[design->amplifiers + k] +=
                     own->share * own->factor *
                     laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &kelvin);

@@ -13,6 +13,7 @@
 #include "../../lib/nonlinear/nonlinear.h"
 #include "../../lib/model/shell.h"
 #include "../mesh/corner_weight.h"
+#include "load_forces.h"
 
 /* ---- prescribed resultants -------------------------------------------- */
 
@@ -92,7 +93,7 @@ static pzs_status build_prescribed_resultants(equilibrium *equilibrium, double *
         if (k < design->loads && design->load[k].type == LOAD_TEMPERATURE &&
             design_load_values(&design->mesh, &design->load[k], value, error) == 0)
             for (int element = 0; element < design->mesh.elements; element++) {
-                design_temperature_resultants(&design->mesh, &design->load[k], element, h0);
+                load_temperature_resultants(&design->mesh, &design->load[k], element, h0);
                 append(&builder, element, h0);
             }
         builder.start[design->amplifiers + k + 1] = (uint32_t)builder.entries;
@@ -116,8 +117,8 @@ static void set_corner(const mesh *mesh, int element, int corner, const pzs_foll
     const surface_point *point = &mesh->point[mesh->element[element][corner]];
     const double z = mesh->laminate.z[follower->normal_face];
     double flat[2][2];
-    const double size = design_chords(mesh, element, corner,
-                                      follower->normal_face ? FACE_OUTER : FACE_INNER, flat, lean);
+    const double size = load_chords(mesh, element, corner,
+                                    follower->normal_face ? FACE_OUTER : FACE_INNER, flat, lean);
     if (follower->true_area)
         *area *= (1 + point->curvature[0] * z) * (1 + point->curvature[1] * z) / size;
 }

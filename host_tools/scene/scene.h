@@ -12,6 +12,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include "../quads/quad_read.h"
+#include "load_types.h"
 #include "outline.h"
 #include "scene_error.h"
 #include "spline.h"
@@ -323,14 +324,10 @@ typedef struct scene_support {
     scene_at at;
 } scene_support;
 
-typedef enum scene_load_type {
-    LOAD_POINT,
-    LOAD_LINE,
-    LOAD_FACE,
-    LOAD_WEIGHT,
-    LOAD_TEMPERATURE,
-    LOAD_MOMENT
-} scene_load_type;
+#define LOAD_TYPE(type, words, quantity, forces) type,
+typedef enum scene_load_type { LOAD_TYPES(LOAD_TYPE) LOAD_TYPE_COUNT } scene_load_type;
+#undef LOAD_TYPE
+
 /*
  * Type of a pressure whose direction follows the deformed shell. FOLLOWER_NORMAL acts along the
  * unit normal of the deformed outer face with its magnitude per reference area; FOLLOWER_PRESSURE

@@ -193,7 +193,12 @@ typedef struct load_text {
     bool area_given, is_pressure;
 } load_text;
 
-static const int load_types[] = {LOAD_POINT, LOAD_LINE, LOAD_FACE, LOAD_WEIGHT, LOAD_TEMPERATURE};
+/* Key that names the type of a load, and the function that reads its value. */
+typedef struct load_key {
+    scene_load_type type;
+    int (*read)(reader *reader, int node, scene_load *load);
+} load_key;
+
 static int read_constant(reader *reader, int node, void *to, const void *rule)
 {
     expr **expression = to;
@@ -261,10 +266,11 @@ static int require_set(reader *reader, int node, const scene_where *where, bool 
                       where->set, of_elements ? "elements" : "edges");
 }
 
-static int read_load_point(reader *reader, int node, scene_where *where)
+static int read_load_point(reader *reader, int node, scene_load *load)
 {
+    const scene_where *where = &load->where;
     size_t count = 1;
-    if (read_point(reader, node, where, NULL) != 0)
+    if (read_point(reader, node, &load->where, NULL) != 0)
         return -1;
     if (where->type == WHERE_SET) {
         unsigned char *in_set = calloc(reader->s->quads->mesh.nodes, 1);
@@ -281,30 +287,43 @@ static int read_load_point(reader *reader, int node, scene_where *where)
                       where->set, count);
 }
 
-static int read_load_type(reader *reader, int node, void *to, const void *rule)
+static int read_load_line(reader *reader, int node, scene_load *load)
 {
-    load_text *text = to;
-    scene_load *load = text->load;
+    if (read_edge(reader, node, &load->where, NULL) != 0)
+        return -1;
+    return reader->s->quads ? require_set(reader, node, &load->where, false) : 0;
+}
+
+static int read_load_face(reader *reader, int node, scene_load *load)
+{
     int face = 0;
-    if (text->types++)
-        return tree_fault_at(reader->t, reader->t->node[node].key_at,
-                             "a load is one of point, line, face, weight, temperature; "
-                             "write a second item");
-    load->type = (scene_load_type) * (const int *)rule;
-    switch (load->type) {
-    case LOAD_POINT: return read_load_point(reader, node, &load->where);
-    case LOAD_LINE:
-        if (read_edge(reader, node, &load->where, NULL) != 0)
-            return -1;
-        return reader->s->quads ? require_set(reader, node, &load->where, false) : 0;
-    case LOAD_WEIGHT: return read_map(reader, node, weight_fields, load);
-    case LOAD_TEMPERATURE: return read_temperature(reader, node, load);
-    default: break;
-    }
     if (read_choice(reader, node, &face, place_faces) != 0)
         return -1;
     load->face = (scene_face)face;
     return 0;
+}
+
+static int read_weight(reader *reader, int node, scene_load *load)
+{
+    return read_map(reader, node, weight_fields, load);
+}
+
+static const load_key point_key = {LOAD_POINT, read_load_point};
+static const load_key line_key = {LOAD_LINE, read_load_line};
+static const load_key face_key = {LOAD_FACE, read_load_face};
+static const load_key weight_key = {LOAD_WEIGHT, read_weight};
+static const load_key temperature_key = {LOAD_TEMPERATURE, read_temperature};
+
+static int read_load_type(reader *reader, int node, void *to, const void *rule)
+{
+    load_text *text = to;
+    const load_key *key = rule;
+    if (text->types++)
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
+                             "a load is one of point, line, face, weight, temperature; "
+                             "write a second item");
+    text->load->type = key->type;
+    return key->read(reader, node, text->load);
 }
 
 static int read_direction(reader *reader, int node, void *to, const void *rule)
@@ -436,15 +455,15 @@ static int read_load_set(reader *reader, int node, void *to, const void *rule)
 }
 
 static const field load_fields[] = {
-    {"point", read_load_type, 0, &load_types[0], .of = OF_COORDINATE, .form = &node_form,
+    {"point", read_load_type, 0, &point_key, .of = OF_COORDINATE, .form = &node_form,
      .help = "Node on which a force acts; on a mesh from a file the node nearest to {x, y, z}."},
-    {"line", read_load_type, 0, &load_types[1], .form = &edge_form,
+    {"line", read_load_type, 0, &line_key, .form = &edge_form,
      .help = "Edge, or edge set of a mesh file, on which a force per length acts."},
-    {"face", read_load_type, 0, &load_types[2], .form = &face_form,
+    {"face", read_load_type, 0, &face_key, .form = &face_form,
      .help = "Face on which a force per area acts; middle and mean: half on each face."},
-    {"weight", read_load_type, 0, &load_types[3], .of = OF_ACCELERATION, .form = &weight_form,
+    {"weight", read_load_type, 0, &weight_key, .of = OF_ACCELERATION, .form = &weight_form,
      .help = "Weight: the force per volume is density * gravity along a global axis."},
-    {"temperature", read_load_type, 0, &load_types[4], .of = OF_TEMPERATURE,
+    {"temperature", read_load_type, 0, &temperature_key, .of = OF_TEMPERATURE,
      .form = &temperature_form,
      .help = "Temperature above that of the stress-free shape: one number, or {inner, outer}, "
              "linear between the faces."},

@@ -13,8 +13,8 @@ const char *simulate_words_influence(const design *design)
 /* Name of the type of a load, for a text. */
 static const char *name_of_load(const scene_load *load)
 {
-    static const char *const word[] = {"point force", "line force",       "pressure",
-                                       "weight",      "temperature load", "moment"};
+#define WORDS_OF(type, words, quantity, forces) [type] = words,
+    static const char *const word[LOAD_TYPE_COUNT] = {LOAD_TYPES(WORDS_OF)};
     const bool is_along = load->type == LOAD_FACE && load->component != COMPONENT_U3;
     return is_along ? "face load" : word[load->type];
 }

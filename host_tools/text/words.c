@@ -40,9 +40,8 @@ bool words_unitless(const scene_unit_names *units)
 
 words_quantity words_of_load(const scene_load *load)
 {
-    static const words_quantity quantity[] = {QUANTITY_FORCE,       QUANTITY_LINE_FORCE,
-                                              QUANTITY_PRESSURE,    QUANTITY_OTHER,
-                                              QUANTITY_TEMPERATURE, QUANTITY_OTHER};
+#define QUANTITY_OF(type, words, quantity, forces) [type] = quantity,
+    static const words_quantity quantity[LOAD_TYPE_COUNT] = {LOAD_TYPES(QUANTITY_OF)};
     return quantity[load->type];
 }
 

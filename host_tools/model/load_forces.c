@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Nodal forces of the load types (load_forces.h). */
+#include "load_forces.h"
+#include <math.h>
+#include <string.h>
+#include "../mesh/corner_weight.h"
+#include "../mesh/springs.h"
+#include "../quads/vector.h"
+#include "node_forces.h"
+
+/*
+ * Whether a load acts along a vector that the scene gives, instead of along a displacement
+ * component.
+ */
+static bool has_vector(const scene_load *load)
+{
+    return vector_length(load->vector) > 0;
+}
+
+/*
+ * Force of a load at a node per unit of the load, in components of the local axes of the node. A
+ * pressure acts along the thickness direction.
+ */
+static void load_vector(const mesh *mesh, const scene_load *load, int node, double value,
+                        double vector[3])
+{
+    const surface_point *point = &mesh->point[node];
+    const double z = mesh->laminate.z[load->face == FACE_OUTER];
+    const double stretch =
+        load->true_area ? (1 + point->curvature[0] * z) * (1 + point->curvature[1] * z) : 1;
+    node_direction(point, load->component, vector);
+    for (int axis = 0; axis < 3 && has_vector(load); axis++)
+        vector[axis] = vector_dot(point->triad[axis], load->vector);
+    for (int axis = 0; axis < 3; axis++)
+        vector[axis] *= value * stretch;
+}
+
+/*
+ * Add the nodal forces of a concentrated force on the face that the load names, by the virtual work
+ * of the force. A force on the middle surface is divided equally between both faces.
+ */
+static void add_force(const mesh *mesh, const scene_load *load, int node, double factor,
+                      const double direction[3], double *dense)
+{
+    double weight[7];
+    node_face_weights(mesh, load->face, direction, weight);
+    node_add(mesh, node, factor, weight, dense);
+}
+
+/*
+ * Components, in the local axes of node `to`, of a load that is given in the local axes of node
+ * `from`. A pressure has the same components at both nodes, because a vector interpolated along a
+ * chord would lose angle^2/6 of its length. A load of fixed direction keeps its vector in the
+ * Cartesian element formulation, and its components in the published one.
+ */
+static void carry(const mesh *mesh, const scene_load *load, int from, int to,
+                  const double direction[3], double out[3])
+{
+    for (int axis = 0; axis < 3; axis++) {
+        out[axis] = direction[axis];
+        if (!mesh->formulation.cartesian || load->component <= COMPONENT_U3)
+            continue;
+        out[axis] = 0;
+        for (int other = 0; other < 3; other++)
+            for (int i = 0; i < 3; i++)
+                out[axis] += mesh->point[to].triad[axis][i] * mesh->point[from].triad[other][i] *
+                             direction[other];
+    }
+}
+
+double load_chords(const mesh *mesh, int element, int corner, scene_face face, double flat[2][2],
+                   double lean[2])
+{
+    const pzs_element_type *type = &mesh->type[mesh->element_type[element]];
+    const double half = node_face_height(face, type->thickness);
+    for (int axis = 0; axis < 2; axis++) {
+        for (int i = 0; i < 2; i++)
+            flat[axis][i] = type->g_mean[corner][axis][i] + half * type->g_diff[corner][axis][i];
+        const double length = hypot(flat[axis][0], flat[axis][1]),
+                     x = atan2(type->g_mean[corner][axis][2] + half * type->g_diff[corner][axis][2],
+                               length);
+        lean[axis] = length * (fabs(x) > 1e-3 ? 1 / x - 1 / tan(x) : x / 3);
+    }
+    return flat[0][0] * flat[1][1] - flat[0][1] * flat[1][0];
+}
+
+/*
+ * Add the in-plane force on the middle surface that a pressure causes at a corner of an element
+ * because the chords of the element are inclined to the tangent plane.
+ *   direction [3] in  pressure at the corner as a vector
+ */
+static void add_lean(const mesh *mesh, const scene_load *load, int element, int corner, double size,
+                     const double direction[3], double *dense)
+{
+    double flat[2][2], lean[2], weight[7] = {0};
+    const double part =
+        direction[2] * size / load_chords(mesh, element, corner, load->face, flat, lean);
+    weight[0] = part * (lean[1] * flat[0][1] - lean[0] * flat[1][1]);
+    weight[1] = part * (lean[0] * flat[1][0] - lean[1] * flat[0][0]);
+    node_add(mesh, mesh->element[element][corner], 1, weight, dense);
+}
+
+/*
+ * Weight of the load value at node `column` in the consistent nodal force on node `row`, for a
+ * distributed load on an element (count = 4; in 1/36 of the area) or on an edge (count = 2; in 1/6
+ * of the length).
+ */
+static double consistent_weight(int count, int row, int column)
+{
+    const int is_opposite = count == 4 && (row ^ column) == 2;
+    int weight = count == 4 ? 4 : 2;
+    if (is_opposite)
+        weight /= 4;
+    else if (row != column)
+        weight /= 2;
+    return weight;
+}
+
+/*
+ * Add the nodal forces of a distributed load on an edge or an element with consistent weights.
+ *   place  in  corner metric of the element, or NULL for an edge
+ *   size   in  length of the edge or area of the element
+ */
+static void add_distributed(const mesh *mesh, const scene_load *load, const laminate_place *place,
+                            const int *node, const double *value, int count, double size,
+                            double *dense)
+{
+    const int whole = count == 4 ? 36 : 6;
+    for (int row = 0; row < count; row++)
+        for (int column = 0; column < count; column++) {
+            double direction[3], carried[3];
+            load_vector(mesh, load, node[column], value[column], direction);
+            carry(mesh, load, node[column], node[row], direction, carried);
+            const double excess = place ? corner_pair_excess(place, row, column) : 0;
+            const double weight =
+                size * consistent_weight(count, row, column) / whole + size * excess;
+            add_force(mesh, load, node[row], weight, carried, dense);
+        }
+}
+
+/*
+ * Whether a load on a face acts on an element. Without a set the load acts on all elements, else on
+ * those of its set.
+ */
+static bool is_loaded(const mesh *mesh, const scene_load *load, uint32_t element)
+{
+    const quad_mesh *quads = mesh->quads;
+    if (!quads || load->where.type != WHERE_SET)
+        return true;
+    return quad_set_has(quad_set_find(quads->element_set, quads->element_sets, load->where.set),
+                        element);
+}
+
+/* Mass of an element per area of the middle surface, by the densities of its plies. */
+static double mass_per_area(const mesh *mesh, const laminate_place *place)
+{
+    double mass = 0;
+    for (int k = 0; k < mesh->laminate.plies; k++) {
+        const laminate_ply *ply = &mesh->laminate.ply[k];
+        if (place->present_plies >> k & 1u)
+            mass += ply->density * (ply->z[1] - ply->z[0]);
+    }
+    return mass;
+}
+
+/*
+ * Add the nodal forces of a load on one element.
+ *   factor in  factor of the load's value: 1 for a force per area, the mass per area for a weight
+ */
+static void add_element(const mesh *mesh, const scene_load *load, int element, const double *value,
+                        double factor, double *dense)
+{
+    const laminate_place *place = &mesh->place[mesh->element_type[element]];
+    int node[4];
+    double corner[4], direction[3];
+    for (int i = 0; i < 4; i++) {
+        node[i] = mesh->element[element][i];
+        corner[i] = value[node[i]];
+    }
+    add_distributed(mesh, load, place, node, corner, 4, place->area * factor, dense);
+    if (!mesh->formulation.cartesian || load->component != COMPONENT_U3)
+        return;
+    for (int i = 0; i < 4; i++) {
+        load_vector(mesh, load, node[i], corner[i], direction);
+        add_lean(mesh, load, element, i, place->area / 4 * corner_jacobian(place, i), direction,
+                 dense);
+    }
+}
+
+void face_forces(const mesh *mesh, const scene_load *load, const double *value, double *dense)
+{
+    for (int element = 0; element < mesh->elements; element++)
+        if (is_loaded(mesh, load, (uint32_t)element))
+            add_element(mesh, load, element, value, 1, dense);
+}
+
+void weight_forces(const mesh *mesh, const scene_load *load, const double *value, double *dense)
+{
+    for (int element = 0; element < mesh->elements; element++)
+        add_element(mesh, load, element, value,
+                    mass_per_area(mesh, &mesh->place[mesh->element_type[element]]), dense);
+}
+
+/*
+ * Nodal forces of a load on an edge of the mesh, or on an edge set of a mesh from a file. The
+ * length of an element side is that of its chord.
+ */
+void line_forces(const mesh *mesh, const scene_load *load, const double *value, double *dense)
+{
+    const int sides = mesh_sides(mesh, &load->where);
+    for (int k = 0; k < sides; k++) {
+        const mesh_side side = mesh_side_at(mesh, &load->where, k);
+        const double corner[2] = {value[side.node[0]], value[side.node[1]]};
+        add_distributed(mesh, load, NULL, side.node, corner, 2, side.length, dense);
+    }
+}
+
+laminate_field load_temperatures(const scene_load *load)
+{
+    const expr_point anywhere = {0, 0, 0, 0, 0};
+    laminate_field field = {-1, {0, 0}};
+    field.temperature[0] = expr_value(load->value, &anywhere);
+    field.temperature[1] = load->outer ? expr_value(load->outer, &anywhere) : field.temperature[0];
+    return field;
+}
+
+void load_temperature_resultants(const mesh *mesh, const scene_load *load, int element,
+                                 double h0[LAMINATE_STRAINS])
+{
+    const laminate_field field = load_temperatures(load);
+    laminate_resultants(&mesh->laminate, &mesh->formulation,
+                        &mesh->place[mesh->element_type[element]], &field, h0);
+}
+
+void temperature_forces(const mesh *mesh, const scene_load *load, const double *value,
+                        double *dense)
+{
+    double h0[LAMINATE_STRAINS];
+    (void)value;
+    for (int element = 0; element < mesh->elements; element++) {
+        load_temperature_resultants(mesh, load, element, h0);
+        node_add_resultants(mesh, element, h0, dense);
+    }
+}
+
+void point_forces(const mesh *mesh, const scene_load *load, const double *value, double *dense)
+{
+    const int node = mesh_point_node(mesh, &load->where);
+    double direction[3];
+    load_vector(mesh, load, node, value[node], direction);
+    add_force(mesh, load, node, 1, direction, dense);
+}
+
+void moment_forces(const mesh *mesh, const scene_load *load, const double *value, double *dense)
+{
+    const int node = mesh_point_node(mesh, &load->where);
+    double weight[7];
+    (void)springs_rotation(&mesh->point[node], &load->about, weight);
+    node_add(mesh, node, value[node], weight, dense);
+}
+
+void load_forces_add(const mesh *mesh, const scene_load *load, const double *value, double *dense)
+{
+#define FORCES_OF(type, words, quantity, forces) [type] = forces,
+    static load_forces *const forces[LOAD_TYPE_COUNT] = {LOAD_TYPES(FORCES_OF)};
+    forces[load->type](mesh, load, value, dense);
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Displacements and forces at nodes as weights of their dof, and nodal forces of an element, added
+ * to dense rows over the free dof of a mesh.
+ */
+#ifndef NODE_FORCES_H
+#define NODE_FORCES_H
+
+#include "../mesh/mesh.h"
+
+/* Unit vector of a displacement component, in the local axes of a node. */
+void node_direction(const surface_point *point, scene_component component, double unit[3]);
+
+/* Height of a face above the middle surface of a shell of a given thickness. */
+double node_face_height(scene_face face, double thickness);
+
+/*
+ * Weights of the first six dof of a node (mean of both faces' displacements, their difference
+ * divided by the thickness) in the displacement of a face along a direction [3]; the weight of the
+ * seventh dof is 0.
+ */
+void node_face_weights(const mesh *mesh, scene_face face, const double direction[3],
+                       double weight[7]);
+
+/*
+ * Add weights on the free dof of a node, multiplied by a factor, to a dense row.
+ *   weight [dof_per_node] in
+ *   dense  [free_dof]     in/out
+ */
+void node_add(const mesh *mesh, int node, double factor, const double *weight, double *dense);
+
+/*
+ * Add the nodal forces that prescribed resultants of one element cause in the reference state to a
+ * dense column.
+ *   h0    [10]       in  prescribed stress resultants times the area of the element
+ *   dense [free_dof] in/out
+ */
+void node_add_resultants(const mesh *mesh, int element, const double h0[LAMINATE_STRAINS],
+                         double *dense);
+
+#endif
