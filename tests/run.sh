@@ -61,6 +61,7 @@ rm -f "$log"/*.code
     aside scipy sh tests/oracle/boxls.sh
     aside gmsh sh tests/cli/gmsh.sh
     aside packages sh tests/cli/packages.sh
+    aside fmu sh tests/cli/fmu.sh
 ) &
 for program in "$B"/test/*; do
     case $program in *.d|*.o) continue ;; esac
@@ -78,7 +79,7 @@ for gate in tests/gates/*.sh; do
     *) part "gate-$(basename "$gate" .sh)" sh "$gate" ;;
     esac
 done
-for name in oracle oracle-nonlinear scipy gmsh packages; do
+for name in oracle oracle-nonlinear scipy gmsh packages fmu; do
     part "$name" result "$name"
 done
 part target-start sh tests/target/start.sh

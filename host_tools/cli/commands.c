@@ -128,7 +128,7 @@ const command_entry command_table[COMMANDS] = {
          "voltages and status out). A step is a tick. Both coupled in turn, controller first, give "
          "the bits of pzs simulate.",
          {"pzs fmu plate-closed-loop --plant --set simulate.plant.kinematics=linear -o plant.fmu",
-          "pzs fmu plate-closed-loop --controller --build -o controller.fmu", NULL}},
+          "pzs fmu plate-closed-loop --controller -o controller.fmu", NULL}},
     [COMMAND_NEW] = {"new",
                      "[plate|mirror|panel|measured|measured-matrix|poke-voltages|poke-shapes]",
                      ARGUMENT_CHOICE,

@@ -805,7 +805,8 @@ static void print_fmu(const options *options, const char *scene, const fmu_summa
            options->output, options->wants_plant ? "plant" : "controller", scene, summary->inputs,
            summary->outputs, summary->period);
     if (summary->left_out > 0)
-        printf("not in the FMU: %d events of the scene other than targets, loads and temperature\n",
+        printf("events of the scene that are left out, as they are neither target, load nor "
+               "temperature: %d\n",
                summary->left_out);
 }
 

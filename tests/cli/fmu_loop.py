@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-2-Clause
 """
 Plant and controller FMU in a closed loop, through their shared libraries alone (ctypes): the master that a tool is.
-usage: fmu_loop.py coupled PLANT.fmu CONTROLLER.fmu SIMULATION.csv EVENTS   the same bits as pzs simulate --csv
-       fmu_loop.py faults PLANT.fmu CONTROLLER.fmu                          bad input, order of calls, states, instances
+usage: fmu_loop.py coupled PLANT.fmu CONTROLLER.fmu SIMULATION.csv EVENTS DELAY   the same bits as pzs simulate --csv
+       fmu_loop.py faults PLANT.fmu CONTROLLER.fmu   bad input, order of calls, states, instances
 """
 import ctypes
 import math
@@ -138,7 +138,138 @@ def coupled(plant_path, controller_path, csv, events, delay):
     p.close(), c.close()
 
 
+# ---- laws of one FMU ----------------------------------------------------
+
+
+def outputs(instance):
+    return [name for name, start in instance.fmu.start.items() if start is None and name not in ("status", "iterations", "status_text")]
+
+
+def inputs(instance):
+    return [name for name, start in instance.fmu.start.items() if start is not None and name != "seed"]
+
+
+def run(instance, first, ticks):
+    """Outputs of some ticks under inputs that move: every input by its own small sine about its start."""
+    values = []
+    for tick in range(first, first + ticks):
+        moved = [float(instance.fmu.start[name] or 0) + 1e-6 * math.sin(tick + k) for k, name in enumerate(inputs(instance))]
+        assert instance.set(inputs(instance), moved) == OK
+        assert instance.step(tick) == OK, instance.messages
+        values.append(instance.get(outputs(instance)))
+    return values
+
+
+def refuses(instance, status, word, act):
+    """An act answers with a status and one message that contains a word; the instance then goes on as if nothing was."""
+    before = instance.get(outputs(instance))
+    instance.messages.clear()
+    assert act() == status, (word, instance.messages)
+    assert len(instance.messages) == 1 and word in instance.messages[0], instance.messages
+    assert instance.get(outputs(instance)) == before
+    instance.messages.clear()
+
+
+def set_and_step(instance, name, value, tick):
+    old = instance.get([name])
+    assert instance.set([name], [value]) == OK
+    status = instance.step(tick)
+    instance.set([name], old)
+    return status
+
+
+def check_life(fmu):
+    for guid, kind, word in (("{other}", 1, "GUID"), (fmu.guid, 0, "co-simulation")):
+        none = Instance(fmu, guid=guid, kind=kind)
+        assert none.component is None and len(none.messages) == 1 and word in none.messages[0]
+    early = Instance(fmu)
+    assert early.step(0) == ERROR and "fmi2DoStep" in early.messages[0] and len(early.messages) == 1
+    early.open()
+    assert early.call("fmi2Terminate") == OK and early.step(0) == ERROR
+    early.close()
+    going = Instance(fmu).open()
+    wrong = (ctypes.c_uint * 1)(99999)
+    value = (ctypes.c_double * 1)()
+    refuses(going, DISCARD, "one tick", lambda: going.step(0, 1.001 * fmu.period))
+    refuses(going, DISCARD, "one tick", lambda: going.step(0, math.nan))
+    refuses(going, ERROR, "99999", lambda: going.call("fmi2GetReal", wrong, ctypes.c_size_t(1), value))
+    refuses(going, ERROR, "input", lambda: going.set(outputs(going)[-1:], [1.0]))
+    assert run(going, 0, 5) == run(Instance(fmu).open(), 0, 5), "a refused call changed the state"
+    going.close()
+
+
+def check_states(fmu):
+    one, alone = Instance(fmu, "one").open(), Instance(fmu, "alone").open()
+    run(one, 0, 7)
+    state, size = ctypes.c_void_p(), len(inputs(one))
+    assert one.call("fmi2GetFMUstate", ctypes.byref(state)) == OK
+    first = run(one, 7, 9)
+    assert one.call("fmi2SetFMUstate", state) == OK
+    assert run(one, 7, 9) == first, "the state is not complete"
+    assert alone.call("fmi2SetFMUstate", state) == ERROR and len(alone.messages) == 1
+    assert one.call("fmi2FreeFMUstate", ctypes.byref(state)) == OK and not state
+    assert run(alone, 0, 7) and run(alone, 7, 9) == first, "two instances share memory"
+    assert one.call("fmi2Reset") == OK
+    one.open()
+    run(one, 0, 7)
+    assert size > 0 and run(one, 7, 9) == first, "fmi2Reset leaves something behind"
+    one.close(), alone.close()
+
+
+def check_start(fmu):
+    """Outputs during initialisation are those after it, of the inputs that are set then."""
+    instance = Instance(fmu)
+    assert instance.call("fmi2SetupExperiment", 0, ctypes.c_double(0), ctypes.c_double(0), 0, ctypes.c_double(0)) == OK
+    assert instance.call("fmi2EnterInitializationMode") == OK
+    for shift in (1e-6, 0.0):
+        assert instance.set(inputs(instance), [float(fmu.start[name]) + shift for name in inputs(instance)]) == OK
+        early = instance.get(outputs(instance))
+    assert instance.call("fmi2ExitInitializationMode") == OK and instance.get(outputs(instance)) == early
+    instance.close()
+
+
+def check_plant(fmu):
+    plant = Instance(fmu).open()
+    run(plant, 0, 3)
+    voltage, amplifiers = fmu.names("voltage"), fmu.names("amplifier")
+    for value in (math.nan, math.inf):
+        refuses(plant, ERROR, voltage[1], lambda: set_and_step(plant, voltage[1], value, 3))
+    plant.messages.clear()
+    before = plant.get(amplifiers)
+    assert plant.set(voltage[:1], [1e6]) == OK and plant.step(3) == WARNING
+    assert len(plant.messages) == 1 and voltage[0] in plant.messages[0] and "1000000" in plant.messages[0]
+    after = plant.get(amplifiers)
+    assert before[0] < after[0] < 1e4 and all(map(math.isfinite, plant.get(fmu.names("reading"))))
+    plant.close()
+    seeded = []
+    for seed in (1, 1, 2):
+        plant = Instance(fmu)
+        assert plant.transfer("fmi2SetInteger", ["seed"], (ctypes.c_int * 1)(seed)) == OK
+        seeded.append(run(plant.open(), 0, 3))
+        plant.close()
+    assert seeded[0] == seeded[1] != seeded[2], "the seed does not choose the noise"
+
+
+def check_controller(fmu):
+    controller = Instance(fmu).open()
+    run(controller, 0, 3)
+    refuses(controller, ERROR, "finite", lambda: set_and_step(controller, fmu.names("target")[2], math.nan, 3))
+    readings = fmu.names("reading")
+    assert controller.set(readings[:1], [math.nan]) == OK and controller.step(3) == OK and controller.integer("status") != 0
+    controller.close()
+
+
+def faults(plant_path, controller_path):
+    for path, check in ((plant_path, check_plant), (controller_path, check_controller)):
+        fmu = Fmu(path)
+        for law in (check_life, check_states, check_start, check):
+            law(fmu)
+    print("life, states, start, bad input of both FMUs")
+
+
 if __name__ == "__main__":
     if sys.argv[1] == "coupled":
         import yaml
-        coupled(*sys.argv[2:5], yaml.safe_load(sys.argv[5]), int(sys.argv[6]) if len(sys.argv) > 6 else 0)
+        coupled(*sys.argv[2:5], yaml.safe_load(sys.argv[5]), int(sys.argv[6]))
+    else:
+        faults(*sys.argv[2:4])

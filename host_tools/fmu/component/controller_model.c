@@ -84,6 +84,9 @@ static void announce_loads(controller *controller, const fmu_values *values)
 fmi2Status fmu_model_step(void *memory, fmu_values *values)
 {
     controller *controller = memory;
+    if (fmu_check_finite(values, TARGET, CONTROLLER_OUTPUTS) != fmi2OK ||
+        fmu_check_finite(values, NOW, 2 * LOADS) != fmi2OK)
+        return fmi2Error;
     announce_loads(controller, values);
     const pzs_status status =
         pzs_loop_tick(&controller->loop, values->real + TARGET, values->real + READING);

@@ -433,6 +433,20 @@ DEFINE(fmi2Status, fmi2GetRealOutputDerivatives, fmi2Component component,
     return unsupported(component, "fmi2GetRealOutputDerivatives");
 }
 
+/* ---- inputs ----------------------------------------------------------- */
+
+fmi2Status fmu_check_finite(fmu_values *values, int first, int count)
+{
+    for (int i = first; i < first + count; i++) {
+        if (isfinite(values->real[i]))
+            continue;
+        snprintf(values->message, sizeof values->message, "%s is %g, which is no finite number",
+                 fmu_real_name[i], values->real[i]);
+        return fmi2Error;
+    }
+    return fmi2OK;
+}
+
 /* ---- steps ------------------------------------------------------------ */
 
 /* Largest relative deviation of the length of a step from the tick period. */

@@ -28,6 +28,13 @@ extern const fmi2Real fmu_real_start[FMU_REALS];
 extern const fmi2Integer fmu_integer_start[FMU_INTEGERS];
 extern const char *const fmu_real_name[FMU_REALS];
 
+/*
+ * Check that inputs are finite numbers.
+ *   first, count in  value reference of the first input, and number of inputs
+ * Returns fmi2OK, or fmi2Error with a message.
+ */
+fmi2Status fmu_check_finite(fmu_values *values, int first, int count);
+
 /* Size of the memory of the model (bytes), which belongs to one instance. */
 size_t fmu_model_bytes(void);
 

@@ -123,18 +123,6 @@ static void publish(const plant *plant, fmu_values *values)
 
 /* ---- inputs ----------------------------------------------------------- */
 
-static fmi2Status check_inputs(fmu_values *values)
-{
-    for (int i = 0; i < INPUTS; i++) {
-        if (isfinite(values->real[i]))
-            continue;
-        snprintf(values->message, sizeof values->message, "%s is %g, which is no finite number",
-                 fmu_real_name[i], values->real[i]);
-        return fmi2Error;
-    }
-    return fmi2OK;
-}
-
 /* Warn of the first command that is beyond the voltage limits of its amplifier. */
 static fmi2Status check_commands(fmu_values *values)
 {
@@ -174,7 +162,7 @@ static void start_amplifiers(plant *plant, const fmu_values *values)
 fmi2Status fmu_model_start(void *memory, fmu_values *values)
 {
     plant *plant = memory;
-    if (check_inputs(values) != fmi2OK)
+    if (fmu_check_finite(values, 0, INPUTS) != fmi2OK)
         return fmi2Error;
     memset(plant, 0, sizeof *plant);
     plant->random = (uint64_t)values->integer[SEED];
@@ -194,7 +182,7 @@ fmi2Status fmu_model_start(void *memory, fmu_values *values)
 fmi2Status fmu_model_step(void *memory, fmu_values *values)
 {
     plant *plant = memory;
-    if (check_inputs(values) != fmi2OK)
+    if (fmu_check_finite(values, 0, INPUTS) != fmi2OK)
         return fmi2Error;
     drive_amplifiers(plant, values);
     elapse(plant);
