@@ -23,6 +23,9 @@ typedef enum subject_type {
 
 #define CHECK_UNITS                                                                                \
     "compare the number with the scene's units, or write it with a unit of its own, as "
+#define COMPARE_MATERIAL                                                                           \
+    "compare the units of E and density, or write them with units of their own, as 63 GPa and "    \
+    "7800 kg/m3"
 #define CHECK_FIELD                                                                                \
     "ceramics depolarise there; lower the voltage, thicken the layer, or give its material a "     \
     "field_limit"
@@ -65,7 +68,7 @@ static const struct rule {
      "the factor takes more memory and time; join nearer nodes"},
     {"small_electrode", SUBJECT_SCENE, measure_electrode, 2, HUGE_VAL, "elements",
      "the electrode is smeared over the elements that it cuts; use smaller elements or a larger "
-     "electrode"},
+     "electrode, and compare its unit with that of the surface"},
     {"path", SUBJECT_PATH, measure_path, 0, 0.01, "of the displacement",
      "which equilibrium a structure takes depends on the way of loading; follow it with --path"},
     {"stability", SUBJECT_PATH, measure_stability, 0, 0, "negative pivots",
@@ -88,6 +91,29 @@ static const struct rule {
     {"light_material", SUBJECT_SCENE, measure_light_material, 100, HUGE_VAL, "kg/m3",
      CHECK_UNITS "7800 kg/m3"},
     {"piezo_constant", SUBJECT_SCENE, measure_piezo, 1e-13, 1e-8, "m/V", CHECK_UNITS "-210 pm/V"},
+    {"wave_speed", SUBJECT_SCENE, measure_wave_speed, 10, 2.5e4, "m/s", COMPARE_MATERIAL},
+    {"wave_speed_dense", SUBJECT_SCENE, measure_dense_wave_speed, 380, HUGE_VAL, "m/s",
+     COMPARE_MATERIAL},
+    {"wave_speed_ply", SUBJECT_SCENE, measure_ply_wave_speed, 500, HUGE_VAL, "m/s",
+     COMPARE_MATERIAL},
+    {"piezo_coupling", SUBJECT_SCENE, measure_piezo_coupling, 4e-7, 5e-4, "(F/m)^(1/2)",
+     "compare the units of E and d, or write them with units of their own, as 63 GPa and "
+     "-180 pm/V"},
+    {"soft_piezo", SUBJECT_SCENE, measure_soft_piezo, 5e9, HUGE_VAL, "Pa",
+     "ceramics are stiffer, and polymers have smaller constants; compare the units of E and d, or "
+     "write them with units of their own, as 63 GPa and -180 pm/V"},
+    {"uneven_piezo", SUBJECT_SCENE, measure_uneven_piezo, 5e-3, HUGE_VAL, "",
+     "compare their units"},
+    {"stack_stiffness", SUBJECT_SCENE, measure_stack_stiffness, 1, 1.5e10, "N/m",
+     CHECK_UNITS "20 N/um"},
+    {"stack_stroke", SUBJECT_SCENE, measure_stack_stroke, 1e-10, 5e-5, "m/V",
+     CHECK_UNITS "80 nm/V"},
+    {"stack_energy", SUBJECT_SCENE, measure_stack_energy, 1e-12, 5e-5, "J/V2",
+     "no stack stores so much or so little; compare the units of its stiffness and stroke, or "
+     "write them with units of their own, as 20 N/um and 80 nm/V"},
+    {"coil_force", SUBJECT_SCENE, measure_coil, 1e-6, 1e3, "N/V", CHECK_UNITS "5 N/V"},
+    {"repeated_stack", SUBJECT_MESH, measure_repeated_stack, 0, 0, "stacks",
+     "their voltages are not unique; move them, or remove all but one"},
     {"thickness", SUBJECT_SCENE, measure_thickness, 1e-7, 1, "m", CHECK_UNITS "0.3 mm"},
     {"sharp_edge", SUBJECT_SCENE, measure_sharp_edge, 0, 40, "degrees",
      "the two sides share one mean director there; smaller elements at the edge reduce the error"},

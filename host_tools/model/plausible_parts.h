@@ -6,6 +6,7 @@
 #define PLAUSIBLE_PARTS_H
 
 #include "../mesh/mesh.h"
+#include "../scene/units.h"
 
 /*
  * Object to which a plausibility rule is applied: scene, mesh, displacement, voltages or optimum.
@@ -41,8 +42,19 @@ typedef struct measured {
  */
 typedef int measure(const subject *of, int k, measured *found);
 
-/* Functions that measure the numbers of a scene for the plausibility rules (plausible_scene.c). */
+/*
+ * Functions that measure the constants of materials and layers for the plausibility rules
+ * (plausible_material.c).
+ */
 measure measure_modulus, measure_density, measure_light_material, measure_piezo, measure_thickness;
+measure measure_wave_speed, measure_dense_wave_speed, measure_ply_wave_speed;
+measure measure_piezo_coupling, measure_soft_piezo, measure_uneven_piezo;
+
+/* Functions that measure the numbers of stacks for the plausibility rules (plausible_stacks.c). */
+measure measure_stack_stiffness, measure_stack_stroke, measure_stack_energy, measure_coil;
+measure measure_repeated_stack;
+
+/* Functions that measure the numbers of a scene for the plausibility rules (plausible_scene.c). */
 measure measure_limit_field, measure_applied_field, measure_resolution, measure_electrode;
 
 /*
@@ -79,6 +91,9 @@ measure measure_target, measure_unreached, measure_idle, measure_dependent;
  * older than stated (plausible_result.c).
  */
 measure measure_age;
+
+/* Convert a number of a scene to SI units; NAN where the units of the scene are unknown. */
+double plausible_si(const scene *scene, double value, const units_unit *unit);
 
 /*
  * Find pair k, counted over all actuators of the scene, of an actuator and one of the patch grids

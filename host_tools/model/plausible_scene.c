@@ -9,120 +9,7 @@
 
 static const double quarter = 1.5707963267948966; /* a quarter of a full turn (rad) */
 
-/* ---- units ------------------------------------------------------------ */
-
-static const units_unit modulus_unit = {{-2, 1, 0, 0, 0, 0}, 0, 0};
-static const units_unit density_unit = {{-4, 1, 0, 0, 2, 0}, 0, 0};
-static const units_unit piezo_unit = {{1, 0, -1, 0, 0, 0}, 0, 0};
 static const units_unit field_unit = {{-1, 0, 1, 0, 0, 0}, 0, 0};
-static const units_unit length_unit = {{1, 0, 0, 0, 0, 0}, 0, 0};
-
-/* Convert a number of the scene to SI units; NAN where the units of the scene are unknown. */
-static double in_si(const scene *scene, double value, const units_unit *unit)
-{
-    int ten;
-    return scene_units_ten(scene, unit, &ten) < 0 ? value * pow(10, -ten) : (double)NAN;
-}
-
-/* ---- constants of materials and layers -------------------------------- */
-
-enum { MODULI = 6, CONSTANTS = 5 };
-
-static int is_isotropic(const scene_material *material)
-{
-    const int is_cubic = material->e[0] == material->e[1] && material->e[1] == material->e[2] &&
-                         material->g12 == material->g13 && material->g13 == material->g23 &&
-                         material->nu12 == material->nu13 && material->nu13 == material->nu23;
-    return is_cubic && material->g12 == material->e[0] / (2 * (1 + material->nu12));
-}
-
-/*
- * Young's moduli and shear moduli of a material. The shear modulus of an isotropic material follows
- * from Young's modulus and is not compared.
- */
-int measure_modulus(const subject *of, int k, measured *found)
-{
-    static const char *const name[MODULI] = {"E1", "E2", "E3", "G12", "G13", "G23"};
-    const scene *scene = of->scene;
-    if (k >= MODULI * scene->materials)
-        return 0;
-    const scene_material *material = &scene->material[k / MODULI];
-    const double value[MODULI] = {material->e[0], material->e[1], material->e[2],
-                                  material->g12,  material->g13,  material->g23};
-    const int isotropic = is_isotropic(material);
-    const int i = k % MODULI;
-    if (isotropic && i > 0)
-        return 1;
-    found->value = in_si(scene, value[i], &modulus_unit);
-    found->at = material->at;
-    snprintf(found->what, WHAT, "%s of material '%s', %g in the scene's units",
-             isotropic ? "E" : name[i], material->name, value[i]);
-    return 1;
-}
-
-int measure_density(const subject *of, int k, measured *found)
-{
-    const scene *scene = of->scene;
-    if (k >= scene->materials)
-        return 0;
-    const scene_material *material = &scene->material[k];
-    if (material->density > 0)
-        found->value = in_si(scene, material->density, &density_unit);
-    found->at = material->at;
-    snprintf(found->what, WHAT, "density of material '%s', %g in the scene's units", material->name,
-             material->density);
-    return 1;
-}
-
-/* Density of a material that is stiffer than 1 GPa; lighter ones are foams, which are softer. */
-int measure_light_material(const subject *of, int k, measured *found)
-{
-    if (!measure_density(of, k, found))
-        return 0;
-    const scene_material *material = &of->scene->material[k];
-    const double stiffest = fmax(material->e[0], fmax(material->e[1], material->e[2]));
-    if (!(in_si(of->scene, stiffest, &modulus_unit) > 1e9))
-        found->value = (double)NAN;
-    return 1;
-}
-
-/*
- * Piezoelectric strain constants, or stress constants divided by the largest modulus, which are of
- * similar size.
- */
-int measure_piezo(const subject *of, int k, measured *found)
-{
-    static const char *const name[CONSTANTS] = {"31", "32", "33", "24", "15"};
-    const scene *scene = of->scene;
-    if (k >= CONSTANTS * scene->materials)
-        return 0;
-    const scene_material *material = &scene->material[k / CONSTANTS];
-    const double constant[CONSTANTS] = {material->d31, material->d32, material->d33, material->d24,
-                                        material->d15};
-    const double stiff = fmax(material->e[0], fmax(material->e[1], material->e[2]));
-    const int i = k % CONSTANTS;
-    const double value = material->has_e ? material->piezo_e[i] / stiff : constant[i];
-    if (value != 0)
-        found->value = in_si(scene, fabs(value), &piezo_unit);
-    found->at = material->at;
-    const char *format = material->has_e ? "|e%s/E| of material '%s', %g in the scene's units"
-                                         : "|d%s| of material '%s', %g in the scene's units";
-    snprintf(found->what, WHAT, format, name[i], material->name, fabs(value));
-    return 1;
-}
-
-int measure_thickness(const subject *of, int k, measured *found)
-{
-    const scene *scene = of->scene;
-    if (k >= scene->layers)
-        return 0;
-    found->value = in_si(scene, scene->layer[k].thickness, &length_unit);
-    found->at = scene->layer[k].at;
-    snprintf(found->what, WHAT,
-             "thickness of layer %d (from the inner face, the first is 0), %g in the scene's units",
-             k, scene->layer[k].thickness);
-    return 1;
-}
 
 /* ---- electric fields -------------------------------------------------- */
 
@@ -182,7 +69,8 @@ void plausible_field(const scene *scene, const scene_drive *drive, double voltag
     const scene_material *material = &scene->material[layer->material];
     if (material->field_limit > 0 || !isfinite(voltage))
         return;
-    found->value = in_si(scene, fabs(voltage * drive->factor) / layer->thickness, &field_unit);
+    found->value =
+        plausible_si(scene, fabs(voltage * drive->factor) / layer->thickness, &field_unit);
 }
 
 int measure_limit_field(const subject *of, int k, measured *found)

@@ -135,6 +135,18 @@ check 'the ticks in .npz are those of --csv' $?
 run 0 new poke-voltages && mv "$dir/out" "$dir/voltages.csv" && run 0 new poke-shapes && mv "$dir/out" "$dir/shapes.csv" &&
     run 0 calibrate "$dir/measured.yaml" --voltages "$dir/voltages.csv" --shapes "$dir/shapes.csv" -o "$dir/matrix.csv" && grep -qF 'fault: e4 is dead' "$dir/out" &&
     run 0 check "$dir/measured.yaml" --set influence.file=matrix.csv --set influence.scale=1; check 'calibrate names a dead actuator and writes a matrix' $?
+run 0 calibrate "$dir/measured.yaml" --voltages "$dir/voltages.csv" --shapes "$dir/shapes.csv" -o "$dir/matrix.csv" && grep -qF 'in a scene, without scale' "$dir/out" &&
+    ! grep -q '^warning' "$dir/out"; check 'calibrate says that its matrix needs no scale' $?
+printf '10 0 0\n0 10 0\n10 10 0\n5 -10 0\n' >"$dir/v0.csv"
+printf '1 2\n2 1\n3 3\n-1.5 0\n' >"$dir/x0.csv"
+run 2 calibrate --voltages "$dir/v0.csv" --shapes "$dir/x0.csv" && says 'the voltage of v3 is 0 in all 4 pokes'
+check 'calibrate names an actuator that no poke moves' $?
+/usr/bin/python3 -c "
+import sys
+for line in open(sys.argv[1]): print(','.join('%.9g' % (1000 * float(x)) for x in line.split(',')))" "$dir/shapes.csv" >"$dir/micrometres.csv" &&
+    run 0 calibrate "$dir/measured.yaml" --voltages "$dir/voltages.csv" --shapes "$dir/micrometres.csv" &&
+    grep -qF 'times those of the scene; write shapes in its unit of length, mm' "$dir/out"
+check 'calibrate notices shapes in another unit than the scene' $?
 run 2 calibrate --voltages "$dir/voltages.csv" && says '--shapes FILE'; check 'calibrate without shapes says what is missing' $?
 head -c 100000000 /dev/zero >"$dir/huge.csv"
 run 2 check "$dir/measured.yaml" --set influence.file=huge.csv && says 'huge.csv: it has 95.4 MB'; check '100 MB are refused by their size' $?

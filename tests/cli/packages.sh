@@ -54,6 +54,8 @@ if command -v cmake >/dev/null; then
     project double 'find_package(piezoshape REQUIRED)' piezoshape::piezoshape; check 'CMake: find_package of the installed library, double' $?
     ! project older 'find_package(piezoshape 0.1 REQUIRED)' piezoshape::piezoshape && grep -q 'version: 0' "$dir/said"
     check 'CMake: another minor version is refused' $?
+    ! cmake -S "$top/firmware_demo/packages" -B "$dir/bits" -DPIEZOSHAPE_REAL_BITS=16 >"$dir/said" 2>&1 && grep -q "'16'; write 32" "$dir/said"
+    check 'CMake: a precision that does not exist is refused' $?
 
     # Zephyr's functions as a stub: what the module asks for is compiled as Zephyr would.
     mkdir "$dir/zephyr"
@@ -86,7 +88,7 @@ EOT
     { cmake -S "$dir/zephyr" -B "$dir/zephyr/build" && cmake --build "$dir/zephyr/build" -j2; } >"$dir/said" 2>&1 && "$dir/zephyr/build/mirror"
     check 'Zephyr: the module builds against a stub of its functions' $?
 else
-    for what in folder sources float double version Zephyr; do skip "CMake: $what" cmake; done
+    for what in folder sources float double version precision Zephyr; do skip "CMake: $what" cmake; done
 fi
 
 # ---- Arduino -------------------------------------------------------------

@@ -363,6 +363,13 @@ static const struct {
     {"mesh: {theta1: {from: 0, to: 1, elements: 2}}\n", "'surface' is missing in"},
     {"mesh: {file: grid.msh}\nsupports: [{set: rot, fix: clamped}]\n",
      "the mesh file has no set 'rot'; it has all, first, second, low1, high1, low2, high2, origin"},
+    {"mesh: {disc: {radius: 1, rings: [0.5], elements: 4}}\nsupports: [{set: rin, fix: clamped}]\n",
+     "the disc has no set 'rin'; it has ring1, ring2, rim, centre"},
+    {"mesh: {disc: {radius: 1, elements: 4}}\npatches: [{name: p, layer: upper, sets: [rung1]}]\n",
+     "the disc has no element set 'rung1'; it has ring1"},
+    {"mesh: {file: grid.msh}\npatches: [{name: p, layer: upper, sets: [low1]}]\n",
+     "set 'low1' of the mesh file holds edges or nodes, and a patch needs elements (in Gmsh a "
+     "physical surface); it has the element sets all, first, second"},
     {"mesh: {file: grid.msh}\nsupports: [{at: {theta1: 0, theta2: 0}, fix: clamped}]\n",
      "a mesh from a file has no theta1 and theta2"},
     {"mesh: {file: grid.msh}\nsupports: [{set: low1, fix: u1}]\n",

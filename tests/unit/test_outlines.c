@@ -624,6 +624,13 @@ static void test_refusals(void **state)
         {UP("{circle: {radius: -1}}"), "must be above 0"},
         {UP("{circle: {centre: [2, 2], radius: 0.1}}"),
          "electrode 1 of patches 'up' lies outside the surface"},
+        {UP("{circle: {centre: [200, 0], radius: 0.1}}"),
+         "move it; all electrodes lie within [200, -0.1] to [200, 0.1], the surface within [0, 0] "
+         "to [0.4, 0.3]: compare their units and centres"},
+        {UP("{hexagons: {pitch: 60, rings: 1}}"), "compare their units and centres"},
+        {UP("{grid: {from: [0, 0], to: [400, 300], count: [2, 2]}}"),
+         "compare their units and centres"},
+        {UP("{rings: {radii: [0, 60, 100], sectors: [1, 2]}}"), "compare their units and centres"},
         {UP("{circle: {centre: [0.35, 0.15], radius: 0.1}}"),
          "19.6 % of electrode 1 of patches 'up' lie outside the surface or the layer; move or "
          "shrink it, or keep the part inside by 'cut: true'"},
@@ -636,7 +643,8 @@ static void test_refusals(void **state)
         {"[{name: up, layer: upper, outlines: [{circle: {centre: [0.1, 0.1], radius: 0.05}}]}, "
          "{name: two, layer: upper, theta1: [0.1, 0.4]}]",
          "electrode 1 of patches 'up' and patches 'two' overlap on one layer"},
-        {UP("{hexagons: {pitch: 0.1, gap: 0.1, rings: 1}}"), "a gap of 0.1 leaves no electrode"},
+        {UP("{hexagons: {pitch: 0.1, gap: 0.1, rings: 1}}"),
+         "a gap of 0.1 leaves no electrode of a cell of 0.1; compare their units"},
         {UP("{grid: {from: [0, 0], to: [0.1, 0.1], count: [10, 1], gap: 0.02}}"),
          "a gap of 0.02 leaves no electrode of a cell of 0.01"},
         {UP("{grid: {from: [0.2, 0], to: [0.1, 0.1], count: [1, 1]}}"), "let 'to' be the larger"},

@@ -353,7 +353,8 @@ static void test_refused_surfaces(void **state)
     refuse(HEAD2
            "$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 2 0 0\n6 2 1 0\n7 3 0 1\n8 3 1 1\n"
            "$EndNodes\n$Elements\n2\n11 3 2 0 1 1 2 3 4\n12 3 2 0 1 5 7 8 6\n$EndElements\n",
-           "the mesh falls apart: 1 elements are joined, 1 are not, element 12 among them");
+           "the mesh falls apart: 1 elements are joined, 1 are not, element 12 among them; "
+           "if the part between them is missing, give it a physical group");
     char strip[4000];
     int n = snprintf(strip, sizeof strip, HEAD2 "$Nodes\n24\n");
     for (int i = 0; i < 12; i++)

@@ -804,6 +804,11 @@ static void test_refusals(void **state)
         const char *set, *expected;
     } bad[] = {
         {"springs=[{at: nodes, along: z, stiffness: -1}]", "must not be below 0"},
+        {"supports=[];springs=[{points: [[0.3, 0.3]], along: z, stiffness: 1}]",
+         "the 0 supports and the 1 springs and stacks leave a motion free"},
+        {"supports=[];actuators=[{name: s, stacks: {points: [[0.1, 0.1], [0.3, 0.3]], along: z, "
+         "stiffness: 1, stroke: 1}}]",
+         "the 0 supports and the 2 springs and stacks leave a motion free"},
         {"springs=[{at: nodes, along: z, stiffness: .nan}]", "stiffness"},
         {"springs=[{at: nodes, along: z, stiffness: 1e999}]", "stiffness"},
         {"springs=[{at: nodes, along: z}]", "stiffness"},

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Plausibility rules on stacks and voice coils (plausible_parts.h). */
+#include "plausible_parts.h"
+
+#include <math.h>
+#include <stdio.h>
+#include "../scene/scene_units.h"
+
+static const units_unit stiffness_unit = {{-1, 1, 0, 0, 0, 0}, 0, 0};
+static const units_unit stroke_unit = {{1, 0, -1, 0, 0, 0}, 0, 0};
+static const units_unit force_unit = {{0, 1, -1, 0, 0, 0}, 0, 0};
+static const units_unit energy_unit = {{1, 1, -2, 0, 0, 0}, 0, 0};
+
+/*
+ * Stacks of actuator k, with found->at set to their position in the scene file. Returns 0 where the
+ * scene has no actuator k; *stacks is NULL where the actuator has patches.
+ */
+static int stacks_of(const subject *of, int k, const scene_spring **stacks, measured *found)
+{
+    if (k >= of->scene->actuators)
+        return 0;
+    *stacks = of->scene->actuator[k].stacks;
+    if (*stacks)
+        found->at = (*stacks)->at;
+    return 1;
+}
+
+int measure_stack_stiffness(const subject *of, int k, measured *found)
+{
+    const scene_spring *stacks;
+    if (!stacks_of(of, k, &stacks, found))
+        return 0;
+    if (stacks && stacks->stiffness > 0)
+        found->value = plausible_si(of->scene, stacks->stiffness, &stiffness_unit);
+    snprintf(found->what, WHAT, "stiffness of the stacks '%s'", of->scene->actuator[k].name);
+    return 1;
+}
+
+int measure_stack_stroke(const subject *of, int k, measured *found)
+{
+    const scene_spring *stacks;
+    if (!stacks_of(of, k, &stacks, found))
+        return 0;
+    if (stacks && stacks->stroke != 0)
+        found->value = plausible_si(of->scene, fabs(stacks->stroke), &stroke_unit);
+    snprintf(found->what, WHAT, "stroke of the stacks '%s'", of->scene->actuator[k].name);
+    return 1;
+}
+
+/*
+ * Stiffness times squared stroke of a stack. The number is a part of the capacitance of the stack,
+ * which the coupling of the ceramic limits.
+ */
+int measure_stack_energy(const subject *of, int k, measured *found)
+{
+    const scene_spring *stacks;
+    if (!stacks_of(of, k, &stacks, found))
+        return 0;
+    if (stacks && stacks->stroke != 0)
+        found->value = plausible_si(of->scene, stacks->stiffness * stacks->stroke * stacks->stroke,
+                                    &energy_unit);
+    snprintf(found->what, WHAT, "stiffness times squared stroke of the stacks '%s'",
+             of->scene->actuator[k].name);
+    return 1;
+}
+
+/* Force per volt of a voice coil, or of a stack that is given by its force. */
+int measure_coil(const subject *of, int k, measured *found)
+{
+    const scene_spring *stacks;
+    if (!stacks_of(of, k, &stacks, found))
+        return 0;
+    if (stacks && stacks->stroke == 0 && stacks->force != 0 &&
+        !of->scene->actuator[k].is_temperature)
+        found->value = plausible_si(of->scene, fabs(stacks->force), &force_unit);
+    snprintf(found->what, WHAT, "force of the stacks '%s'", of->scene->actuator[k].name);
+    return 1;
+}
+
+/* ---- stacks at one point ------------------------------------------------ */
+
+/* Whether two springs act alike: the same displacements elongate both. */
+static bool acts_alike(const mesh_springs *springs, int one, int other)
+{
+    const uint32_t entries = springs->start[one + 1] - springs->start[one];
+    if (entries == 0 || springs->start[other + 1] - springs->start[other] != entries)
+        return false;
+    for (uint32_t i = 0; i < entries; i++) {
+        const uint32_t at = springs->start[one] + i, other_at = springs->start[other] + i;
+        if (springs->dof[at] != springs->dof[other_at] ||
+            !(fabs(springs->value[at] - springs->value[other_at]) <= 1e-9))
+            return false;
+    }
+    return true;
+}
+
+/* Number of the first stack before `row` that acts like it; -1 where there is none. */
+static int stack_like(const mesh_springs *springs, int first, int row)
+{
+    for (int other = first; other < row; other++)
+        if (acts_alike(springs, other, row))
+            return other;
+    return -1;
+}
+
+/* Number of stacks of actuator k that act at the point and in the direction of an earlier stack. */
+int measure_repeated_stack(const subject *of, int k, measured *found)
+{
+    const scene *scene = of->scene;
+    const mesh_springs *springs = &of->mesh->springs;
+    if (springs->count == 0 || k >= scene->actuators)
+        return 0;
+    const int *first = springs->first + scene->springs;
+    int example = 0;
+    if (!scene->actuator[k].stacks)
+        return 1;
+    found->value = 0;
+    for (int row = first[k]; row < first[k + 1]; row++) {
+        if (stack_like(springs, first[0], row) < 0)
+            continue;
+        example = found->value > 0 ? example : row - first[k] + 1;
+        found->value++;
+    }
+    found->at = scene->actuator[k].stacks->at;
+    snprintf(found->what, WHAT,
+             "stacks of '%s' at the point and in the direction of another (the first is number %d)",
+             scene->actuator[k].name, example);
+    return 1;
+}
