@@ -168,6 +168,7 @@ $(call for_variants,loop_blocks,64 32 san64 san32,)
 $(call for_variants,late,64 32 san64 san32,)
 DAMPED := @tests/rigs/damped_loop.o @tests/rigs/testdata.o @host_tools/model/damper_gains.o @host_tools/model/propagator.o @bridge64.o
 $(call for_variants,vibration_block,64 32 san64 san32,$(DAMPED))
+$(call for_variants,selftest,64 32 san64 san32,@bridge64.o)
 $(foreach t,flips supervisor output_gate hysteresis,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,estimator,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)

@@ -109,6 +109,8 @@ typedef enum pzs_status {
     PZS_W_OUTPUT, /* the last gate, the check of all voltages at the end of a tick, has corrected
                      the voltage of input info.where, which was not finite or beyond a limit because
                      working memory was damaged */
+    PZS_W_SELFTEST, /* the self-test moves one amplifier after the other; the loop is not yet in
+                       control */
 
     /* Errors have values from 64 on: the outputs of the function are untouched. */
     PZS_E_ARGUMENT = 64, /* a pointer is NULL, or a size, an index or a setting is out of range */
@@ -152,8 +154,11 @@ typedef enum pzs_status {
      * contact tells which
      */
     PZS_E_PENETRATION,
-    PZS_E_SOLVES /* the limit on linear solves, settings.solve_limit, was reached before the
-                    equilibrium */
+    PZS_E_SOLVES,  /* the limit on linear solves, settings.solve_limit, was reached before the
+                      equilibrium */
+    PZS_E_SELFTEST /* the self-test found a faulty amplifier or sensor, or vibration hid their
+                      responses; pzs_selftest_info tells which, and the loop does not take control
+                    */
 } pzs_status;
 
 #define PZS_IS_ERROR(status) ((status) >= PZS_E_ARGUMENT)

@@ -384,6 +384,44 @@ typedef struct pzs_amplifier_state {
 } pzs_amplifier_state;
 
 /*
+ * Progress of a self-test. All members are 32-bit words without padding, because three copies of
+ * the struct are compared word by word.
+ */
+typedef struct pzs_selftest_core {
+    uint32_t position;  /* number of ticks of the test so far */
+    uint32_t verdict;   /* a value of pzs_selftest_verdict */
+    uint32_t disturbed; /* 1: noise or vibration hide the response of an amplifier */
+    uint32_t is_named;  /* 1: every line of the matrix of responses that differs from the model has
+                           been named */
+} pzs_selftest_core;
+
+typedef struct pzs_selftest_state {
+    pzs_selftest_core core[3]; /* three copies, so that two outvote a damaged third */
+    const struct pzs_selftest_tables *tables;
+    struct pzs_control *control;
+    const pzs_real *direct; /* [sensors][inputs] static reading of each sensor per volt on each
+                             * input
+                             */
+    struct pzs_wiring *amplifier; /* [inputs] finding about each amplifier */
+    struct pzs_wiring *sensor;    /* [sensors] finding about each sensor */
+    pzs_real *response; /* [inputs][sensors] measured response of each sensor to each amplifier,
+                           times the scale of the sensor (1/V) */
+    pzs_real *first;    /* [sensors] first reading (unit of each sensor) */
+    pzs_real *last;     /* [sensors] last finite reading; NaN: none yet (unit of each sensor) */
+    pzs_real *change;   /* [sensors] last change of each reading in a tick (unit of each sensor) */
+    pzs_real *noise;    /* [sensors] sum of the squared second differences of each reading, then
+                           variance of its noise (squared unit of each sensor) */
+    pzs_real *even;     /* [sensors] sum over the present window of each reading times the even
+                           weight (unit of each sensor) */
+    pzs_real *odd;      /* [sensors] sum over the present window of each reading times the odd
+                           weight (unit of each sensor) */
+    pzs_real *null;  /* [sensors] largest squared response that was measured without a pulse, times
+                        the height of a pulse (squared unit of each sensor) */
+    pzs_real *start; /* [inputs] voltages before the test (V) */
+    pzs_real pulse;  /* sum over the present window of the pulse times the even weight (1) */
+} pzs_selftest_state;
+
+/*
  * Pointers and sizes from which a tick of the loop finds its blocks, arrays and tables; they stay
  * constant from tick to tick.
  */

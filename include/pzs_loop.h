@@ -1,9 +1,9 @@
 /*
  * The control loop: a list of blocks around the control step, which one call runs in each tick.
- * Blocks of the library: correction of late readings, feed-forward of known loads, shape estimator,
- * vibration damper, governor for moving targets, compensation of hysteresis, control step,
- * converter steps of the amplifiers, fault detector for electrodes, supervisor.
- * SPDX-License-Identifier: BSD-2-Clause
+ * Blocks of the library: self-test of the wiring, correction of late readings, feed-forward of
+ * known loads, shape estimator, vibration damper, governor for moving targets, compensation of
+ * hysteresis, control step, converter steps of the amplifiers, fault detector for electrodes,
+ * supervisor. SPDX-License-Identifier: BSD-2-Clause
  *
  *     static pzs_real work[MIRROR_LOOP_BYTES / sizeof(pzs_real) + 1];
  *     static pzs_loop loop;
@@ -40,7 +40,10 @@ extern "C" {
  * Phase of a tick in which a block acts. The blocks of a list must be in the order of their phases.
  */
 typedef enum pzs_block_phase {
-    PZS_PHASE_READINGS, /* the block changes the sensor readings or the target shape */
+    PZS_PHASE_COMMISSION, /* the block runs before the loop takes control: as long as it returns a
+                             warning or an error, no other block runs; at most one block of a list
+                           */
+    PZS_PHASE_READINGS,   /* the block changes the sensor readings or the target shape */
     PZS_PHASE_SHAPE, /* the block computes the measured shape from the readings; at most one block
                         of a list */
     PZS_PHASE_STEP,  /* the block chooses the voltages; exactly one block of a list, and its tables
@@ -973,6 +976,133 @@ extern const pzs_block_type pzs_fault_detector_block;
 #define PZS_FAULT_DETECTOR_BLOCK_BYTES(inputs, outputs, delay)                                     \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_fault_detector)) +                                          \
                 PZS_FAULT_DETECTOR_BYTES(inputs, outputs, delay))
+
+/* ---- self-test of the wiring before the loop starts (lib/control/selftest.c) */
+
+/*
+ * The self-test moves each amplifier in turn by a few volts and compares the readings with the
+ * influence matrix. It tells amplifiers and sensors that do not respond, are reversed, swapped or
+ * off in gain, before the loop takes control. A program needs no call for it:
+ *
+ *     status = pzs_loop_init(&loop, mirror_blocks, MIRROR_BLOCKS, NULL, work, sizeof work);
+ *     while (!PZS_IS_ERROR(status)) { ... status = pzs_loop_tick(&loop, wanted, readings); ... }
+ *
+ * The first PZS_SELFTEST_TICKS ticks return PZS_W_SELFTEST, and no other block runs. If all is
+ * well, the next tick is the first one in control. Otherwise every tick returns PZS_E_SELFTEST at
+ * the voltages before the test, pzs_loop_find(&loop, &pzs_selftest_block) has the findings, and
+ * pzs_selftest_accept lets the loop run all the same.
+ *
+ * A pulse lasts pzs_selftest_tables.window ticks. Its shape leaves less than 1 % of its height as
+ * vibration of a mode with at least 5.4 periods in a pulse, and its evaluation is blind to constant
+ * loads, to a linear drift, and to 97 % of such a vibration from other causes. The voltages obey
+ * voltage limits and step limits, and end where they began.
+ */
+typedef enum pzs_wiring_state {
+    PZS_WIRING_UNTESTED = 0,
+    PZS_WIRING_HEALTHY,
+    PZS_WIRING_UNOBSERVABLE, /* the expected response is too small beside noise and vibration */
+    PZS_WIRING_SILENT,   /* an amplifier that moves no reading, or a sensor that shows no motion */
+    PZS_WIRING_REVERSED, /* the response has the wrong sign */
+    PZS_WIRING_SWAPPED,  /* the response is that of the amplifier or sensor pzs_wiring.other */
+    PZS_WIRING_GAIN,     /* the gain differs too much from the mean gain of all amplifiers */
+    PZS_WIRING_UNKNOWN,  /* the response resembles that of no amplifier, or of no sensor */
+    PZS_WIRING_NOISY     /* the noise of the sensor exceeds pzs_selftest_tables.noise */
+} pzs_wiring_state;
+
+#define PZS_WIRING_NONE 0xFFFFu /* index in pzs_wiring that refers to no amplifier or sensor */
+
+/* Finding of the self-test about one amplifier with its electrode, or about one sensor. */
+typedef struct pzs_wiring {
+    pzs_real gain;    /* measured response divided by that of the influence matrix (1) */
+    uint16_t other;   /* with PZS_WIRING_SWAPPED: index of the amplifier whose electrode this
+                         amplifier drives, or of the sensor whose place this sensor measures */
+    uint16_t similar; /* index of an amplifier or sensor of so similar a response that the test
+                         would not notice if both were swapped; PZS_WIRING_NONE: none */
+    uint8_t state;    /* a value of pzs_wiring_state */
+} pzs_wiring;
+
+/* Tables of the self-test. All arrays are const and may stay in flash. */
+typedef struct pzs_selftest_tables {
+    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
+                               that of the voltage problem */
+    uint32_t crc;           /* checksum of the following members and their arrays, computed by
+                               pzs_selftest_seal */
+    uint16_t inputs, sensors;
+    uint16_t delay;            /* age of the readings (ticks), at most PZS_DELAY_LIMIT */
+    uint16_t window;           /* duration of a pulse (ticks), at least PZS_SELFTEST_WINDOW */
+    const pzs_real *direct;    /* [sensors][inputs] static reading of each sensor per volt on each
+                                  input; NULL: the sensors are the outputs, and the influence matrix is
+                                  used */
+    const pzs_real *amplitude; /* [inputs] height of a pulse, at most half the voltage range and a
+                                  quarter of `window` times the step limit (V); 0: not tested */
+    const pzs_real *scale; /* [sensors] factor, at least 0, that makes readings of different units
+                              comparable (1 / unit of each sensor) */
+    const pzs_real *noise; /* [sensors] largest plausible RMS noise of each sensor (unit of each
+                              sensor) */
+    pzs_real tolerance;    /* largest plausible deviation of a gain from the mean gain of all
+                              amplifiers, relative to the latter, above 0 (1) */
+} pzs_selftest_tables;
+
+#define PZS_SELFTEST_WINDOW 16u /* shortest duration of a pulse (ticks) */
+
+/* Write format number and checksum into tables of the self-test. Errors: PZS_E_ARGUMENT. */
+pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
+
+/*
+ * Number of ticks of a self-test: two windows in which all amplifiers move together, two windows
+ * without a pulse, from which noise and vibration are measured, one pulse for each input, and the
+ * evaluation. An evaluation tick takes at most 16
+ * inputs * sensors multiply-adds, every other tick 8 operations for each sensor and input.
+ */
+#define PZS_SELFTEST_TICKS(inputs, sensors, window, delay)                                         \
+    (((uint32_t)(inputs) + 4u) * (uint32_t)(window) + (uint32_t)(delay) +                          \
+     2u * ((uint32_t)(inputs) + (uint32_t)(sensors)) + 3u)
+
+typedef enum pzs_selftest_verdict {
+    PZS_SELFTEST_RUNNING = 0,
+    PZS_SELFTEST_PASSED,
+    PZS_SELFTEST_FAULTY,    /* at least one amplifier or sensor has a finding */
+    PZS_SELFTEST_DISTURBED, /* vibration or noise hides the response of at least one amplifier */
+    PZS_SELFTEST_ACCEPTED   /* the program has called pzs_selftest_accept */
+} pzs_selftest_verdict;
+
+/* Results of the self-test that a program may read. */
+typedef struct pzs_selftest_info {
+    pzs_selftest_verdict verdict;
+    const pzs_wiring *amplifier; /* [inputs] finding about each amplifier */
+    const pzs_wiring *sensor;    /* [sensors] finding about each sensor */
+    uint32_t remaining;          /* number of ticks until the end of the test */
+    uint16_t findings; /* number of amplifiers and sensors whose state is PZS_WIRING_SILENT or a
+                          later one */
+    pzs_real gain;     /* mean gain of all amplifiers (1) */
+} pzs_selftest_info;
+
+typedef struct pzs_selftest {
+    pzs_selftest_info info;
+    pzs_selftest_state state;
+} pzs_selftest;
+
+/*
+ * End a self-test, whatever its findings, so that the next tick runs the loop. Amplifiers with a
+ * finding are held by pzs_hold until pzs_release: a silent one at 0 V, any other at its present
+ * voltage. The readings of a faulty sensor are to be passed as NaN.
+ *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ */
+pzs_status pzs_selftest_accept(pzs_selftest *selftest);
+
+/*
+ * The self-test as a block of the loop, in PZS_PHASE_COMMISSION, the first of a list. Tables:
+ * pzs_selftest_tables. Memory returned by pzs_loop_find: pzs_selftest. Errors of its
+ * initialisation: PZS_E_ARGUMENT (also for tables of other sizes), PZS_E_FORMAT, PZS_E_CRC,
+ * PZS_E_NONFINITE, PZS_E_LIMITS (the pulse of input info.where is too high).
+ */
+extern const pzs_block_type pzs_selftest_block;
+#define PZS_SELFTEST_BLOCK_BYTES(inputs, sensors)                                                  \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_selftest)) +                                                \
+                ((size_t)(inputs) + (size_t)(sensors)) * sizeof(pzs_wiring) +                      \
+                (((size_t)(inputs) + 7u) * (size_t)(sensors) + (size_t)(inputs)) *                 \
+                    sizeof(pzs_real))
 
 #ifdef __cplusplus
 }

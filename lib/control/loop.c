@@ -33,13 +33,13 @@ static bool is_complete(const pzs_block *block)
 }
 
 /*
- * Whether a list cannot hold both blocks: two blocks of one type, two step blocks, or two blocks
- * that compute the measured shape.
+ * Whether a list cannot hold both blocks: two blocks of one type, or two blocks of a phase that
+ * allows one block only.
  */
 static bool excludes(const pzs_block_type *one, const pzs_block_type *other)
 {
-    const bool is_single = one->phase == PZS_PHASE_STEP || one->phase == PZS_PHASE_SHAPE ||
-                           one->phase == PZS_PHASE_SUPERVISE;
+    const bool is_single = one->phase == PZS_PHASE_COMMISSION || one->phase == PZS_PHASE_STEP ||
+                           one->phase == PZS_PHASE_SHAPE || one->phase == PZS_PHASE_SUPERVISE;
     return one == other || (is_single && one->phase == other->phase);
 }
 
@@ -390,7 +390,8 @@ static bool takes_precedence(pzs_status status, const pzs_block_type *type, pzs_
 }
 
 /*
- * Run all blocks; after an error, also one with which the tick begins, only the supervisor. Returns
+ * Run all blocks; after an error, also one with which the tick begins, only the supervisor; while
+ * the block of PZS_PHASE_COMMISSION returns a warning or an error, no block after it. Returns
  * the status that takes precedence, and stores its block and its index.
  */
 static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signals *signals,
@@ -409,6 +410,8 @@ static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signal
         signals->tables = core->blocks[k].tables;
         signals->status = result;
         const pzs_status status = type->block_tick(self, signals);
+        if (type->phase == PZS_PHASE_COMMISSION && status != PZS_OK)
+            return finish(loop, status, type, signals->where);
         if (PZS_IS_ERROR(status) && type->phase != PZS_PHASE_SUPERVISE)
             restore_voltages(loop, core);
         if (!PZS_IS_ERROR(status))

@@ -23,6 +23,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_W_PARKED: return "parked, or on the way there, as told: not in control";
     case PZS_W_RAMP: return "control was taken away: the output ramps to its park voltages";
     case PZS_W_OUTPUT: return "the last gate has corrected a voltage: working memory was damaged";
+    case PZS_W_SELFTEST: return "self-test of amplifiers and sensors: not yet in control";
     case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
     case PZS_E_FORMAT: return "tables of another format or scene";
     case PZS_E_CRC: return "tables do not match their checksum";
@@ -42,6 +43,8 @@ const char *pzs_status_text(pzs_status status)
         return "contact did not converge; a loose shell must touch the body and be pressed onto it";
     case PZS_E_PENETRATION: return "the contact body would enter the shell";
     case PZS_E_SOLVES: return "limit on linear solves reached";
+    case PZS_E_SELFTEST:
+        return "self-test: an amplifier or sensor is faulty, or vibration hides its response";
     default: return "unknown status";
     }
 }

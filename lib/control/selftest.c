@@ -1,0 +1,888 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Self-test of amplifiers, cables and sensors before the loop takes control (pzs_loop.h).
+ *
+ * The amplifiers are moved one after the other, because the response to a single electrode can be
+ * recognised even if gains, natural frequencies and hysteresis differ much from the model. Patterns
+ * in which many amplifiers move at once would need as many pulses for as many unknowns, and would
+ * hide a weak electrode behind the errors of strong ones.
+ *
+ * Before, all amplifiers make one slow pulse together. It brings the ceramic of every electrode
+ * into the minor hysteresis loop of the pulses that follow, whatever voltages it had before, so
+ * that the gains of electrodes can be compared with each other.
+ *
+ * With s from -1 to 1 over a window and b = 1 - s^2, the pulse is b^4, and the response is the
+ * product of the readings with the even weight b^3 (1 - 9 s^2), whose sum is zero. The odd weight
+ * is about the derivative of the even one: both together give the amplitude of a vibration in a
+ * window without a pulse. All three are polynomials, so that no function of a library for
+ * trigonometry is needed.
+ *
+ * The evaluation compares lines of the matrix of measured responses with lines of the model: a
+ * column is the response of all sensors to one amplifier, a row that of one sensor to all
+ * amplifiers. In each evaluation tick the line whose difference from the model is largest is named,
+ * and left out afterwards. A faulty amplifier also spoils the rows of sensors near it, but by less
+ * than its own column, and a faulty sensor vice versa. Pairs of lines are compared before, because
+ * swapped neighbours may have responses so similar that neither looks faulty alone.
+ */
+#include <string.h>
+#include "pzs_loop.h"
+#include "control.h"
+#include "scrub.h"
+#include "../core/guard.h"
+#include "../core/numbers.h"
+
+/* A reading that is larger than this counts as missing, so that no sum of squares overflows. */
+#define READING_LIMIT PZS_R(1e12)
+/*
+ * A line (the responses to one amplifier, or those of one sensor) is judged if its expected energy,
+ * the sum of its squared responses, exceeds this multiple of the energy of noise and vibration.
+ */
+#define JUDGED PZS_R(400)
+/* A noisy sensor has more than this multiple of the mean variance of the other sensors' noise. */
+#define UNUSUAL PZS_R(16)
+/* Part of the expected response below which an amplifier or sensor counts as silent. */
+#define SILENT PZS_R(0.3)
+/*
+ * Multiple of the energy of noise and vibration that a response must exceed to be recognised as
+ * that of another line.
+ */
+#define RESPONSE PZS_R(16)
+/*
+ * Bounds of a plausible mean gain of all amplifiers. Electrodes with hysteresis respond to a few
+ * volts by down to a third of their response to a large voltage.
+ */
+#define LEAST_GAIN PZS_R(0.15)
+#define LARGEST_GAIN PZS_R(2)
+/*
+ * Squared height of a response by white noise, times the number of ticks of a window and divided by
+ * the variance of the noise. It is the sum of the squared even and odd weights, divided by the
+ * squared sum of the pulse times the even weight.
+ */
+#define NOISE_ENERGY PZS_R(23)
+/*
+ * A swap must lower the differences from the model to less than a quarter, and these differences
+ * must exceed this multiple of what noise and vibration explain.
+ */
+#define SWAP_GAIN PZS_R(4)
+#define SWAP_NOISE PZS_R(9)
+/*
+ * Two lines are similar if the squared sine of the angle between them is less than this multiple of
+ * noise energy over response energy, plus SAME_DIRECTION.
+ */
+#define SIMILAR PZS_R(36)
+#define SAME_DIRECTION PZS_R(1e-4)
+
+/*
+ * Windows before the first pulse: two in which all amplifiers move together, and one without
+ * motion.
+ */
+#define CONDITIONING_WINDOWS 2u
+#define WINDOWS_BEFORE 3u
+
+static pzs_real square(pzs_real number)
+{
+    return number * number;
+}
+
+/* ---- tables ----------------------------------------------------------- */
+
+/* List the arrays that the checksum of the tables covers. Returns their number. */
+static uint32_t list_parts(const pzs_selftest_tables *tables, pzs_table_part part[PZS_TABLE_PARTS])
+{
+    part[0] = (pzs_table_part){&tables->inputs, 4u * sizeof tables->inputs};
+    part[1] = scrub_reals(tables->direct, (size_t)tables->sensors * tables->inputs);
+    part[2] = scrub_reals(tables->amplitude, tables->inputs);
+    part[3] = scrub_reals(tables->scale, tables->sensors);
+    part[4] = scrub_reals(tables->noise, tables->sensors);
+    part[5] = scrub_reals(&tables->tolerance, 1);
+    return 6;
+}
+
+static bool are_complete(const pzs_selftest_tables *tables)
+{
+    return tables->amplitude != NULL && tables->scale != NULL && tables->noise != NULL &&
+           tables->inputs > 0 && tables->sensors > 0;
+}
+
+pzs_status pzs_selftest_seal(pzs_selftest_tables *tables)
+{
+    pzs_table_part part[PZS_TABLE_PARTS];
+    if (tables == NULL || !are_complete(tables))
+        return PZS_E_ARGUMENT;
+    tables->format = PZS_TABLE_FORMAT;
+    tables->crc = pzs_scrub_crc(part, list_parts(tables, part));
+    return PZS_OK;
+}
+
+static bool are_finite(const pzs_selftest_tables *tables)
+{
+    const uint32_t entries = (uint32_t)tables->sensors * tables->inputs;
+    return pzs_guard_nonfinite(tables->amplitude, tables->inputs) < 0 &&
+           pzs_guard_nonfinite(tables->scale, tables->sensors) < 0 &&
+           pzs_guard_nonfinite(tables->noise, tables->sensors) < 0 &&
+           (tables->direct == NULL || pzs_guard_nonfinite(tables->direct, entries) < 0) &&
+           number_is_finite(tables->tolerance);
+}
+
+static bool are_in_range(const pzs_selftest_tables *tables)
+{
+    bool is_valid = tables->delay <= PZS_DELAY_LIMIT && tables->window >= PZS_SELFTEST_WINDOW &&
+                    tables->tolerance > 0;
+    for (uint32_t i = 0; i < tables->sensors; i++)
+        is_valid = is_valid && tables->scale[i] >= 0 && tables->noise[i] >= 0;
+    for (uint32_t j = 0; j < tables->inputs; j++)
+        is_valid = is_valid && tables->amplitude[j] >= 0;
+    return is_valid;
+}
+
+/*
+ * Return the first input whose pulse exceeds half its voltage range or whose steepest part, less
+ * than 4 / window of the height in a tick, exceeds its step limit; -1: there is none.
+ */
+static int32_t too_high(const pzs_selftest_tables *tables, const pzs_problem *problem)
+{
+    for (uint32_t j = 0; j < tables->inputs; j++) {
+        const pzs_real height = tables->amplitude[j];
+        const pzs_real range = problem->upper[j] - problem->lower[j];
+        const pzs_real most = (pzs_real)tables->window * problem->step_limit[j];
+        if (height > 0 && !(2 * height <= range && 4 * height <= most))
+            return (int32_t)j;
+    }
+    return -1;
+}
+
+static pzs_status check(const pzs_selftest_tables *tables, const pzs_loop_signals *signals,
+                        int32_t *where)
+{
+    const pzs_problem *problem = signals->control->state.problem;
+    pzs_table_part part[PZS_TABLE_PARTS];
+    if (tables->format != PZS_TABLE_FORMAT || tables->scene != problem->scene)
+        return PZS_E_FORMAT;
+    const bool has_sizes = tables->inputs == problem->inputs &&
+                           tables->sensors == signals->sensors &&
+                           (tables->direct != NULL || tables->sensors == problem->outputs);
+    if (!are_complete(tables) || !has_sizes)
+        return PZS_E_ARGUMENT;
+    if (pzs_scrub_crc(part, list_parts(tables, part)) != tables->crc)
+        return PZS_E_CRC;
+    if (!are_finite(tables))
+        return PZS_E_NONFINITE;
+    if (!are_in_range(tables))
+        return PZS_E_ARGUMENT;
+    *where = too_high(tables, problem);
+    return *where < 0 ? PZS_OK : PZS_E_LIMITS;
+}
+
+/* ---- memory ----------------------------------------------------------- */
+
+/* Reserve the next `count` reals of the memory and return their address. */
+static pzs_real *take_reals(pzs_real **next, size_t count)
+{
+    pzs_real *const taken = *next;
+    *next += count;
+    return taken;
+}
+
+/* Let the self-test point to its tables, its controller and its arrays. */
+static void place(pzs_selftest *selftest, const pzs_loop_signals *signals)
+{
+    const pzs_selftest_tables *tables = signals->tables;
+    const size_t inputs = tables->inputs, sensors = tables->sensors;
+    pzs_selftest_state *state = &selftest->state;
+    pzs_real *next = (void *)((uint8_t *)selftest + PZS_ALIGNED(sizeof *selftest));
+    state->tables = tables;
+    state->control = signals->control;
+    state->direct = tables->direct != NULL ? tables->direct : signals->control->state.influence;
+    state->response = take_reals(&next, inputs * sensors);
+    state->first = take_reals(&next, sensors);
+    state->last = take_reals(&next, sensors);
+    state->change = take_reals(&next, sensors);
+    state->noise = take_reals(&next, sensors);
+    state->even = take_reals(&next, sensors);
+    state->odd = take_reals(&next, sensors);
+    state->null = take_reals(&next, sensors);
+    state->start = take_reals(&next, inputs);
+    state->amplifier = (void *)next;
+    state->sensor = state->amplifier + inputs;
+    selftest->info.amplifier = state->amplifier;
+    selftest->info.sensor = state->sensor;
+}
+
+/* Make the other two copies of progress and verdict equal to the first one. */
+static void copy_core(pzs_selftest *selftest)
+{
+    selftest->state.core[1] = selftest->state.core[0];
+    selftest->state.core[2] = selftest->state.core[0];
+}
+
+/* Number of ticks of all windows and of the delay until the last reading. */
+static uint32_t measuring_ticks(const pzs_selftest_tables *tables)
+{
+    return (tables->inputs + WINDOWS_BEFORE + 1u) * tables->window + tables->delay + 1u;
+}
+
+static uint32_t all_ticks(const pzs_selftest_tables *tables)
+{
+    return PZS_SELFTEST_TICKS(tables->inputs, tables->sensors, tables->window, tables->delay);
+}
+
+static void report(pzs_selftest *selftest)
+{
+    const pzs_selftest_core *core = &selftest->state.core[0];
+    const uint32_t all = all_ticks(selftest->state.tables);
+    const bool is_running = core->verdict == PZS_SELFTEST_RUNNING && core->position < all;
+    selftest->info.verdict = (pzs_selftest_verdict)core->verdict;
+    selftest->info.remaining = is_running ? all - core->position : 0;
+}
+
+/* ---- pulses ----------------------------------------------------------- */
+
+/* Return the place of a tick in a time of `ticks` ticks, from -1 to 1, symmetric to the middle. */
+static pzs_real place_in(uint32_t tick, uint32_t ticks)
+{
+    return (pzs_real)(2u * tick + 1u) / (pzs_real)ticks - 1;
+}
+
+static pzs_real pulse_at(pzs_real place)
+{
+    return square(square(1 - square(place)));
+}
+
+/* Return the height of the pulse of input j, downwards where there is more room below (V). */
+static pzs_real height_of(const pzs_selftest *selftest, uint32_t j)
+{
+    const pzs_problem *problem = selftest->state.control->state.problem;
+    const pzs_real start = selftest->state.start[j], height = selftest->state.tables->amplitude[j];
+    const bool is_upwards = problem->upper[j] - start >= start - problem->lower[j];
+    return is_upwards ? height : -height;
+}
+
+/* Whether input j has a pulse: it has a height, and the program does not hold the input. */
+static bool is_tested(const pzs_selftest *selftest, uint32_t j)
+{
+    const pzs_control_state *control = &selftest->state.control->state;
+    return selftest->state.tables->amplitude[j] > 0 && control->lower[j] < control->upper[j];
+}
+
+/*
+ * Set the voltages of a tick: those before the test, plus the pulse of one input, or of all inputs
+ * in the first windows.
+ */
+static void set_voltages(pzs_selftest *selftest, uint32_t position)
+{
+    const pzs_selftest_tables *tables = selftest->state.tables;
+    pzs_control_state *control = &selftest->state.control->state;
+    const uint32_t window = position / tables->window;
+    const bool is_for_all = window < CONDITIONING_WINDOWS;
+    const uint32_t ticks = (is_for_all ? CONDITIONING_WINDOWS : 1u) * tables->window;
+    const pzs_real pulse = pulse_at(place_in(position % ticks, ticks));
+    for (uint32_t j = 0; j < tables->inputs; j++) {
+        pzs_real voltage = selftest->state.start[j];
+        if ((is_for_all || window == j + WINDOWS_BEFORE) && is_tested(selftest, j))
+            voltage += height_of(selftest, j) * pulse;
+        control->voltage[j] = number_clamp(voltage, control->lower[j], control->upper[j]);
+    }
+    pzs_control_moved(selftest->state.control);
+}
+
+/* ---- readings --------------------------------------------------------- */
+
+/*
+ * Add a reading to the sums of its sensor. A missing reading counts as unchanged.
+ *   even, odd in  weights of this tick
+ */
+static void add_reading(pzs_selftest_state *state, uint32_t i, pzs_real reading, pzs_real even,
+                        pzs_real odd)
+{
+    const bool is_usable = number_is_finite(reading) && number_absolute(reading) <= READING_LIMIT;
+    if (is_usable && !number_is_finite(state->last[i])) {
+        state->first[i] = reading;
+        state->last[i] = reading;
+    }
+    if (!number_is_finite(state->last[i]))
+        return;
+    const pzs_real change = is_usable ? reading - state->last[i] : 0;
+    state->noise[i] += square(change - state->change[i]);
+    state->change[i] = change;
+    state->last[i] += change;
+    state->even[i] += even * (state->last[i] - state->first[i]);
+    state->odd[i] += odd * (state->last[i] - state->first[i]);
+}
+
+/*
+ * End a window: its sums become the response to a pulse, or, in a window without a pulse, the
+ * response to noise and vibration.
+ */
+static void end_window(pzs_selftest *selftest, uint32_t window)
+{
+    pzs_selftest_state *state = &selftest->state;
+    const uint32_t inputs = state->tables->inputs, sensors = state->tables->sensors;
+    const bool has_pulse = window >= WINDOWS_BEFORE && window - WINDOWS_BEFORE < inputs;
+    const uint32_t j = has_pulse ? window - WINDOWS_BEFORE : 0;
+    const pzs_real height = has_pulse && is_tested(selftest, j) ? height_of(selftest, j) : 1;
+    for (uint32_t i = 0; i < sensors; i++) {
+        const pzs_real response = state->even[i] / (state->pulse * height);
+        const pzs_real energy = square(response) + square(state->odd[i] / state->pulse);
+        if (has_pulse)
+            state->response[(size_t)j * sensors + i] = state->tables->scale[i] * response;
+        else if (window >= CONDITIONING_WINDOWS && !(energy <= state->null[i]))
+            state->null[i] = energy;
+        state->even[i] = 0;
+        state->odd[i] = 0;
+    }
+    state->pulse = 0;
+}
+
+/* Use the readings of a tick, which show the voltages of the tick delay + 1 ticks ago. */
+static void measure(pzs_selftest *selftest, const pzs_real *readings, uint32_t position)
+{
+    pzs_selftest_state *state = &selftest->state;
+    const pzs_selftest_tables *tables = state->tables;
+    if (position <= tables->delay)
+        return;
+    const uint32_t then = position - tables->delay - 1u;
+    const pzs_real place = place_in(then % tables->window, tables->window);
+    const pzs_real rest = 1 - square(place);
+    const pzs_real even = rest * square(rest) * (1 - 9 * square(place));
+    const pzs_real odd = PZS_R(1.5) * place * square(rest) * (3 * square(place) - 1);
+    for (uint32_t i = 0; i < tables->sensors; i++)
+        add_reading(state, i, readings != NULL ? readings[i] : (pzs_real)NAN, even, odd);
+    state->pulse += even * pulse_at(place);
+    if (then % tables->window == tables->window - 1u)
+        end_window(selftest, then / tables->window);
+}
+
+/* ---- lines ------------------------------------------------------------ */
+
+/*
+ * Lines of the matrix of responses: the columns, one for each amplifier with an entry for each
+ * sensor, or the rows, one for each sensor with an entry for each amplifier.
+ */
+typedef struct axis {
+    bool is_row;
+    uint32_t lines, entries;
+    size_t measured_line, measured_entry; /* distances of lines and entries in state.response */
+    size_t model_line, model_entry;       /* distances of lines and entries in state.direct */
+    pzs_wiring *line, *entry; /* [lines], [entries] findings about the amplifiers or sensors */
+    bool has_gains; /* multiply the model of rows by the measured gain of each amplifier */
+} axis;
+
+static axis columns_of(const pzs_selftest *selftest)
+{
+    const uint32_t inputs = selftest->state.tables->inputs;
+    const uint32_t sensors = selftest->state.tables->sensors;
+    return (axis){false,
+                  inputs,
+                  sensors,
+                  sensors,
+                  1,
+                  1,
+                  inputs,
+                  selftest->state.amplifier,
+                  selftest->state.sensor,
+                  false};
+}
+
+static axis rows_of(const pzs_selftest *selftest)
+{
+    const uint32_t inputs = selftest->state.tables->inputs;
+    const uint32_t sensors = selftest->state.tables->sensors;
+    return (axis){true,
+                  sensors,
+                  inputs,
+                  1,
+                  sensors,
+                  inputs,
+                  1,
+                  selftest->state.sensor,
+                  selftest->state.amplifier,
+                  false};
+}
+
+/* Sums over the entries of a measured line and a line of the model, each entry times its scale. */
+typedef struct line_sums {
+    pzs_real product;  /* sum of measured times modelled responses */
+    pzs_real measured; /* sum of the squared measured responses */
+    pzs_real modelled; /* sum of the squared modelled responses */
+    pzs_real noise;    /* expected contribution of noise and vibration to `measured` */
+} line_sums;
+
+/*
+ * Compare a measured line with a line of the model, over the healthy entries.
+ *   noise [sensors] in  squared response of each sensor to noise and vibration, times the height of
+ *                       a pulse (squared unit of each sensor)
+ */
+static line_sums compare_lines(const pzs_selftest *selftest, const axis *axis, uint32_t measured,
+                               uint32_t modelled, const pzs_real *noise)
+{
+    const pzs_selftest_state *state = &selftest->state;
+    line_sums sums = {0, 0, 0, 0};
+    for (uint32_t k = 0; k < axis->entries; k++) {
+        if (axis->entry[k].state != PZS_WIRING_HEALTHY)
+            continue;
+        const uint32_t sensor = axis->is_row ? measured : k, input = axis->is_row ? k : measured;
+        const pzs_real scale = state->tables->scale[sensor];
+        const pzs_real found =
+            state->response[measured * axis->measured_line + k * axis->measured_entry];
+        const pzs_real gain = axis->has_gains ? axis->entry[k].gain : 1;
+        const pzs_real expected =
+            gain * scale * state->direct[modelled * axis->model_line + k * axis->model_entry];
+        sums.product += found * expected;
+        sums.measured += square(found);
+        sums.modelled += square(expected);
+        sums.noise += square(scale / state->tables->amplitude[input]) * noise[sensor];
+    }
+    return sums;
+}
+
+/* Return the squared sine of the angle between a measured line and a line of the model. */
+static pzs_real direction_error(const line_sums *sums)
+{
+    const pzs_real both = sums->measured * sums->modelled;
+    const pzs_real rest = both > 0 ? 1 - square(sums->product) / both : 1;
+    return rest > 0 ? rest : 0;
+}
+
+/* Whether a line of the model has enough energy beside noise and vibration to be judged. */
+static bool can_judge(const line_sums *sums)
+{
+    return sums->modelled > JUDGED * sums->noise && sums->modelled > 0;
+}
+
+/* ---- evaluation: which lines can be judged ---------------------------- */
+
+/*
+ * Compute the variance of the noise of each sensor from the second differences of its readings, and
+ * mark noisy sensors, and sensors that never gave a finite reading as silent. A sensor is noisy if
+ * its noise exceeds both that of the tables and that of the other sensors, because a vibration of
+ * high frequency looks like noise of many sensors.
+ */
+static void mark_sensors(pzs_selftest *selftest)
+{
+    pzs_selftest_state *state = &selftest->state;
+    const uint32_t sensors = state->tables->sensors;
+    const pzs_real count = 6 * (pzs_real)measuring_ticks(state->tables);
+    pzs_real sum = 0;
+    for (uint32_t i = 0; i < sensors; i++) {
+        state->noise[i] /= count;
+        sum += square(state->tables->scale[i]) * state->noise[i];
+    }
+    for (uint32_t i = 0; i < sensors; i++) {
+        const pzs_real own = square(state->tables->scale[i]) * state->noise[i];
+        const pzs_real usual = sensors > 1 ? (sum - own) / (pzs_real)(sensors - 1u) : 0;
+        const bool is_usual =
+            state->noise[i] <= square(state->tables->noise[i]) || own <= UNUSUAL * usual;
+        const bool has_readings = number_is_finite(state->last[i]);
+        state->sensor[i].state = is_usual ? PZS_WIRING_HEALTHY : PZS_WIRING_NOISY;
+        if (!has_readings)
+            state->sensor[i].state = PZS_WIRING_SILENT;
+    }
+}
+
+/*
+ * Set state.odd to the squared responses that the largest plausible noise makes, and let state.null
+ * be at least the squared response that the measured noise makes.
+ */
+static void find_noise_responses(pzs_selftest_state *state)
+{
+    const pzs_selftest_tables *tables = state->tables;
+    const pzs_real factor = NOISE_ENERGY / (pzs_real)tables->window;
+    for (uint32_t i = 0; i < tables->sensors; i++) {
+        const pzs_real measured = factor * state->noise[i];
+        state->odd[i] = factor * square(tables->noise[i]);
+        state->null[i] = measured > state->null[i] ? measured : state->null[i];
+    }
+}
+
+/*
+ * Mark the lines whose response is too small beside noise to be judged. Returns the number of lines
+ * that are too small only because noise or vibration exceed the largest plausible noise.
+ */
+static uint32_t mark_unobservable(const pzs_selftest *selftest, const axis *axis)
+{
+    uint32_t disturbed = 0;
+    for (uint32_t line = 0; line < axis->lines; line++) {
+        if (axis->line[line].state != PZS_WIRING_HEALTHY)
+            continue;
+        const line_sums now = compare_lines(selftest, axis, line, line, selftest->state.null);
+        const line_sums plausible = compare_lines(selftest, axis, line, line, selftest->state.odd);
+        if (can_judge(&now))
+            continue;
+        axis->line[line].state = PZS_WIRING_UNOBSERVABLE;
+        disturbed += can_judge(&plausible) ? 1u : 0u;
+    }
+    return disturbed;
+}
+
+/*
+ * Compute the gain of each healthy amplifier, and return the mean of their sizes within plausible
+ * bounds.
+ */
+static pzs_real mean_gain(const pzs_selftest *selftest)
+{
+    const axis columns = columns_of(selftest);
+    pzs_real sum = 0;
+    uint32_t count = 0;
+    for (uint32_t j = 0; j < columns.lines; j++) {
+        if (columns.line[j].state != PZS_WIRING_HEALTHY)
+            continue;
+        const line_sums sums = compare_lines(selftest, &columns, j, j, selftest->state.null);
+        columns.line[j].gain = sums.modelled > 0 ? sums.product / sums.modelled : 0;
+        sum += number_absolute(columns.line[j].gain);
+        count++;
+    }
+    const pzs_real mean = count > 0 ? sum / (pzs_real)count : 1;
+    return number_clamp(number_is_finite(mean) ? mean : 1, LEAST_GAIN, LARGEST_GAIN);
+}
+
+/* First tick of the evaluation: find the lines that can be judged. */
+static void begin_evaluation(pzs_selftest *selftest)
+{
+    pzs_selftest_state *state = &selftest->state;
+    const axis columns = columns_of(selftest), rows = rows_of(selftest);
+    mark_sensors(selftest);
+    find_noise_responses(state);
+    for (uint32_t j = 0; j < state->tables->inputs; j++)
+        if (is_tested(selftest, j))
+            state->amplifier[j].state = PZS_WIRING_HEALTHY;
+    const uint32_t hidden = mark_unobservable(selftest, &columns);
+    (void)mark_unobservable(selftest, &rows);
+    state->core[0].disturbed = hidden > 0 ? 1u : 0u;
+    selftest->info.gain = mean_gain(selftest);
+}
+
+/* ---- evaluation: lines that differ from the model --------------------- */
+
+/* The line of an axis whose squared difference from the model is largest. */
+typedef struct worst_line {
+    pzs_real difference; /* squared difference of measured line and mean gain times model (1/V2) */
+    uint32_t line;
+    bool is_found;
+} worst_line;
+
+/*
+ * Whether a line that differs from the model may be named: a healthy one always, one that is too
+ * small to be judged only if its measured response is not small.
+ */
+static bool may_be_named(const pzs_wiring *finding, const line_sums *sums)
+{
+    const bool is_large = sums->measured > 4 * RESPONSE * sums->noise;
+    return finding->state == PZS_WIRING_HEALTHY ||
+           (finding->state == PZS_WIRING_UNOBSERVABLE && is_large);
+}
+
+/* Find, among the lines that differ from the model by more than the tolerance, the worst. */
+static worst_line find_worst(const pzs_selftest *selftest, const axis *axis, pzs_real gain)
+{
+    worst_line worst = {0, 0, false};
+    for (uint32_t line = 0; line < axis->lines; line++) {
+        const line_sums sums = compare_lines(selftest, axis, line, line, selftest->state.null);
+        const pzs_real expected = square(gain) * sums.modelled;
+        const pzs_real difference = sums.measured - 2 * gain * sums.product + expected - sums.noise;
+        const pzs_real most = square(selftest->state.tables->tolerance) * expected;
+        if (may_be_named(&axis->line[line], &sums) && !(difference <= most) &&
+            !(difference <= worst.difference))
+            worst = (worst_line){difference, line, true};
+    }
+    return worst;
+}
+
+/* Find the line of the model whose direction is nearest to that of a measured line. */
+static uint32_t nearest_line(const pzs_selftest *selftest, const axis *axis, uint32_t line)
+{
+    uint32_t nearest = line;
+    pzs_real least = 2;
+    for (uint32_t other = 0; other < axis->lines; other++) {
+        const line_sums sums = compare_lines(selftest, axis, line, other, selftest->state.null);
+        const pzs_real error = direction_error(&sums);
+        if (error < least) {
+            nearest = other;
+            least = error;
+        }
+    }
+    return nearest;
+}
+
+/*
+ * Whether a measured line is the response of another line of the model: it exceeds noise, and has
+ * the direction and about the size of that line.
+ */
+static bool is_other_line(const pzs_selftest *selftest, const axis *axis, uint32_t line,
+                          uint32_t other, pzs_real gain)
+{
+    const line_sums own = compare_lines(selftest, axis, line, line, selftest->state.null);
+    const line_sums its = compare_lines(selftest, axis, line, other, selftest->state.null);
+    const pzs_real error = direction_error(&its);
+    return other != line && SWAP_GAIN * error < direction_error(&own) && 2 * error < 1 &&
+           own.measured > RESPONSE * own.noise &&
+           number_absolute(its.product) > SILENT * gain * its.modelled;
+}
+
+/* Name the finding about a line that differs from the model. */
+static void name_line(const pzs_selftest *selftest, const axis *axis, uint32_t line, pzs_real gain)
+{
+    pzs_wiring *finding = &axis->line[line];
+    const line_sums sums = compare_lines(selftest, axis, line, line, selftest->state.null);
+    const pzs_real energy = sums.measured - sums.noise;
+    const uint32_t nearest = nearest_line(selftest, axis, line);
+    finding->gain = sums.modelled > 0 ? sums.product / sums.modelled : 0;
+    if (is_other_line(selftest, axis, line, nearest, gain)) {
+        finding->state = PZS_WIRING_SWAPPED;
+        finding->other = (uint16_t)nearest;
+    } else if (energy < square(SILENT * gain) * sums.modelled) {
+        finding->state = PZS_WIRING_SILENT;
+    } else if (2 * direction_error(&sums) > 1) {
+        finding->state = PZS_WIRING_UNKNOWN;
+    } else {
+        finding->state = sums.product < 0 ? PZS_WIRING_REVERSED : PZS_WIRING_GAIN;
+    }
+}
+
+/*
+ * Name and leave out the column or row that differs most from the model. After a tick that finds
+ * none, nothing is left to be done.
+ */
+static void name_worst(pzs_selftest *selftest)
+{
+    if (selftest->state.core[0].is_named != 0)
+        return;
+    const axis columns = columns_of(selftest), rows = rows_of(selftest);
+    const pzs_real gain = mean_gain(selftest);
+    const worst_line column = find_worst(selftest, &columns, gain);
+    const worst_line row = find_worst(selftest, &rows, gain);
+    selftest->info.gain = gain;
+    selftest->state.core[0].is_named = column.is_found || row.is_found ? 0u : 1u;
+    if (row.is_found && !(row.difference <= column.difference))
+        name_line(selftest, &rows, row.line, gain);
+    else if (column.is_found)
+        name_line(selftest, &columns, column.line, gain);
+}
+
+/* ---- evaluation: pairs of similar lines ------------------------------- */
+
+/* Return the squared sine of the angle between two lines of the model. */
+static pzs_real model_angle(const pzs_selftest *selftest, const axis *axis, uint32_t one,
+                            uint32_t other)
+{
+    const pzs_selftest_state *state = &selftest->state;
+    pzs_real product = 0, first = 0, second = 0;
+    for (uint32_t k = 0; k < axis->entries; k++) {
+        if (axis->entry[k].state != PZS_WIRING_HEALTHY)
+            continue;
+        const pzs_real scale = axis->is_row ? 1 : state->tables->scale[k];
+        const size_t entry = k * axis->model_entry;
+        const pzs_real left = scale * state->direct[one * axis->model_line + entry];
+        const pzs_real right = scale * state->direct[other * axis->model_line + entry];
+        product += left * right;
+        first += square(left);
+        second += square(right);
+    }
+    const line_sums sums = {product, first, second, 0};
+    return direction_error(&sums);
+}
+
+/*
+ * Find the line whose model is most similar to that of a healthy line, if the two could be swapped
+ * without notice.
+ */
+static void note_similar(const pzs_selftest *selftest, const axis *axis, uint32_t line)
+{
+    const line_sums sums = compare_lines(selftest, axis, line, line, selftest->state.null);
+    pzs_real least = SIMILAR * sums.noise / sums.modelled + SAME_DIRECTION;
+    for (uint32_t other = 0; other < axis->lines; other++) {
+        const pzs_real angle = other != line ? model_angle(selftest, axis, line, other) : 1;
+        if (angle < least) {
+            least = angle;
+            axis->line[line].similar = (uint16_t)other;
+        }
+    }
+}
+
+/*
+ * Mark a healthy line and the line nearest to it as swapped, if exchanging both explains their
+ * measured responses much better and the difference exceeds noise and vibration.
+ */
+static void find_swap(const pzs_selftest *selftest, const axis *axis, uint32_t line)
+{
+    const pzs_real *noise = selftest->state.null;
+    const uint32_t other = nearest_line(selftest, axis, line);
+    if (other == line || axis->line[other].state != PZS_WIRING_HEALTHY)
+        return;
+    const line_sums own = compare_lines(selftest, axis, line, line, noise);
+    const line_sums its = compare_lines(selftest, axis, other, other, noise);
+    const line_sums there = compare_lines(selftest, axis, line, other, noise);
+    const line_sums back = compare_lines(selftest, axis, other, line, noise);
+    const pzs_real kept = direction_error(&own) + direction_error(&its);
+    const pzs_real exchanged = direction_error(&there) + direction_error(&back);
+    const pzs_real least = SWAP_NOISE * (own.noise / own.measured + its.noise / its.measured);
+    if (!(SWAP_GAIN * exchanged < kept && kept > least && kept > SAME_DIRECTION))
+        return;
+    axis->line[line].state = PZS_WIRING_SWAPPED;
+    axis->line[line].other = (uint16_t)other;
+    axis->line[other].state = PZS_WIRING_SWAPPED;
+    axis->line[other].other = (uint16_t)line;
+}
+
+/* Compare one column or row with those that it could be swapped with. */
+static void compare_pairs(pzs_selftest *selftest, uint32_t number)
+{
+    const uint32_t inputs = selftest->state.tables->inputs;
+    axis axis = number < inputs ? columns_of(selftest) : rows_of(selftest);
+    const uint32_t line = number < inputs ? number : number - inputs;
+    axis.has_gains = axis.is_row;
+    if (axis.line[line].state != PZS_WIRING_HEALTHY)
+        return;
+    note_similar(selftest, &axis, line);
+    find_swap(selftest, &axis, line);
+}
+
+/* ---- verdict ---------------------------------------------------------- */
+
+/* Count the lines with a finding. */
+static uint16_t count_findings(const axis *axis)
+{
+    uint16_t count = 0;
+    for (uint32_t line = 0; line < axis->lines; line++)
+        count = (uint16_t)(count + (axis->line[line].state >= PZS_WIRING_SILENT ? 1u : 0u));
+    return count;
+}
+
+/*
+ * A strong and a weak electrode that are swapped: the amplifier of the strong one seems silent.
+ * Name both as swapped, and do likewise with sensors.
+ */
+static void complete_swaps(const axis *axis)
+{
+    for (uint32_t line = 0; line < axis->lines; line++) {
+        const uint32_t other = axis->line[line].other;
+        const bool is_swapped = axis->line[line].state == PZS_WIRING_SWAPPED && other < axis->lines;
+        if (!is_swapped || axis->line[other].state != PZS_WIRING_SILENT)
+            continue;
+        axis->line[other].state = PZS_WIRING_SWAPPED;
+        axis->line[other].other = (uint16_t)line;
+    }
+}
+
+static void give_verdict(pzs_selftest *selftest)
+{
+    const axis columns = columns_of(selftest), rows = rows_of(selftest);
+    pzs_selftest_core *core = &selftest->state.core[0];
+    complete_swaps(&columns);
+    complete_swaps(&rows);
+    selftest->info.findings = (uint16_t)(count_findings(&columns) + count_findings(&rows));
+    core->verdict = core->disturbed != 0 ? PZS_SELFTEST_DISTURBED : PZS_SELFTEST_PASSED;
+    if (selftest->info.findings > 0)
+        core->verdict = PZS_SELFTEST_FAULTY;
+}
+
+/*
+ * Make one tick of the evaluation: pairs of lines first, because a swap of two strong sensors would
+ * otherwise spoil the columns of electrodes near them.
+ */
+static void evaluate(pzs_selftest *selftest, uint32_t tick)
+{
+    const pzs_selftest_tables *tables = selftest->state.tables;
+    const uint32_t lines = (uint32_t)tables->inputs + tables->sensors;
+    if (tick == 0)
+        begin_evaluation(selftest);
+    else if (tick <= lines)
+        compare_pairs(selftest, tick - 1u);
+    else
+        name_worst(selftest);
+    if (tick > 2u * lines)
+        give_verdict(selftest);
+}
+
+pzs_status pzs_selftest_accept(pzs_selftest *selftest)
+{
+    if (selftest == NULL)
+        return PZS_E_ARGUMENT;
+    if (selftest->state.control == NULL)
+        return PZS_E_STAGE;
+    pzs_control *control = selftest->state.control;
+    for (uint16_t j = 0; j < selftest->state.tables->inputs; j++) {
+        const uint8_t state = selftest->state.amplifier[j].state;
+        const pzs_real voltage = state == PZS_WIRING_SILENT ? 0 : control->state.voltage[j];
+        if (state >= PZS_WIRING_SILENT)
+            (void)pzs_hold(control, j, voltage);
+    }
+    for (int copy = 0; copy < 3; copy++)
+        selftest->state.core[copy].verdict = PZS_SELFTEST_ACCEPTED;
+    selftest->info.verdict = PZS_SELFTEST_ACCEPTED;
+    return PZS_OK;
+}
+
+/* ---- block ------------------------------------------------------------ */
+
+static size_t block_bytes(const void *tables, const pzs_problem *problem)
+{
+    const pzs_selftest_tables *selftest = tables;
+    (void)problem;
+    return PZS_SELFTEST_BLOCK_BYTES(selftest->inputs, selftest->sensors);
+}
+
+static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    const pzs_selftest_tables *selftest_tables = tables;
+    pzs_selftest *selftest = self;
+    const pzs_status status = check(selftest_tables, signals, &signals->where);
+    if (status != PZS_OK)
+        return status;
+    memset(selftest, 0,
+           PZS_SELFTEST_BLOCK_BYTES(selftest_tables->inputs, selftest_tables->sensors));
+    place(selftest, signals);
+    memcpy(selftest->state.start, signals->control->state.voltage,
+           selftest_tables->inputs * sizeof(pzs_real));
+    for (uint32_t i = 0; i < selftest_tables->sensors; i++)
+        selftest->state.last[i] = (pzs_real)NAN;
+    for (uint32_t k = 0; k < (uint32_t)selftest_tables->inputs + selftest_tables->sensors; k++) {
+        selftest->state.amplifier[k].other = PZS_WIRING_NONE;
+        selftest->state.amplifier[k].similar = PZS_WIRING_NONE;
+    }
+    selftest->info.gain = 1;
+    copy_core(selftest);
+    report(selftest);
+    return PZS_OK;
+}
+
+/* Make one tick of the test. */
+static void run(pzs_selftest *selftest, const pzs_real *readings)
+{
+    pzs_selftest_core *core = &selftest->state.core[0];
+    const uint32_t measuring = measuring_ticks(selftest->state.tables);
+    if (core->position < measuring)
+        measure(selftest, readings, core->position);
+    else
+        evaluate(selftest, core->position - measuring);
+    set_voltages(selftest, core->position);
+    core->position++;
+}
+
+static pzs_status block_tick(void *self, pzs_loop_signals *signals)
+{
+    pzs_selftest *selftest = self;
+    pzs_selftest_core *core = selftest->state.core;
+    pzs_guard_vote(&core[0], &core[1], &core[2], sizeof core[0]);
+    place(selftest, signals);
+    if (core->verdict == PZS_SELFTEST_RUNNING) {
+        run(selftest, signals->readings);
+        copy_core(selftest);
+    }
+    report(selftest);
+    if (core->verdict == PZS_SELFTEST_RUNNING)
+        return PZS_W_SELFTEST;
+    const bool is_refused =
+        core->verdict == PZS_SELFTEST_FAULTY || core->verdict == PZS_SELFTEST_DISTURBED;
+    return is_refused ? PZS_E_SELFTEST : PZS_OK;
+}
+
+static uint32_t block_parts(const void *tables, uint32_t number,
+                            pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc)
+{
+    const pzs_selftest_tables *table = tables;
+    *crc = table->crc;
+    return number == 0 ? list_parts(table, part) : 0;
+}
+
+const pzs_block_type pzs_selftest_block = {"selftest", PZS_PHASE_COMMISSION, block_bytes,
+                                           block_init, block_tick,           block_parts};

@@ -1,0 +1,676 @@
+/*
+ * Self-test of amplifiers, cables and sensors before a loop takes control. The structures vibrate,
+ * and differ from the tables: gain of the whole by up to a third, of each electrode by 10 %,
+ * frequencies by 10 %, 20 % hysteresis with a random past, noise, late readings, vibration from
+ * before the test.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
+#include "pzs.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include "../rigs/bridge.h"
+#include "../rigs/uniform.h"
+
+#ifndef RUNS
+#define RUNS 1 /* random runs of each fault on each structure */
+#endif
+#ifndef HEALTHY_RUNS
+#define HEALTHY_RUNS 3 /* random runs without a fault on each structure */
+#endif
+
+enum { MODES = 8, PLAYS = 4, LARGEST_DELAY = 3, PERIODS = 6 };
+
+static const double pi = 3.14159265358979323846;
+
+/* ---- structures ------------------------------------------------------- */
+
+typedef struct structure_kind {
+    const char *name, *scene, *change;
+    double rate, limit, step_limit, volts, ratio;
+    int every; /* every how many outputs one is a sensor */
+} structure_kind;
+
+static const structure_kind kinds[] = {
+    {"plate, 15 Hz at 1 kHz", "plate-50-patches", "loads=[{face: outer, pressure: 20}]", 1000, 300,
+     20, 5, 0.005, 4},
+    {"panel, 54 Hz at 1 kHz", "tests/rigs/scenes/storm-panel.yaml",
+     "loads=[{face: outer, pressure: 20}]", 1000, 150, 10, 5, 0.005, 4},
+    {"mirror, 1.6 kHz at 10 kHz", "mirror", "dynamics={damping: 0.01}", 10000, 50, 3.3, 2, 0.01, 6},
+};
+enum { KINDS = sizeof kinds / sizeof *kinds };
+
+/* A structure with its modes, and the tables of its self-test. */
+typedef struct structure {
+    const structure_kind *kind;
+    size_t inputs, sensors;
+    double *omega;     /* [MODES] angular frequencies (rad/s) */
+    double *influence; /* [sensors][inputs] static reading per volt */
+    double *shape;     /* [sensors][MODES] reading per modal coordinate */
+    double *modal;     /* [MODES][inputs] static modal coordinate per volt */
+    double noise;      /* stated noise of a reading (m) */
+    pzs_real *reals;
+    pzs_problem problem;
+    pzs_selftest_tables tables;
+} structure;
+
+static double *zeros(size_t count)
+{
+    double *vector = calloc(count + 1, sizeof *vector);
+    assert_non_null(vector);
+    return vector;
+}
+
+/* RMS, over sensors and inputs, of the influence matrix. */
+static double mean_influence(const structure *s)
+{
+    double sum = 0;
+    for (size_t k = 0; k < s->sensors * s->inputs; k++)
+        sum += s->influence[k] * s->influence[k];
+    return sqrt(sum / (double)(s->sensors * s->inputs));
+}
+
+static void fill(pzs_real *to, size_t count, double value)
+{
+    for (size_t k = 0; k < count; k++)
+        to[k] = (pzs_real)value;
+}
+
+/* Make the voltage problem and the tables of the self-test. */
+static void make_tables(structure *s)
+{
+    const structure_kind *kind = s->kind;
+    const size_t n = s->inputs, m = s->sensors;
+    const double mean = mean_influence(s), window = PERIODS * 2 * pi * kind->rate / s->omega[0];
+    pzs_real *at = s->reals = calloc(m * n + 5 * n + 3 * m, sizeof *at);
+    assert_non_null(at);
+    pzs_real *influence = at, *lower = influence + m * n, *upper = lower + n, *step = upper + n;
+    pzs_real *amplitude = step + n, *prefer = amplitude + n, *weight = prefer + n;
+    pzs_real *scale = weight + m, *noise = scale + m;
+    s->noise = 0.005 * mean * kind->volts;
+    for (size_t k = 0; k < m * n; k++)
+        influence[k] = (pzs_real)s->influence[k];
+    fill(lower, n, -kind->limit);
+    fill(upper, n, kind->limit);
+    fill(step, n, kind->step_limit);
+    fill(amplitude, n, kind->volts);
+    fill(weight, m, 1);
+    fill(scale, m, 1 / mean);
+    fill(noise, m, 5 * s->noise);
+    s->problem = (pzs_problem){.scene = 1,
+                               .inputs = (uint16_t)n,
+                               .outputs = (uint16_t)m,
+                               .influence = influence,
+                               .weight = weight,
+                               .lower = lower,
+                               .upper = upper,
+                               .step_limit = step,
+                               .reference_voltage = prefer};
+    s->tables = (pzs_selftest_tables){.scene = 1,
+                                      .inputs = (uint16_t)n,
+                                      .sensors = (uint16_t)m,
+                                      .window = (uint16_t)fmax(ceil(window), 64),
+                                      .amplitude = amplitude,
+                                      .scale = scale,
+                                      .noise = noise,
+                                      .tolerance = PZS_R(0.5)};
+    assert_int_equal(pzs_problem_seal(&s->problem), PZS_OK);
+    assert_int_equal(pzs_selftest_seal(&s->tables), PZS_OK);
+}
+
+static void open_structure(structure *s, const structure_kind *kind)
+{
+    bridge tables;
+    bridge_modes modes;
+    char error[400];
+    memset(s, 0, sizeof *s);
+    s->kind = kind;
+    if (bridge_open(&tables, kind->scene, &kind->change, 1, error) < 0 ||
+        bridge_modes_open(&modes, &tables, MODES, error) < 0)
+        fail_msg("%s: %s", kind->name, error);
+    const size_t all = (size_t)tables.input.count;
+    s->inputs = (size_t)tables.amplifiers;
+    s->sensors = (size_t)(tables.targets / kind->every);
+    s->omega = zeros(MODES);
+    s->influence = zeros(s->sensors * s->inputs);
+    s->shape = zeros(s->sensors * MODES);
+    s->modal = zeros(MODES * s->inputs);
+    memcpy(s->omega, modes.frequency, MODES * sizeof *s->omega);
+    memcpy(s->modal, modes.modal, MODES * s->inputs * sizeof *s->modal);
+    for (size_t i = 0; i < s->sensors; i++) {
+        const size_t row = i * (size_t)kind->every + (size_t)kind->every - 1;
+        memcpy(s->influence + i * s->inputs, tables.influence + row * all,
+               s->inputs * sizeof(double));
+        memcpy(s->shape + i * MODES, modes.shape + row * MODES, MODES * sizeof(double));
+    }
+    bridge_modes_close(&modes);
+    bridge_close(&tables);
+    make_tables(s);
+}
+
+static void close_structure(structure *s)
+{
+    free(s->omega);
+    free(s->influence);
+    free(s->shape);
+    free(s->modal);
+    free(s->reals);
+}
+
+/* ---- plant ------------------------------------------------------------ */
+
+typedef enum fault {
+    NONE,
+    DEAD,
+    REVERSED,
+    SWAPPED,
+    WEAK,
+    STRONG,
+    SENSOR_SILENT,
+    SENSOR_MISSING,
+    SENSOR_REVERSED,
+    SENSOR_SWAPPED,
+    SENSOR_NOISY,
+    FAULTS
+} fault;
+
+static const char *const fault_name[FAULTS] = {
+    "none",          "dead",           "reversed",        "swapped",        "weak",        "strong",
+    "sensor silent", "sensor missing", "sensor reversed", "sensor swapped", "sensor noisy"};
+
+static bool is_of_sensor(fault fault)
+{
+    return fault >= SENSOR_SILENT;
+}
+
+/* Differences between a plant and its model, and one fault. */
+typedef struct plant {
+    const structure *structure;
+    fault fault;
+    size_t one, other;                       /* amplifiers or sensors with the fault */
+    double frequency, hysteresis, vibration; /* `vibration`: amplitude before the test, relative to
+                                                the response to a pulse */
+    int delay;
+    double *gain;                /* [inputs] gain of each electrode */
+    double *play;                /* [inputs][PLAYS] plays of the ceramic (V) */
+    double *acting;              /* [inputs] acting voltages (V) */
+    double *position, *velocity; /* [MODES] deviation from the equilibrium, and scaled velocity */
+    double turn[MODES][2];       /* decay times cosine and sine of a tick */
+    double *still;               /* [sensors] static readings */
+    double *history;             /* [LARGEST_DELAY + 1][sensors] readings of the last ticks */
+    int tick;
+    unsigned seed;
+} plant;
+
+static void open_plant(plant *p, const structure *s, unsigned seed, fault fault)
+{
+    const size_t n = s->inputs, m = s->sensors, lines = is_of_sensor(fault) ? m : n;
+    memset(p, 0, sizeof *p);
+    p->structure = s;
+    p->seed = seed;
+    p->fault = fault;
+    p->one = (size_t)uniform(&p->seed, 0, (double)lines);
+    p->other = (p->one + 1 + (size_t)uniform(&p->seed, 0, (double)(lines - 1))) % lines;
+    p->frequency = uniform(&p->seed, 0.9, 1.1);
+    p->hysteresis = 0.2;
+    p->delay = (int)uniform(&p->seed, 0, LARGEST_DELAY + 1);
+    p->vibration = uniform(&p->seed, 0, 0.5);
+    p->gain = zeros(n);
+    p->play = zeros(n * PLAYS);
+    p->acting = zeros(n);
+    p->position = zeros(MODES);
+    p->velocity = zeros(MODES);
+    p->still = zeros(m);
+    p->history = zeros((LARGEST_DELAY + 1) * m);
+    const double gain = uniform(&p->seed, 0.67, 1.33);
+    for (size_t j = 0; j < n; j++)
+        p->gain[j] = gain * uniform(&p->seed, 0.9, 1.1);
+    for (size_t k = 0; k < n * PLAYS; k++)
+        p->play[k] =
+            s->kind->limit * (double)(k % PLAYS + 1) / (2 * PLAYS) * uniform(&p->seed, -1, 1);
+    for (size_t k = 0; k < MODES; k++) {
+        const double angle = s->omega[k] * p->frequency / s->kind->rate;
+        p->turn[k][0] = exp(-s->kind->ratio * angle) * cos(angle);
+        p->turn[k][1] = exp(-s->kind->ratio * angle) * sin(angle);
+    }
+}
+
+static void close_plant(plant *p)
+{
+    free(p->gain);
+    free(p->play);
+    free(p->acting);
+    free(p->position);
+    free(p->velocity);
+    free(p->still);
+    free(p->history);
+}
+
+/* Amplifier whose cable leads to electrode j. */
+static size_t amplifier_of(const plant *p, size_t j)
+{
+    if (p->fault != SWAPPED)
+        return j;
+    if (j == p->one)
+        return p->other;
+    return j == p->other ? p->one : j;
+}
+
+static double wire_gain(const plant *p, size_t j)
+{
+    static const double gain[FAULTS] = {[DEAD] = 0, [REVERSED] = -1, [WEAK] = 0.35, [STRONG] = 2.2};
+    return p->fault >= DEAD && p->fault <= STRONG && p->fault != SWAPPED && j == p->one
+               ? gain[p->fault]
+               : 1;
+}
+
+/* Voltage that acts on the ceramic of electrode j (V). */
+static double act(plant *p, size_t j, double voltage)
+{
+    double mean = 0;
+    for (int i = 0; i < PLAYS; i++) {
+        const double slack = p->structure->kind->limit * (i + 1) / (2 * PLAYS);
+        double *play = &p->play[j * PLAYS + (size_t)i];
+        *play = fmin(fmax(*play, voltage - slack), voltage + slack);
+        mean += *play / PLAYS;
+    }
+    return voltage + p->hysteresis * 16 / 5 * (mean - voltage);
+}
+
+/* Let the amplifiers give voltages: the equilibrium of the modes jumps. */
+static void apply(plant *p, const pzs_real *voltage, bool is_first)
+{
+    const structure *s = p->structure;
+    for (size_t j = 0; j < s->inputs; j++) {
+        const double wired = wire_gain(p, j) * (double)voltage[amplifier_of(p, j)];
+        const double acting = p->gain[j] * act(p, j, wired);
+        const double change = acting - p->acting[j];
+        p->acting[j] = acting;
+        if (change == 0)
+            continue;
+        for (size_t i = 0; i < s->sensors; i++)
+            p->still[i] += s->influence[i * s->inputs + j] * change;
+        for (size_t k = 0; k < MODES && !is_first; k++)
+            p->position[k] -= s->modal[k * s->inputs + j] * change;
+    }
+}
+
+/* Vibration in the first three modes, as if pulses of random amplifiers were just released. */
+static void shake(plant *p)
+{
+    const structure *s = p->structure;
+    for (size_t k = 0; k < 3; k++) {
+        const size_t j = (size_t)uniform(&p->seed, 0, (double)s->inputs);
+        p->position[k] =
+            p->vibration * s->kind->volts * s->modal[k * s->inputs + j] * (k == 0 ? 1 : 0.3);
+    }
+}
+
+static void advance(plant *p)
+{
+    for (size_t k = 0; k < MODES; k++) {
+        const double d = p->position[k], v = p->velocity[k];
+        p->position[k] = p->turn[k][0] * d + p->turn[k][1] * v;
+        p->velocity[k] = p->turn[k][0] * v - p->turn[k][1] * d;
+    }
+}
+
+static double normal(unsigned *seed)
+{
+    double sum = -2;
+    for (int i = 0; i < 4; i++)
+        sum += uniform(seed, 0, 1);
+    return sum * sqrt(3);
+}
+
+/* Sensor whose place sensor i measures. */
+static size_t place_of(const plant *p, size_t i)
+{
+    if (p->fault != SENSOR_SWAPPED)
+        return i;
+    if (i == p->one)
+        return p->other;
+    return i == p->other ? p->one : i;
+}
+
+static double faulty_reading(const plant *p, double reading, double noise)
+{
+    switch (p->fault) {
+    case SENSOR_SILENT: return noise;
+    case SENSOR_MISSING: return (double)NAN;
+    case SENSOR_REVERSED: return noise - reading;
+    case SENSOR_NOISY: return reading + 20 * noise;
+    default: return reading + noise;
+    }
+}
+
+/* Readings of `delay` ticks ago, with noise and faults. */
+static void look(plant *p, pzs_real *readings)
+{
+    const structure *s = p->structure;
+    double *now = p->history + (size_t)(p->tick % (LARGEST_DELAY + 1)) * s->sensors;
+    const int then = p->tick > p->delay ? p->tick - p->delay : 0;
+    const double *old = p->history + (size_t)(then % (LARGEST_DELAY + 1)) * s->sensors;
+    for (size_t i = 0; i < s->sensors; i++) {
+        now[i] = p->still[i];
+        for (size_t k = 0; k < MODES; k++)
+            now[i] += s->shape[i * MODES + k] * p->position[k];
+    }
+    for (size_t i = 0; i < s->sensors; i++) {
+        const double reading = old[place_of(p, i)], noise = s->noise * normal(&p->seed);
+        const bool is_faulty = is_of_sensor(p->fault) && i == p->one;
+        readings[i] = (pzs_real)(is_faulty ? faulty_reading(p, reading, noise) : reading + noise);
+    }
+    p->tick++;
+}
+
+/* ---- one test --------------------------------------------------------- */
+
+typedef struct outcome {
+    pzs_status status;
+    pzs_selftest_verdict verdict;
+    size_t findings;
+    pzs_wiring one, other; /* findings about the faulty amplifier or sensor, and its partner */
+} outcome;
+
+/* Run the self-test as the first block of a loop. */
+static outcome run_wiring_test(structure *s, plant *p)
+{
+    const size_t n = s->inputs;
+    s->tables.delay = (uint16_t)p->delay;
+    assert_int_equal(pzs_selftest_seal(&s->tables), PZS_OK);
+    const pzs_block blocks[] = {{&pzs_selftest_block, &s->tables}, {&pzs_step_block, &s->problem}};
+    const size_t bytes = PZS_LOOP_BYTES(2, n) + PZS_STEP_BLOCK_BYTES(n, s->sensors) +
+                         PZS_SELFTEST_BLOCK_BYTES(n, s->sensors);
+    void *work = malloc(bytes);
+    pzs_real *readings = calloc(s->sensors, sizeof *readings);
+    pzs_real *before = calloc(n, sizeof *before);
+    pzs_loop loop;
+    assert_true(work && readings && before);
+    assert_int_equal(pzs_loop_init(&loop, blocks, 2, NULL, work, bytes), PZS_OK);
+    pzs_real *start = calloc(n, sizeof *start);
+    for (size_t j = 0; j < n; j++)
+        start[j] = (pzs_real)uniform(&p->seed, -0.3 * s->kind->limit, 0.3 * s->kind->limit);
+    assert_int_equal(pzs_loop_start(&loop, start), PZS_OK);
+    const pzs_selftest *selftest = pzs_loop_find(&loop, &pzs_selftest_block);
+    const uint32_t ticks = PZS_SELFTEST_TICKS(n, s->sensors, s->tables.window, s->tables.delay);
+    pzs_status status = PZS_W_SELFTEST;
+    apply(p, start, true);
+    shake(p);
+    for (uint32_t tick = 1; tick <= ticks; tick++) {
+        assert_int_equal(status, PZS_W_SELFTEST);
+        look(p, readings);
+        memcpy(before, loop.info.voltage, n * sizeof *before);
+        assert_int_equal(selftest->info.remaining, ticks + 1 - tick);
+        status = pzs_loop_tick(&loop, readings, readings);
+        for (size_t j = 0; j < n; j++) {
+            const pzs_real voltage = loop.info.voltage[j];
+            assert_true(voltage >= s->problem.lower[j] && voltage <= s->problem.upper[j]);
+            if (tick < ticks)
+                assert_true(fabs((double)voltage - (double)before[j]) <= s->kind->step_limit);
+        }
+        apply(p, loop.info.voltage, false);
+        advance(p);
+    }
+    assert_int_not_equal(status, PZS_W_SELFTEST);
+    if (PZS_IS_ERROR(status))
+        assert_memory_equal(loop.info.voltage, start, n * sizeof *start);
+    outcome outcome = {.status = status, .verdict = selftest->info.verdict};
+    for (size_t k = 0; k < n + s->sensors; k++) {
+        const pzs_wiring *wiring =
+            k < n ? &selftest->info.amplifier[k] : &selftest->info.sensor[k - n];
+        outcome.findings += wiring->state >= PZS_WIRING_SILENT;
+    }
+    assert_int_equal(outcome.findings, selftest->info.findings);
+    const pzs_wiring *lines =
+        is_of_sensor(p->fault) ? selftest->info.sensor : selftest->info.amplifier;
+    outcome.one = lines[p->one];
+    outcome.other = lines[p->other];
+    free(work);
+    free(readings);
+    free(before);
+    free(start);
+    return outcome;
+}
+
+static bool is_swap(const plant *p, const outcome *found)
+{
+    return found->one.state == PZS_WIRING_SWAPPED && found->other.state == PZS_WIRING_SWAPPED &&
+           found->one.other == p->other && found->other.other == p->one && found->findings == 2;
+}
+
+static bool is_similar(const plant *p, const outcome *found)
+{
+    return found->findings == 0 &&
+           (found->one.similar == p->other || found->other.similar == p->one);
+}
+
+/* Whether the test has named the fault, and nothing else. */
+static bool is_right(const plant *p, const outcome *found)
+{
+    static const pzs_wiring_state expected[FAULTS] = {[DEAD] = PZS_WIRING_SILENT,
+                                                      [REVERSED] = PZS_WIRING_REVERSED,
+                                                      [WEAK] = PZS_WIRING_GAIN,
+                                                      [STRONG] = PZS_WIRING_GAIN,
+                                                      [SENSOR_SILENT] = PZS_WIRING_SILENT,
+                                                      [SENSOR_MISSING] = PZS_WIRING_SILENT,
+                                                      [SENSOR_REVERSED] = PZS_WIRING_REVERSED,
+                                                      [SENSOR_NOISY] = PZS_WIRING_NOISY};
+    if (p->fault == NONE)
+        return found->findings == 0 &&
+               (found->verdict == PZS_SELFTEST_PASSED || found->verdict == PZS_SELFTEST_DISTURBED);
+    if (p->fault == SWAPPED || p->fault == SENSOR_SWAPPED)
+        return is_swap(p, found) || is_similar(p, found);
+    return found->findings == 1 && found->one.state == expected[p->fault] &&
+           found->verdict == PZS_SELFTEST_FAULTY && found->status == PZS_E_SELFTEST;
+}
+
+/* Whether the test says that it cannot judge the faulty amplifier or sensor. */
+static bool is_unjudged(const plant *p, const outcome *found)
+{
+    const bool is_hidden = found->one.state == PZS_WIRING_UNOBSERVABLE;
+    return p->fault != NONE && found->findings == 0 && is_hidden;
+}
+
+/* Runs of one fault on one structure: those that were named wrongly, and those not judged. */
+typedef struct tally {
+    int runs, wrong, unjudged, similar, disturbed;
+} tally;
+
+static tally try_fault(structure *s, fault fault, int runs)
+{
+    tally tally = {.runs = runs};
+    for (int run = 0; run < runs; run++) {
+        plant p;
+        open_plant(&p, s, 1000u * (unsigned)run + (unsigned)fault, fault);
+        const outcome found = run_wiring_test(s, &p);
+        const bool is_hidden = is_unjudged(&p, &found);
+        tally.unjudged += is_hidden;
+        tally.wrong += !is_hidden && !is_right(&p, &found);
+        tally.similar += is_similar(&p, &found);
+        tally.disturbed += found.verdict == PZS_SELFTEST_DISTURBED;
+        close_plant(&p);
+    }
+    return tally;
+}
+
+/*
+ * Each single fault is named, and nothing else, in 99 % of all runs; without a fault there is no
+ * finding in any run. The voltages stay inside voltage limits and step limits, and end where they
+ * began, after the stated number of ticks.
+ */
+static void test_faults(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < KINDS; kind++) {
+        structure s;
+        open_structure(&s, &kinds[kind]);
+        for (int fault = 0; fault < FAULTS; fault++) {
+            const tally tally =
+                try_fault(&s, (enum fault)fault, fault == NONE ? HEALTHY_RUNS : RUNS);
+            if (RUNS > 1)
+                printf("  %-26s %-15s: %4d runs, %d wrong, %d not judged, %d indistinguishable, "
+                       "%d disturbed\n",
+                       kinds[kind].name, fault_name[fault], tally.runs, tally.wrong, tally.unjudged,
+                       tally.similar, tally.disturbed);
+            assert_true(100 * tally.wrong <= (fault == NONE ? 0 : tally.runs));
+            assert_true(4 * tally.unjudged <= tally.runs + 3);
+        }
+        close_structure(&s);
+    }
+}
+
+/* Vibration that hides the responses is told, and no healthy part is called faulty. */
+static void test_vibration(void **state)
+{
+    structure s;
+    (void)state;
+    open_structure(&s, &kinds[1]);
+    for (int run = 0; run < HEALTHY_RUNS; run++) {
+        plant p;
+        open_plant(&p, &s, 77u + (unsigned)run, NONE);
+        p.vibration = 1000;
+        const outcome found = run_wiring_test(&s, &p);
+        assert_int_equal(found.findings, 0);
+        assert_int_equal(found.verdict, PZS_SELFTEST_DISTURBED);
+        assert_int_equal(found.status, PZS_E_SELFTEST);
+        close_plant(&p);
+    }
+    close_structure(&s);
+}
+
+/* A loop of the self-test and the step, on a plant that is not there: all readings are zero. */
+typedef struct still_loop {
+    pzs_block block[2];
+    void *work;
+    pzs_real *zero;
+    pzs_loop loop;
+    uint32_t ticks;
+} still_loop;
+
+static void open_still(still_loop *still, structure *s)
+{
+    const size_t bytes = PZS_LOOP_BYTES(2, s->inputs) +
+                         PZS_STEP_BLOCK_BYTES(s->inputs, s->sensors) +
+                         PZS_SELFTEST_BLOCK_BYTES(s->inputs, s->sensors);
+    still->block[0] = (pzs_block){&pzs_selftest_block, &s->tables};
+    still->block[1] = (pzs_block){&pzs_step_block, &s->problem};
+    still->work = malloc(bytes);
+    still->zero = calloc(s->sensors, sizeof *still->zero);
+    assert_true(still->work && still->zero);
+    assert_int_equal(pzs_loop_init(&still->loop, still->block, 2, NULL, still->work, bytes),
+                     PZS_OK);
+    still->ticks = PZS_SELFTEST_TICKS(s->inputs, s->sensors, s->tables.window, s->tables.delay);
+}
+
+static void close_still(still_loop *still)
+{
+    free(still->work);
+    free(still->zero);
+}
+
+/*
+ * Without any response all amplifiers are silent, and the loop refuses to run until the program
+ * accepts: then all silent amplifiers are held at 0 V, and the loop runs.
+ */
+static void test_acceptance(void **state)
+{
+    structure s;
+    still_loop still;
+    (void)state;
+    open_structure(&s, &kinds[1]);
+    open_still(&still, &s);
+    pzs_selftest *selftest = pzs_loop_find(&still.loop, &pzs_selftest_block);
+    pzs_status status = PZS_OK;
+    for (uint32_t tick = 0; tick < still.ticks; tick++)
+        status = pzs_loop_tick(&still.loop, still.zero, tick % 5 == 0 ? NULL : still.zero);
+    for (int again = 0; again < 3; again++) {
+        assert_int_equal(status, PZS_E_SELFTEST);
+        assert_ptr_equal(still.loop.info.block, &pzs_selftest_block);
+        status = pzs_loop_tick(&still.loop, still.zero, still.zero);
+    }
+    for (size_t j = 0; j < s.inputs; j++)
+        assert_int_equal(selftest->info.amplifier[j].state, PZS_WIRING_SILENT);
+    assert_int_equal(selftest->info.verdict, PZS_SELFTEST_FAULTY);
+    assert_int_equal(pzs_selftest_accept(NULL), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_selftest_accept(selftest), PZS_OK);
+    assert_false(PZS_IS_ERROR(pzs_loop_tick(&still.loop, still.zero, still.zero)));
+    for (size_t j = 0; j < s.inputs; j++)
+        assert_true(still.loop.info.control->info.lower[j] >= 0 &&
+                    still.loop.info.control->info.upper[j] <= 0);
+    close_still(&still);
+    close_structure(&s);
+}
+
+/* An accepted test that is under way ends at once, and no voltage jumps. */
+static void test_early_acceptance(void **state)
+{
+    structure s;
+    still_loop still;
+    (void)state;
+    open_structure(&s, &kinds[1]);
+    open_still(&still, &s);
+    for (uint32_t tick = 0; tick < still.ticks / 3; tick++)
+        assert_int_equal(pzs_loop_tick(&still.loop, still.zero, still.zero), PZS_W_SELFTEST);
+    assert_int_equal(pzs_selftest_accept(pzs_loop_find(&still.loop, &pzs_selftest_block)), PZS_OK);
+    assert_false(PZS_IS_ERROR(pzs_loop_tick(&still.loop, still.zero, still.zero)));
+    close_still(&still);
+    close_structure(&s);
+}
+
+/* Status of the initialisation of a loop with tables of the self-test. */
+static pzs_status init_status(const structure *s, const pzs_selftest_tables *tables)
+{
+    static pzs_real work[200000];
+    const pzs_block blocks[] = {{&pzs_selftest_block, tables}, {&pzs_step_block, &s->problem}};
+    pzs_loop loop;
+    return pzs_loop_init(&loop, blocks, 2, NULL, work, sizeof work);
+}
+
+/* Tables that do not fit, are damaged or would break a limit are refused. */
+static void test_bad_tables(void **state)
+{
+    structure s;
+    (void)state;
+    open_structure(&s, &kinds[1]);
+    pzs_selftest_tables tables = s.tables;
+    assert_int_equal(init_status(&s, &tables), PZS_OK);
+    tables.window = PZS_SELFTEST_WINDOW - 1;
+    assert_int_equal(init_status(&s, &tables), PZS_E_CRC);
+    assert_int_equal(pzs_selftest_seal(&tables), PZS_OK);
+    assert_int_equal(init_status(&s, &tables), PZS_E_ARGUMENT);
+    tables = s.tables;
+    tables.scene++;
+    assert_int_equal(init_status(&s, &tables), PZS_E_FORMAT);
+    tables = s.tables;
+    tables.sensors--;
+    assert_int_equal(init_status(&s, &tables), PZS_E_ARGUMENT);
+    tables = s.tables;
+    tables.tolerance = (pzs_real)NAN;
+    assert_int_equal(pzs_selftest_seal(&tables), PZS_OK);
+    assert_int_equal(init_status(&s, &tables), PZS_E_NONFINITE);
+    tables = s.tables;
+    tables.amplitude = s.problem.upper;
+    tables.window = PZS_SELFTEST_WINDOW;
+    assert_int_equal(pzs_selftest_seal(&tables), PZS_OK);
+    assert_int_equal(init_status(&s, &tables), PZS_E_LIMITS);
+    tables.amplitude = NULL;
+    assert_int_equal(pzs_selftest_seal(&tables), PZS_E_ARGUMENT);
+    assert_int_equal(pzs_selftest_seal(NULL), PZS_E_ARGUMENT);
+    close_structure(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_faults),     cmocka_unit_test(test_vibration),
+        cmocka_unit_test(test_acceptance), cmocka_unit_test(test_early_acceptance),
+        cmocka_unit_test(test_bad_tables),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
