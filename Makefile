@@ -251,7 +251,7 @@ hard: $(B)/64/host.a $(B)/64/libpiezoshape.a
 	    -o $(B)/hard && $(B)/hard
 
 # 20,000 mutated scenes, 20,000 mutated mesh files and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched,
-# a million flipped bits, a million ticks of random faults under the supervisor.
+# a million flipped bits, a million ticks of random faults under the supervisor, 4,000 self-tests with and without a fault.
 check-long: setup-test
 	@$(MAKE) --no-print-directory -s -j2 all san unit
 	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_scene.c $(B)/san64/host.a $(B)/san64/libpiezoshape.a \
@@ -266,6 +266,9 @@ check-long: setup-test
 	    tests/unit/test_flips.c $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-flips && $(B)/long-flips || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_supervisor.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-supervisor && $(B)/long-supervisor || exit 1; done
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DRUNS=100 -DHEALTHY_RUNS=340 $(INCLUDE) \
+	    tests/unit/test_selftest.c $(B)/$$bits/bridge64.o $(B)/$$bits/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-selftest \
+	    && $(B)/long-selftest || exit 1; done
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DFAULT_TICKS=1000000 $(FOLDERS) $(INCLUDE) \
 	    tests/unit/test_simulate.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-simulate \
 	    && $(B)/long-simulate

@@ -980,21 +980,21 @@ extern const pzs_block_type pzs_fault_detector_block;
 /* ---- self-test of the wiring before the loop starts (lib/control/selftest.c) */
 
 /*
- * The self-test moves each amplifier in turn by a few volts and compares the readings with the
- * influence matrix. It tells amplifiers and sensors that do not respond, are reversed, swapped or
- * off in gain, before the loop takes control. A program needs no call for it:
+ * The self-test moves each amplifier in turn by a small voltage and compares the readings with
+ * the influence matrix. It tells amplifiers and sensors that do not respond, are reversed, swapped
+ * or off in gain, before the loop takes control. A program needs no call for it:
  *
  *     status = pzs_loop_init(&loop, mirror_blocks, MIRROR_BLOCKS, NULL, work, sizeof work);
  *     while (!PZS_IS_ERROR(status)) { ... status = pzs_loop_tick(&loop, wanted, readings); ... }
  *
- * The first PZS_SELFTEST_TICKS ticks return PZS_W_SELFTEST, and no other block runs. If all is
- * well, the next tick is the first one in control. Otherwise every tick returns PZS_E_SELFTEST at
- * the voltages before the test, pzs_loop_find(&loop, &pzs_selftest_block) has the findings, and
- * pzs_selftest_accept lets the loop run all the same.
+ * The test takes PZS_SELFTEST_TICKS ticks. All but the last one return PZS_W_SELFTEST, and no other
+ * block runs. If all is well, the last one is the first tick in control. Otherwise it and all later
+ * ticks return PZS_E_SELFTEST at the voltages before the test, pzs_loop_find(&loop,
+ * &pzs_selftest_block) has the findings, and pzs_selftest_accept lets the loop run all the same.
  *
- * A pulse lasts pzs_selftest_tables.window ticks. Its shape leaves less than 1 % of its height as
- * vibration of a mode with at least 5.4 periods in a pulse, and its evaluation is blind to constant
- * loads, to a linear drift, and to 97 % of such a vibration from other causes. The voltages obey
+ * A pulse lasts pzs_selftest_tables.pulse_ticks ticks. Its shape leaves less than 1 % of its height
+ * as vibration of a mode with at least 5.4 periods in a pulse, and its evaluation suppresses
+ * constant loads, a linear drift, and 97 % of such a vibration from other causes. The voltages obey
  * voltage limits and step limits, and end where they began.
  */
 typedef enum pzs_wiring_state {
@@ -1029,21 +1029,21 @@ typedef struct pzs_selftest_tables {
                                pzs_selftest_seal */
     uint16_t inputs, sensors;
     uint16_t delay;            /* age of the readings (ticks), at most PZS_DELAY_LIMIT */
-    uint16_t window;           /* duration of a pulse (ticks), at least PZS_SELFTEST_WINDOW */
+    uint16_t pulse_ticks;      /* duration of a pulse (ticks), at least PZS_LEAST_PULSE_TICKS */
     const pzs_real *direct;    /* [sensors][inputs] static reading of each sensor per volt on each
-                                  input; NULL: the sensors are the outputs, and the influence matrix is
-                                  used */
+                                  input; NULL: the sensors are the outputs, and the static readings
+                                  are the entries of the influence matrix */
     const pzs_real *amplitude; /* [inputs] height of a pulse, at most half the voltage range and a
-                                  quarter of `window` times the step limit (V); 0: not tested */
-    const pzs_real *scale; /* [sensors] factor, at least 0, that makes readings of different units
-                              comparable (1 / unit of each sensor) */
-    const pzs_real *noise; /* [sensors] largest plausible RMS noise of each sensor (unit of each
-                              sensor) */
-    pzs_real tolerance;    /* largest plausible deviation of a gain from the mean gain of all
-                              amplifiers, relative to the latter, above 0 (1) */
+                                  quarter of pulse_ticks times the step limit (V); 0: not tested */
+    const pzs_real *scale;   /* [sensors] factor, at least 0, that makes readings of different units
+                                comparable (1 / unit of each sensor) */
+    const pzs_real *noise;   /* [sensors] largest plausible RMS noise of each sensor (unit of each
+                                sensor) */
+    pzs_real gain_tolerance; /* largest plausible deviation of a gain from the mean gain of all
+                           amplifiers, relative to the latter, above 0 (1) */
 } pzs_selftest_tables;
 
-#define PZS_SELFTEST_WINDOW 16u /* shortest duration of a pulse (ticks) */
+#define PZS_LEAST_PULSE_TICKS 16u /* shortest duration of a pulse (ticks) */
 
 /* Write format number and checksum into tables of the self-test. Errors: PZS_E_ARGUMENT. */
 pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
@@ -1054,8 +1054,8 @@ pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
  * evaluation. An evaluation tick takes at most 16
  * inputs * sensors multiply-adds, every other tick 8 operations for each sensor and input.
  */
-#define PZS_SELFTEST_TICKS(inputs, sensors, window, delay)                                         \
-    (((uint32_t)(inputs) + 4u) * (uint32_t)(window) + (uint32_t)(delay) +                          \
+#define PZS_SELFTEST_TICKS(inputs, sensors, pulse_ticks, delay)                                    \
+    (((uint32_t)(inputs) + 4u) * (uint32_t)(pulse_ticks) + (uint32_t)(delay) +                     \
      2u * ((uint32_t)(inputs) + (uint32_t)(sensors)) + 3u)
 
 typedef enum pzs_selftest_verdict {

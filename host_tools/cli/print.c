@@ -14,6 +14,8 @@
 #include "print_springs.h"
 #include "print_vibration.h"
 #include "../model/tick_work.h"
+#include "../model/wiring_test.h"
+#include "../tables/loop_blocks.h"
 #include "../text/words.h"
 #include "../tables/tables.h"
 
@@ -195,6 +197,23 @@ static void print_tick_work_json(json *json, const design *design)
     json_close(json, '}');
 }
 
+/* Print the duration of the self-test before the loop takes control, where the scene has one. */
+static void print_selftest(const analysis *analysis)
+{
+    estimator estimator;
+    wiring_test wiring;
+    char text[SCENE_ERROR];
+    if (!(analysis->design.safety.amplitude > 0) || estimator_open(&estimator, analysis, text) < 0)
+        return;
+    const bool is_few = loop_estimates(&analysis->design);
+    if (wiring_test_open(&wiring, analysis, is_few ? &estimator : NULL) && wiring.is_used) {
+        wiring_test_text(&wiring, analysis, text);
+        printf("  %s\n", text);
+    }
+    wiring_test_close(&wiring);
+    estimator_close(&estimator);
+}
+
 void print_check(const analysis *analysis)
 {
     tables_size size;
@@ -213,6 +232,7 @@ void print_check(const analysis *analysis)
     puts("  RAM: with the whole control loop and all its blocks (PREFIX_LOOP_BYTES)\n");
     print_tick_work(&analysis->design);
     print_certificate(&analysis->certificate);
+    print_selftest(analysis);
     puts("\n  the scene is valid");
 }
 

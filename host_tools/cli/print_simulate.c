@@ -229,6 +229,16 @@ static void print_count(const simulation *simulation, simulate_law law)
                run ? (double)count->iterations / (double)run : 0, count->iterations_most);
 }
 
+/* Print that the self-test before the schedule has found nothing. */
+static void print_selftest(const simulation *simulation)
+{
+    char text[SCENE_ERROR];
+    if (!simulation->wiring.is_used)
+        return;
+    wiring_test_text(&simulation->wiring, simulation->nominal, text);
+    printf("  %s: passed\n", text);
+}
+
 /* Print the largest error of the shape that the controller estimates from few sensors. */
 static void print_estimated(const simulation *simulation)
 {
@@ -276,6 +286,7 @@ void print_simulation(const simulation *simulation, const simulate_record *recor
     print_phases(simulation);
     if (simulation->plant.has_inertia)
         print_history(record, simulation->nominal->design.control.rate);
+    print_selftest(simulation);
     print_count(simulation, LAW_CONTROLLER);
     print_estimated(simulation);
     print_detected(simulation);

@@ -677,6 +677,10 @@ typedef struct scene_safety {
     int ramp_ticks; /* shortest duration of the voltage ramp to the park voltages (ticks) */
     bool waits; /* true: the control loop waits for a command before it starts; false: it starts by
                    itself */
+    double amplitude;      /* height of the pulses of the self-test (V); 0: no self-test */
+    double gain_tolerance; /* largest plausible deviation of an amplifier's gain from the mean gain
+                        of all amplifiers, relative to the latter, in the self-test */
+    int pulse_ticks; /* duration of a pulse of the self-test (ticks); 0: from the first mode */
 } scene_safety;
 
 enum { SCENE_PLAYS = 32, SCENE_CREEPS = 8 };

@@ -192,8 +192,11 @@ static int prepare_controller(simulation *simulation, char *error)
     simulation->blocks = calloc(1, sizeof *simulation->blocks);
     if (!simulation->blocks)
         return no_memory(simulation->nominal, error);
+    if (!wiring_test_open(&simulation->wiring, simulation->nominal, few))
+        return no_memory(simulation->nominal, error);
     loop_blocks_fill(simulation->blocks, &simulation->nominal->design, &simulation->estimator,
                      &simulation->damper);
+    loop_blocks_test(simulation->blocks, &simulation->wiring);
     simulation->undamped_blocks = calloc(1, sizeof *simulation->undamped_blocks);
     if (!simulation->undamped_blocks)
         return no_memory(simulation->nominal, error);
@@ -296,6 +299,7 @@ void simulate_close(simulation *simulation)
     free(simulation->phase);
     estimator_close(&simulation->estimator);
     damper_close(&simulation->damper);
+    wiring_test_close(&simulation->wiring);
     free(simulation->blocks);
     free(simulation->undamped_blocks);
     device_remove(simulation->folder);
@@ -539,6 +543,7 @@ int simulate_run(simulation *simulation, simulate_law law, simulate_tick_callbac
             0;
     int failed = log_open(&record, simulation) ? 0 : no_memory(simulation->nominal, error);
     failed = loop_open(&loop, simulation, law, error) < 0 || failed ||
+             loop_selftest(&loop, error) < 0 ||
              run_ticks(simulation, &loop, &record, law, callback, context, error) < 0;
     loop_close(&loop);
     log_close(&record);

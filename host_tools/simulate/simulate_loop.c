@@ -370,7 +370,8 @@ static const pzs_block_type board_block = {"board",  PZS_PHASE_STEP, law_bytes,
 /*
  * Copy the block list of the scene. For clipped least squares, which has no vibration model, or for
  * a board, replace the library's step block (the block that computes the voltages), and omit all
- * blocks behind that block and the compensation of hysteresis. Returns the number of blocks.
+ * blocks behind that block, the self-test and the compensation of hysteresis. Returns the number of
+ * blocks.
  */
 static size_t list_blocks(loop *loop)
 {
@@ -382,7 +383,7 @@ static size_t list_blocks(loop *loop)
     if (loop->law == LAW_CONTROLLER && !is_board)
         return (size_t)all->count;
     for (int k = 0; all->block[k].type->phase != PZS_PHASE_STEP; k++)
-        if (all->block[k].type != &pzs_effect_block)
+        if (all->block[k].type != &pzs_effect_block && all->block[k].type != &pzs_selftest_block)
             loop->block[count++] = all->block[k];
     loop->tables = (law_tables){*loop->simulation->problem, loop};
     loop->block[count] = is_board ? (pzs_block){&board_block, &loop->tables}
@@ -584,6 +585,62 @@ int loop_tick(loop *loop, int tick, char *error)
         return 0;
     return scene_fault(loop->design->simulate.at, error, "tick %d: %s", tick,
                        pzs_status_text(loop->status));
+}
+
+/* ---- self-test -------------------------------------------------------- */
+
+/* Let the electrodes fail that the schedule declares dead or stuck at tick 0. */
+static void fail_first_electrodes(loop *loop)
+{
+    const scene_simulate *simulate = &loop->design->simulate;
+    for (int k = 0; k < simulate->events && simulate->event[k].tick == 0; k++)
+        if (simulate->event[k].type == EVENT_DEAD || simulate->event[k].type == EVENT_STUCK)
+            fail_electrodes(loop, &simulate->event[k], 0);
+}
+
+/* Run one tick of the self-test. Returns 0, or -1 with error filled. */
+static int run_selftest_tick(loop *loop, int tick, char *error)
+{
+    const size_t amplifiers = (size_t)loop->design->amplifiers;
+    if (tick > 0 && advance_plant(loop, loop->output, 1 / loop->design->control.rate, error) < 0)
+        return -1;
+    const imperfections wiring = loop_imperfections(loop);
+    imperfections_actuate(&wiring, loop->output, 0, loop->effect);
+    memcpy(loop->previous_output, loop->output, amplifiers * sizeof *loop->previous_output);
+    if (plant_shape(&loop->simulation->plant, loop->effect, loop->shape, error) < 0 ||
+        sense_tick(loop, tick, error) < 0 || run_controller(loop, tick, error) < 0)
+        return -1;
+    if (loop->twin.board && !loop->twin_agrees)
+        return scene_fault(loop->design->simulate.at, error,
+                           "self-test, tick %d: the board and this computer differ", tick);
+    if (!PZS_IS_ERROR(loop->status))
+        set_outputs(loop);
+    return 0;
+}
+
+/* Report the findings of the self-test as an error. */
+static int refuse(const loop *loop, char *error)
+{
+    const pzs_selftest *selftest = pzs_loop_find(&loop->controller, &pzs_selftest_block);
+    char text[SCENE_ERROR] = "";
+    if (selftest)
+        wiring_test_findings(selftest, loop->simulation->nominal, text);
+    return scene_fault(loop->design->simulate.at, error, "self-test: %s",
+                       *text ? text : pzs_status_text(loop->status));
+}
+
+int loop_selftest(loop *loop, char *error)
+{
+    const int ticks = (int)wiring_test_ticks(&loop->simulation->wiring);
+    loop->status = PZS_W_SELFTEST;
+    if (loop->law != LAW_CONTROLLER || !loop->simulation->wiring.is_used)
+        return 0;
+    fail_first_electrodes(loop);
+    memcpy(loop->wanted, loop->goal, (size_t)loop->design->targets * sizeof *loop->wanted);
+    for (int tick = 0; tick < ticks && loop->status == PZS_W_SELFTEST; tick++)
+        if (run_selftest_tick(loop, tick, error) < 0)
+            return -1;
+    return PZS_IS_ERROR(loop->status) ? refuse(loop, error) : 0;
 }
 
 /* ---- open ------------------------------------------------------------- */

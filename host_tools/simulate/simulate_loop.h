@@ -133,6 +133,13 @@ int loop_open(loop *loop, simulation *simulation, simulate_law law, char *error)
 void loop_close(loop *loop);
 
 /*
+ * Run the self-test of amplifiers, cables and sensors, where the scene has one, before the first
+ * tick. Electrodes that the schedule declares dead or stuck at tick 0 already are. Returns 0, or -1
+ * with error filled where the test has findings.
+ */
+int loop_selftest(loop *loop, char *error);
+
+/*
  * Run one tick of the loop. Returns 0, or -1 with error filled where the plant has no equilibrium,
  * the controller returns an error, or the board does not answer.
  */

@@ -20,6 +20,7 @@
 
 #include "device.h"
 #include "../model/damper.h"
+#include "../model/wiring_test.h"
 #include "plant.h"
 
 struct loop_blocks;
@@ -116,6 +117,7 @@ typedef struct simulation {
                             or `feeds` is set */
     damper damper; /* tables of the control tick that damps vibration; unused for a quasi-static
                       plant */
+    wiring_test wiring;   /* self-test before the schedule; unused where the scene has none */
     damper unused_damper; /* empty tables of a vibration block, for the block list without that
                              block */
     struct loop_blocks *undamped_blocks; /* block list without a vibration block, for the control

@@ -32,6 +32,11 @@ int loop_quantises(const design *design)
     return design->simulate.step > 0 || design->simulate.dead_band > 0;
 }
 
+static bool has_selftest(const loop_blocks *blocks)
+{
+    return blocks->wiring && blocks->wiring->is_used;
+}
+
 static bool is_always(const loop_blocks *blocks)
 {
     (void)blocks;
@@ -88,6 +93,11 @@ static bool has_supervisor(const loop_blocks *blocks)
 }
 
 /* ---- tables for the host ---------------------------------------------- */
+
+static const void *selftest_tables(loop_blocks *blocks)
+{
+    return &blocks->wiring->tables;
+}
 
 static const void *delay_tables(loop_blocks *blocks)
 {
@@ -207,6 +217,32 @@ static void write_shared(const emitter *emitter, const void *table, const char *
         fprintf(emitter->file, "%s_%s, ", emitter->prefix, name);
     else
         fputs("NULL, ", emitter->file);
+}
+
+static void write_selftest(emitter *emitter, const loop_blocks *blocks)
+{
+    const pzs_selftest_tables *tables = &blocks->wiring->tables;
+    const uint16_t counts[4] = {tables->inputs, tables->sensors, tables->delay,
+                                tables->pulse_ticks};
+    const size_t entries = tables->direct ? (size_t)tables->sensors * tables->inputs : 0;
+    emit_comment(emitter, "number of ticks of the self-test before the loop takes control");
+    fprintf(emitter->file, "#define %s_SELFTEST_TICKS %luu\n", emitter->upper,
+            (unsigned long)wiring_test_ticks(blocks->wiring));
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    emitter->crc32 = emit_crc_reals(emitter->crc32, tables->direct, entries);
+    emit_reals(emitter, "selftest_amplitude", tables->amplitude, tables->inputs,
+               "height of the pulse of each amplifier in the self-test (V)");
+    emit_reals(emitter, "selftest_scale", tables->scale, tables->sensors,
+               "factor that makes the readings of different sensors comparable");
+    emit_reals(emitter, "selftest_noise", tables->noise, tables->sensors,
+               "largest plausible noise of each sensor");
+    emitter->crc32 = emit_crc_reals(emitter->crc32, &tables->gain_tolerance, 1);
+    emit_begin(emitter, "selftest_tables", "selftest", tables->scene, tables->crc);
+    fprintf(emitter->file, " %u, %u, %u, %u, ", counts[0], counts[1], counts[2], counts[3]);
+    write_shared(emitter, tables->direct, "direct");
+    fprintf(emitter->file,
+            "\n    %s_selftest_amplitude, %s_selftest_scale, %s_selftest_noise, PZS_R(%.17g)\n};\n",
+            emitter->prefix, emitter->prefix, emitter->prefix, tables->gain_tolerance);
 }
 
 static void write_delay(emitter *emitter, const loop_blocks *blocks)
@@ -406,6 +442,7 @@ typedef struct block_counts {
     }
 
 BLOCK_BYTES(loop, PZS_LOOP_BYTES(0, of->inputs))
+BLOCK_BYTES(selftest, PZS_SELFTEST_BLOCK_BYTES(of->inputs, of->readings))
 BLOCK_BYTES(reading_delay, PZS_READING_DELAY_BLOCK_BYTES(of->inputs, of->readings, of->delay))
 BLOCK_BYTES(feed_forward, PZS_FEED_FORWARD_BLOCK_BYTES(of->readings, of->outputs))
 BLOCK_BYTES(governor, PZS_GOVERNOR_BLOCK_BYTES(of->inputs, of->outputs))
@@ -438,6 +475,8 @@ static const struct {
     size_t (*bytes)(const block_counts *of, bool is_single);
     const char *bytes_macro;
 } block_types[] = {
+    {&pzs_selftest_block, has_selftest, selftest_tables, write_selftest, "selftest", "selftest",
+     selftest_bytes, selftest_macro},
     {&pzs_effect_block, has_compensation, compensation_tables, write_compensation, "effect",
      "hysteresis", effect_bytes, effect_macro},
     {&pzs_reading_delay_block, has_delay, delay_tables, write_delay, "reading_delay",
@@ -462,6 +501,22 @@ static const struct {
 };
 enum { BLOCK_TYPES = sizeof block_types / sizeof *block_types };
 
+/* List the blocks that the scene needs, with their tables. */
+static void list_blocks(loop_blocks *blocks)
+{
+    blocks->count = 0;
+    for (int k = 0; k < BLOCK_TYPES; k++)
+        if (block_types[k].is_present(blocks))
+            blocks->block[blocks->count++] =
+                (pzs_block){block_types[k].type, block_types[k].tables(blocks)};
+}
+
+void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring)
+{
+    blocks->wiring = wiring;
+    list_blocks(blocks);
+}
+
 void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator,
                       const damper *damper)
 {
@@ -471,10 +526,7 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
     blocks->damper = damper;
     compensation_fill(&blocks->compensation, &design->hysteresis, &design->problem,
                       design->control.rate);
-    for (int k = 0; k < BLOCK_TYPES; k++)
-        if (block_types[k].is_present(blocks))
-            blocks->block[blocks->count++] =
-                (pzs_block){block_types[k].type, block_types[k].tables(blocks)};
+    list_blocks(blocks);
 }
 
 static int count_readings(const loop_blocks *blocks)

@@ -9,12 +9,14 @@
 
 #include "../model/compensation.h"
 #include "../model/damper.h"
+#include "../model/wiring_test.h"
 #include "emit.h"
 
 typedef struct loop_blocks {
     const design *design;
     const estimator *estimator;
     const damper *damper;
+    const wiring_test *wiring; /* self-test before the loop takes control; NULL: none */
     /*
      * Tables of those blocks of the control tick whose data are not stored in the design, the
      * estimator or the damper.
@@ -49,6 +51,12 @@ int loop_quantises(const design *design);
  */
 void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator,
                       const damper *damper);
+
+/*
+ * Put the self-test, if the scene has one, at the front of a filled list of blocks.
+ *   wiring in  after wiring_test_open; must outlive the list
+ */
+void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring);
 
 /*
  * Write the tables of the blocks, the list PREFIX_blocks and the macro PREFIX_LOOP_BYTES (memory of

@@ -445,6 +445,7 @@ static int write_blocks(emitter *emitter, const analysis *analysis, tables_size 
 {
     estimator estimator;
     damper damper;
+    wiring_test wiring;
     loop_blocks blocks;
     char error[SCENE_ERROR];
     if (estimator_open(&estimator, analysis, error) < 0)
@@ -466,15 +467,18 @@ static int write_blocks(emitter *emitter, const analysis *analysis, tables_size 
                            "change of each reading (row) under each load of the scene (column)");
     if (estimator.sensors > 0)
         write_estimator(emitter, &estimator);
+    const bool has_memory = wiring_test_open(&wiring, analysis, estimates ? &estimator : NULL);
     loop_blocks_fill(&blocks, &analysis->design, &estimator, &damper);
+    loop_blocks_test(&blocks, &wiring);
     write_stability(emitter, &analysis->certificate, &damper);
     loop_blocks_write(emitter, &blocks);
     loop_names_write(emitter, analysis);
     for (int k = 0; k < 2; k++)
         size->loop[k] = loop_blocks_bytes(&blocks, k == 0);
+    wiring_test_close(&wiring);
     estimator_close(&estimator);
     damper_close(&damper);
-    return 0;
+    return has_memory ? 0 : -1;
 }
 
 /* ---- header ----------------------------------------------------------- */

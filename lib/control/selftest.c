@@ -48,8 +48,8 @@
  */
 #define RESPONSE PZS_R(16)
 /*
- * Bounds of a plausible mean gain of all amplifiers. Electrodes with hysteresis respond to a few
- * volts by down to a third of their response to a large voltage.
+ * Bounds of a plausible mean gain of all amplifiers. Electrodes with hysteresis respond to a
+ * small voltage by down to a third of the response per volt to a large one.
  */
 #define LEAST_GAIN PZS_R(0.15)
 #define LARGEST_GAIN PZS_R(2)
@@ -94,7 +94,7 @@ static uint32_t list_parts(const pzs_selftest_tables *tables, pzs_table_part par
     part[2] = scrub_reals(tables->amplitude, tables->inputs);
     part[3] = scrub_reals(tables->scale, tables->sensors);
     part[4] = scrub_reals(tables->noise, tables->sensors);
-    part[5] = scrub_reals(&tables->tolerance, 1);
+    part[5] = scrub_reals(&tables->gain_tolerance, 1);
     return 6;
 }
 
@@ -121,13 +121,13 @@ static bool are_finite(const pzs_selftest_tables *tables)
            pzs_guard_nonfinite(tables->scale, tables->sensors) < 0 &&
            pzs_guard_nonfinite(tables->noise, tables->sensors) < 0 &&
            (tables->direct == NULL || pzs_guard_nonfinite(tables->direct, entries) < 0) &&
-           number_is_finite(tables->tolerance);
+           number_is_finite(tables->gain_tolerance);
 }
 
 static bool are_in_range(const pzs_selftest_tables *tables)
 {
-    bool is_valid = tables->delay <= PZS_DELAY_LIMIT && tables->window >= PZS_SELFTEST_WINDOW &&
-                    tables->tolerance > 0;
+    bool is_valid = tables->delay <= PZS_DELAY_LIMIT &&
+                    tables->pulse_ticks >= PZS_LEAST_PULSE_TICKS && tables->gain_tolerance > 0;
     for (uint32_t i = 0; i < tables->sensors; i++)
         is_valid = is_valid && tables->scale[i] >= 0 && tables->noise[i] >= 0;
     for (uint32_t j = 0; j < tables->inputs; j++)
@@ -144,7 +144,7 @@ static int32_t too_high(const pzs_selftest_tables *tables, const pzs_problem *pr
     for (uint32_t j = 0; j < tables->inputs; j++) {
         const pzs_real height = tables->amplitude[j];
         const pzs_real range = problem->upper[j] - problem->lower[j];
-        const pzs_real most = (pzs_real)tables->window * problem->step_limit[j];
+        const pzs_real most = (pzs_real)tables->pulse_ticks * problem->step_limit[j];
         if (height > 0 && !(2 * height <= range && 4 * height <= most))
             return (int32_t)j;
     }
@@ -218,12 +218,12 @@ static void copy_core(pzs_selftest *selftest)
 /* Number of ticks of all windows and of the delay until the last reading. */
 static uint32_t measuring_ticks(const pzs_selftest_tables *tables)
 {
-    return (tables->inputs + WINDOWS_BEFORE + 1u) * tables->window + tables->delay + 1u;
+    return (tables->inputs + WINDOWS_BEFORE + 1u) * tables->pulse_ticks + tables->delay + 1u;
 }
 
 static uint32_t all_ticks(const pzs_selftest_tables *tables)
 {
-    return PZS_SELFTEST_TICKS(tables->inputs, tables->sensors, tables->window, tables->delay);
+    return PZS_SELFTEST_TICKS(tables->inputs, tables->sensors, tables->pulse_ticks, tables->delay);
 }
 
 static void report(pzs_selftest *selftest)
@@ -272,9 +272,9 @@ static void set_voltages(pzs_selftest *selftest, uint32_t position)
 {
     const pzs_selftest_tables *tables = selftest->state.tables;
     pzs_control_state *control = &selftest->state.control->state;
-    const uint32_t window = position / tables->window;
+    const uint32_t window = position / tables->pulse_ticks;
     const bool is_for_all = window < CONDITIONING_WINDOWS;
-    const uint32_t ticks = (is_for_all ? CONDITIONING_WINDOWS : 1u) * tables->window;
+    const uint32_t ticks = (is_for_all ? CONDITIONING_WINDOWS : 1u) * tables->pulse_ticks;
     const pzs_real pulse = pulse_at(place_in(position % ticks, ticks));
     for (uint32_t j = 0; j < tables->inputs; j++) {
         pzs_real voltage = selftest->state.start[j];
@@ -341,15 +341,15 @@ static void measure(pzs_selftest *selftest, const pzs_real *readings, uint32_t p
     if (position <= tables->delay)
         return;
     const uint32_t then = position - tables->delay - 1u;
-    const pzs_real place = place_in(then % tables->window, tables->window);
+    const pzs_real place = place_in(then % tables->pulse_ticks, tables->pulse_ticks);
     const pzs_real rest = 1 - square(place);
     const pzs_real even = rest * square(rest) * (1 - 9 * square(place));
     const pzs_real odd = PZS_R(1.5) * place * square(rest) * (3 * square(place) - 1);
     for (uint32_t i = 0; i < tables->sensors; i++)
         add_reading(state, i, readings != NULL ? readings[i] : (pzs_real)NAN, even, odd);
     state->pulse += even * pulse_at(place);
-    if (then % tables->window == tables->window - 1u)
-        end_window(selftest, then / tables->window);
+    if (then % tables->pulse_ticks == tables->pulse_ticks - 1u)
+        end_window(selftest, then / tables->pulse_ticks);
 }
 
 /* ---- lines ------------------------------------------------------------ */
@@ -486,7 +486,7 @@ static void mark_sensors(pzs_selftest *selftest)
 static void find_noise_responses(pzs_selftest_state *state)
 {
     const pzs_selftest_tables *tables = state->tables;
-    const pzs_real factor = NOISE_ENERGY / (pzs_real)tables->window;
+    const pzs_real factor = NOISE_ENERGY / (pzs_real)tables->pulse_ticks;
     for (uint32_t i = 0; i < tables->sensors; i++) {
         const pzs_real measured = factor * state->noise[i];
         state->odd[i] = factor * square(tables->noise[i]);
@@ -579,7 +579,7 @@ static worst_line find_worst(const pzs_selftest *selftest, const axis *axis, pzs
         const line_sums sums = compare_lines(selftest, axis, line, line, selftest->state.null);
         const pzs_real expected = square(gain) * sums.modelled;
         const pzs_real difference = sums.measured - 2 * gain * sums.product + expected - sums.noise;
-        const pzs_real most = square(selftest->state.tables->tolerance) * expected;
+        const pzs_real most = square(selftest->state.tables->gain_tolerance) * expected;
         if (may_be_named(&axis->line[line], &sums) && !(difference <= most) &&
             !(difference <= worst.difference))
             worst = (worst_line){difference, line, true};

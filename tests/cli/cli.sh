@@ -467,6 +467,16 @@ check 'simulate: a plant with inertia, its modes and its vibration over time' $?
 # shellcheck disable=SC2086
 run 0 simulate plate-closed-loop ${quick% --set simulate.events*} --set 'safety={}'; check 'safety: no false alarm in the shipped schedule of faults' $?
 # shellcheck disable=SC2086
+wired="$quick --set simulate.ticks=20"
+run 0 check plate-closed-loop $quick --set 'safety={selftest: {amplitude: 5, pulse_ticks: 20}}' && grep -q 'pulses of 5 V, 20 ticks each, 8[0-9][0-9] ticks' "$dir/out"
+check 'self-test: check prints its duration' $?
+run 0 simulate plate-closed-loop $wired --set 'safety={selftest: {amplitude: 5, pulse_ticks: 20}}' && grep -q 'self-test before the loop.*passed' "$dir/out"
+check 'self-test: healthy wiring passes' $?
+for fault in 'amplifiers.reversed=[v_1_3]:v_1_3 is reversed' 'amplifiers.swapped=[v_1_3, v_2_2]:v_1_3 is swapped with v_2_2; v_2_2 is swapped with v_1_3' \
+    'events=[{at: 0, dead: [v_3_3]}]:v_3_3 does not respond'; do
+    run 1 simulate plate-closed-loop $wired --set 'safety={selftest: {amplitude: 5, pulse_ticks: 20}}' --set "simulate.${fault%%]:*}]" && says "self-test: ${fault##*]:}"
+    check "self-test: ${fault##*]:}" $?
+done
 run 1 simulate plate-closed-loop $quick --set 'safety={}' --set 'simulate.amplifiers={reversed: [v]}' && grep -q 'control was taken away' "$dir/err"
 check 'safety: reversed amplifiers end parked' $?
 run 2 check plate-closed-loop --set 'safety={timeout: -1}' && grep -q 'must be from 0 to 60000 ticks' "$dir/err"; check 'safety: a negative time-out is refused' $?

@@ -114,11 +114,11 @@ static void make_tables(structure *s)
     s->tables = (pzs_selftest_tables){.scene = 1,
                                       .inputs = (uint16_t)n,
                                       .sensors = (uint16_t)m,
-                                      .window = (uint16_t)fmax(ceil(window), 64),
+                                      .pulse_ticks = (uint16_t)fmax(ceil(window), 64),
                                       .amplitude = amplitude,
                                       .scale = scale,
                                       .noise = noise,
-                                      .tolerance = PZS_R(0.5)};
+                                      .gain_tolerance = PZS_R(0.5)};
     assert_int_equal(pzs_problem_seal(&s->problem), PZS_OK);
     assert_int_equal(pzs_selftest_seal(&s->tables), PZS_OK);
 }
@@ -398,7 +398,8 @@ static outcome run_wiring_test(structure *s, plant *p)
         start[j] = (pzs_real)uniform(&p->seed, -0.3 * s->kind->limit, 0.3 * s->kind->limit);
     assert_int_equal(pzs_loop_start(&loop, start), PZS_OK);
     const pzs_selftest *selftest = pzs_loop_find(&loop, &pzs_selftest_block);
-    const uint32_t ticks = PZS_SELFTEST_TICKS(n, s->sensors, s->tables.window, s->tables.delay);
+    const uint32_t ticks =
+        PZS_SELFTEST_TICKS(n, s->sensors, s->tables.pulse_ticks, s->tables.delay);
     pzs_status status = PZS_W_SELFTEST;
     apply(p, start, true);
     shake(p);
@@ -565,7 +566,8 @@ static void open_still(still_loop *still, structure *s)
     assert_true(still->work && still->zero);
     assert_int_equal(pzs_loop_init(&still->loop, still->block, 2, NULL, still->work, bytes),
                      PZS_OK);
-    still->ticks = PZS_SELFTEST_TICKS(s->inputs, s->sensors, s->tables.window, s->tables.delay);
+    still->ticks =
+        PZS_SELFTEST_TICKS(s->inputs, s->sensors, s->tables.pulse_ticks, s->tables.delay);
 }
 
 static void close_still(still_loop *still)
@@ -640,7 +642,7 @@ static void test_bad_tables(void **state)
     open_structure(&s, &kinds[1]);
     pzs_selftest_tables tables = s.tables;
     assert_int_equal(init_status(&s, &tables), PZS_OK);
-    tables.window = PZS_SELFTEST_WINDOW - 1;
+    tables.pulse_ticks = PZS_LEAST_PULSE_TICKS - 1;
     assert_int_equal(init_status(&s, &tables), PZS_E_CRC);
     assert_int_equal(pzs_selftest_seal(&tables), PZS_OK);
     assert_int_equal(init_status(&s, &tables), PZS_E_ARGUMENT);
@@ -651,12 +653,12 @@ static void test_bad_tables(void **state)
     tables.sensors--;
     assert_int_equal(init_status(&s, &tables), PZS_E_ARGUMENT);
     tables = s.tables;
-    tables.tolerance = (pzs_real)NAN;
+    tables.gain_tolerance = (pzs_real)NAN;
     assert_int_equal(pzs_selftest_seal(&tables), PZS_OK);
     assert_int_equal(init_status(&s, &tables), PZS_E_NONFINITE);
     tables = s.tables;
     tables.amplitude = s.problem.upper;
-    tables.window = PZS_SELFTEST_WINDOW;
+    tables.pulse_ticks = PZS_LEAST_PULSE_TICKS;
     assert_int_equal(pzs_selftest_seal(&tables), PZS_OK);
     assert_int_equal(init_status(&s, &tables), PZS_E_LIMITS);
     tables.amplitude = NULL;

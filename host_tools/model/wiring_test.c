@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Tables and texts of the self-test of amplifiers, cables and sensors (wiring_test.h). */
+#include "wiring_test.h"
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/*
+ * Duration of a pulse: number of periods of the first mode, and fewest and most ticks. Six periods
+ * leave a margin of 10 % for the natural frequency.
+ */
+static const double periods = 6, fewest_ticks = 64, most_ticks = 60000;
+
+/*
+ * Part of a limit that a pulse uses at most, because limits are rounded inwards in single
+ * precision.
+ */
+static const double margin = 0.99;
+
+/* Largest plausible noise of a sensor, as a multiple of the noise that the scene states. */
+static const double noise_margin = 5;
+
+/*
+ * Least plausible noise of a sensor, relative to the root mean square response of all sensors to a
+ * pulse: the noise of a scene that states none.
+ */
+static const double least_noise = 0.02;
+
+/* ---- tables ----------------------------------------------------------- */
+
+/* Height of the pulse of an amplifier (V); 0 where its voltage cannot change. */
+static double height_of(const design *design, int amplifier, double amplitude)
+{
+    const double range = design->upper[amplifier] - design->lower[amplifier];
+    return design->step_limit[amplifier] > 0 ? fmin(amplitude, margin * range / 2) : 0;
+}
+
+/* Duration of a pulse (ticks). */
+static uint16_t window_of(const analysis *analysis, const double *height)
+{
+    const design *design = &analysis->design;
+    const certificate *certificate = &analysis->certificate;
+    const double rate = design->control.rate;
+    double ticks = fewest_ticks;
+    if (certificate->has_modes && rate > 0 && certificate_first(certificate) > 0)
+        ticks = fmax(ticks, periods * rate / certificate_first(certificate));
+    if (design->safety.pulse_ticks > 0)
+        ticks = design->safety.pulse_ticks;
+    for (int k = 0; k < design->amplifiers; k++)
+        if (height[k] > 0)
+            ticks = fmax(ticks, 4 * height[k] / (margin * design->step_limit[k]));
+    return (uint16_t)fmin(ceil(ticks), most_ticks);
+}
+
+/* Noise of each sensor that the scene states, in the unit of the sensor. */
+static void list_noise(const design *design, const estimator *estimator, size_t sensors,
+                       double *noise)
+{
+    size_t at = 0;
+    for (size_t i = 0; i < sensors; i++)
+        noise[i] = design->simulate.noise;
+    for (int k = 0; estimator && k < design->estimate.readings; k++) {
+        const int output = design->estimate.reading[k].output;
+        for (int row = design->named_first[output]; row < design->named_first[output + 1]; row++)
+            if (at < sensors)
+                noise[at++] = design->estimate.reading[k].noise;
+    }
+}
+
+/* Root mean square response of all sensors to a pulse of 1 V, in units of each sensor's scale. */
+static double mean_response(const pzs_selftest_tables *tables, const double *direct,
+                            const double *scale)
+{
+    const size_t inputs = tables->inputs, sensors = tables->sensors;
+    double sum = 0;
+    for (size_t i = 0; i < sensors; i++)
+        for (size_t j = 0; j < inputs; j++)
+            sum += pow(scale[i] * direct[i * inputs + j], 2);
+    return sqrt(sum / (double)(inputs * sensors));
+}
+
+/*
+ * Set the scales of the sensors, so that the mean square of all scaled responses to 1 V is 1, and
+ * the largest plausible noise. Sensors of different units are compared by their noise.
+ */
+static void set_scales(const pzs_selftest_tables *tables, const double *direct, double amplitude,
+                       double *scale, double *noise)
+{
+    double least = HUGE_VAL;
+    for (size_t i = 0; i < tables->sensors; i++)
+        least = fmin(least, noise[i]);
+    for (size_t i = 0; i < tables->sensors; i++)
+        scale[i] = least > 0 ? 1 / noise[i] : 1;
+    const double mean = mean_response(tables, direct, scale);
+    for (size_t i = 0; i < tables->sensors; i++) {
+        scale[i] /= mean > 0 ? mean : 1;
+        noise[i] = fmax(noise_margin * noise[i], least_noise * amplitude / scale[i]);
+    }
+}
+
+bool wiring_test_open(wiring_test *test, const analysis *analysis, const estimator *estimator)
+{
+    const design *design = &analysis->design;
+    const scene_safety *safety = &design->safety;
+    memset(test, 0, sizeof *test);
+    test->is_used = safety->given && safety->amplitude > 0;
+    if (!test->is_used)
+        return true;
+    const size_t inputs = design->problem.inputs;
+    const size_t sensors = estimator ? (size_t)estimator->sensors : design->problem.outputs;
+    test->memory = calloc(inputs + 2 * sensors + 1, sizeof *test->memory);
+    if (!test->memory)
+        return false;
+    double *height = test->memory, *scale = height + inputs, *noise = scale + sensors;
+    for (size_t k = 0; k < inputs; k++)
+        height[k] = height_of(design, (int)k, safety->amplitude);
+    test->tables = (pzs_selftest_tables){.scene = design->problem.scene,
+                                         .inputs = (uint16_t)inputs,
+                                         .sensors = (uint16_t)sensors,
+                                         .delay = (uint16_t)design->simulate.delay,
+                                         .pulse_ticks = window_of(analysis, height),
+                                         .direct = estimator ? estimator->tables.direct : NULL,
+                                         .amplitude = height,
+                                         .scale = scale,
+                                         .noise = noise,
+                                         .gain_tolerance = safety->gain_tolerance};
+    list_noise(design, estimator, sensors, noise);
+    set_scales(&test->tables, estimator ? estimator->tables.direct : design->problem.influence,
+               safety->amplitude, scale, noise);
+    (void)pzs_selftest_seal(&test->tables);
+    return true;
+}
+
+void wiring_test_close(wiring_test *test)
+{
+    free(test->memory);
+    memset(test, 0, sizeof *test);
+}
+
+uint32_t wiring_test_ticks(const wiring_test *test)
+{
+    const pzs_selftest_tables *tables = &test->tables;
+    return PZS_SELFTEST_TICKS(tables->inputs, tables->sensors, tables->pulse_ticks, tables->delay);
+}
+
+/* ---- texts ------------------------------------------------------------ */
+
+/* Append formatted text to a text, as far as there is room. */
+static void append(char text[SCENE_ERROR], const char *format, ...)
+{
+    const size_t at = strlen(text);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text + at, SCENE_ERROR - at, format, arguments);
+    va_end(arguments);
+}
+
+void wiring_test_text(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR])
+{
+    const double rate = analysis->design.control.rate;
+    const uint32_t ticks = wiring_test_ticks(test);
+    text[0] = '\0';
+    append(text,
+           "self-test before the loop takes control: pulses of %g V, %u ticks each, %lu ticks",
+           analysis->design.safety.amplitude, test->tables.pulse_ticks, (unsigned long)ticks);
+    if (rate > 0)
+        append(text, " (%.3g s)", ticks / rate);
+}
+
+/* Describe the finding about one amplifier or sensor; `other` is the name of a swapped one. */
+static void append_finding(char text[SCENE_ERROR], const char *name, const pzs_wiring *finding,
+                           const char *other)
+{
+    static const char *const word[] = {
+        [PZS_WIRING_SILENT] = "does not respond",        [PZS_WIRING_REVERSED] = "is reversed",
+        [PZS_WIRING_SWAPPED] = "is swapped with",        [PZS_WIRING_GAIN] = "has the gain",
+        [PZS_WIRING_UNKNOWN] = "responds like no other", [PZS_WIRING_NOISY] = "is too noisy"};
+    append(text, "%s%s %s", *text ? "; " : "", name, word[finding->state]);
+    if (finding->state == PZS_WIRING_SWAPPED)
+        append(text, " %s", other);
+    if (finding->state == PZS_WIRING_GAIN)
+        append(text, " %.3g", finding->gain);
+}
+
+/* Append the findings about the amplifiers. */
+static void append_amplifiers(const pzs_selftest *selftest, const design *design,
+                              char text[SCENE_ERROR])
+{
+    for (int k = 0; k < design->amplifiers; k++) {
+        const pzs_wiring *finding = &selftest->info.amplifier[k];
+        const bool has_other = finding->other < design->amplifiers;
+        if (finding->state >= PZS_WIRING_SILENT)
+            append_finding(text, design->amplifier_name[k], finding,
+                           has_other ? design->amplifier_name[finding->other] : "");
+    }
+}
+
+void wiring_test_findings(const pzs_selftest *selftest, const analysis *analysis,
+                          char text[SCENE_ERROR])
+{
+    const int sensors = selftest->state.tables->sensors;
+    text[0] = '\0';
+    append_amplifiers(selftest, &analysis->design, text);
+    for (int i = 0; i < sensors; i++) {
+        const pzs_wiring *finding = &selftest->info.sensor[i];
+        char name[SCENE_LABEL], other[SCENE_LABEL];
+        snprintf(name, sizeof name, "sensor %d", i);
+        snprintf(other, sizeof other, "sensor %d", finding->other);
+        if (finding->state >= PZS_WIRING_SILENT)
+            append_finding(text, name, finding, other);
+    }
+    if (selftest->info.verdict == PZS_SELFTEST_DISTURBED)
+        append(text, "vibration or noise hides the response of an amplifier");
+}
