@@ -112,8 +112,10 @@ static bool take_memory(storm_rig *rig)
 
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay)
 {
-    memcpy(rig->block, block, (size_t)blocks * sizeof *block);
-    rig->blocks = blocks;
+    rig->blocks = 0;
+    for (int k = 0; k < blocks; k++)
+        if (block[k].type->phase != PZS_PHASE_SUPERVISE)
+            rig->block[rig->blocks++] = block[k];
     rig->delay = delay;
 }
 

@@ -101,7 +101,9 @@ void storm_close(storm_rig *rig);
 /*
  * Set the control loop of the next storms (simulations with fast target jumps).
  *   rig            in/out  data that all storms share
- *   block [blocks] in      blocks of the control tick, copied; their tables must outlive the rig
+ *   block [blocks] in      blocks of the control tick, copied; their tables must outlive the rig.
+ *       The supervisor is left out: it would take control away where targets jump beyond all limits
+ *       or a small vibration begins without a cause
  *   delay          in      age of the readings that the scene states (ticks)
  */
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay);
