@@ -66,12 +66,24 @@ int shipped_is_name(const char *name)
     return !strchr(name, '/') && !is_scene_file(name);
 }
 
+/* Shorten a path below the current folder to the path from there, which messages show. */
+static void shorten(char path[SHIPPED_PATH])
+{
+    char here[SHIPPED_PATH];
+    if (!getcwd(here, sizeof here))
+        return;
+    const size_t length = strlen(here);
+    if (strncmp(path, here, length) == 0 && path[length] == '/')
+        memmove(path, path + length + 1, strlen(path + length));
+}
+
 void shipped_path(const char *name, char path[SHIPPED_PATH])
 {
-    if (shipped_is_name(name))
-        snprintf(path, SHIPPED_PATH, "%s/%s%s", shipped_folder(), name, ending);
-    else
-        snprintf(path, SHIPPED_PATH, "%s", name);
+    snprintf(path, SHIPPED_PATH, "%s", name);
+    if (!shipped_is_name(name))
+        return;
+    snprintf(path, SHIPPED_PATH, "%s/%s%s", shipped_folder(), name, ending);
+    shorten(path);
 }
 
 static int is_scene(const struct dirent *entry)

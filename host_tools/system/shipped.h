@@ -27,7 +27,7 @@ const char *shipped_sources(void);
 
 /*
  * Write the path of a scene file: `name` itself if it is a path or ends with .yaml, or else the
- * file of the shipped scene with this name.
+ * file of the shipped scene with this name, relative to the current folder if it lies below it.
  */
 void shipped_path(const char *name, char path[SHIPPED_PATH]);
 

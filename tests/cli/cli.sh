@@ -211,6 +211,8 @@ run 0 solve scordelis-lo --json && json "0 < j['solver_residual'] < 1e-6 and 0 <
     run 0 solve hemisphere && grep -q 'solver residual .* of the load$' "$dir/out" && grep -q '^  discretisation error: not part' "$dir/out"
 check 'errors of the solver are called so, and the discretisation error is said to be missing' $?
 run 0 check plate-50-patches && grep -q '^  control  *[0-9]' "$dir/out" && grep -q '^  linear  *[0-9]' "$dir/out"; check 'check tells what each image needs' $?
+run 0 check plate-50-patches && grep -q '^  limit_field: host_tools/scenes/plate-50-patches.yaml:34:' "$dir/out"
+check 'the path of a shipped scene in a message begins at the current folder' $?
 run 0 check plate-50-patches --json && json "j['images']['control']['flash']['double']==8*(121*25+25*25+2*121+4*25) and j['images']['linear']['ram']['double']>2*j['images']['linear']['ram']['float']-4000"; check 'check --json' $?
 run 0 shape plate-50-patches --limit 200 --limit 100 --json && json "abs(j['results'][0]['shape_error']-.05538)<1e-5"; check 'shape without limits .05538' $?
 json "not [k for k in '$common voltages shape_error shape_error_before clipped_error active kkt'.split() if k not in j] and len(j['voltages'])==25 and j['shape_error']==j['results'][1]['shape_error'] and j['clipped_error']==j['results'][2]['shape_error'] and abs(j['shape_error_before']-1)<1e-12"; check 'keys of shape --json' $?
@@ -552,6 +554,7 @@ run 0 check plate-closed-loop --json && json "j['certificate']['stable'] is True
 check 'check --json: certificate of the damped loop' $?
 run 0 tables plate-closed-loop -o "$dir/damped.h" && grep -q '#define PLATE_CLOSED_LOOP_STORMS_FAILED 0' "$dir/damped.h" && grep -q '30 of 30 storms' "$dir/damped.h" &&
     grep -q '#define PLATE_CLOSED_LOOP_READINGS_OLDER 1' "$dir/damped.h"; check 'tables: the header carries the certificate' $?
+grep -q 'Storms (stress tests: .*' "$dir/damped.h" && ! grep -q '^ [*].* $' "$dir/damped.h"; check 'tables: the comments of the certificate have no blanks at their ends' $?
 quiet='--set kinematics=linear --set simulate.influence=undeformed --set simulate.plant.kinematics=linear'
 # shellcheck disable=SC2086
 run 2 tables plate-few-sensors $quiet --set 'estimate.readings=[{output: tip, noise: 1e-6}]' --set estimate.tolerance=0.99 -o "$dir/unsafe.h" &&

@@ -626,6 +626,42 @@ static void test_warnings(void **state)
     }
 }
 
+/*
+ * Law: the number of amplifiers whose columns depend on others counts those that are not held: a
+ * dead electrode that is held makes no voltage ambiguous, two equal columns make one.
+ */
+static void test_dependent(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *matrix, *hold;
+        int dependent;
+    } cases[] = {
+        {"1 0 2\n0 1 3\n1 1 4\n", "", 0},
+        {"1 0 0\n0 1 0\n1 1 0\n", "{actuator: v3, hold: 0}", 0},
+        {"1 0 0\n0 1 0\n1 1 0\n", "", 1},
+        {"1 0 1\n0 1 0\n1 1 1\n", "", 1},
+        {"1 0 1\n0 1 0\n1 1 1\n", "{actuator: v3, hold: 5}", 0},
+        {"1 0 1\n0 1 0\n1 1 1\n", "{actuator: v2, hold: 5}", 1},
+        {"1 1 1\n0 0 0\n1 1 1\n", "", 2},
+        {"1 0 1\n0 1 0\n1 1 1\n", "{actuator: v1, hold: 1}, {actuator: v2, hold: 0}", 0},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        scene_run m;
+        voltages found;
+        char limits[200];
+        write_text("matrix.csv", "%s", cases[k].matrix);
+        write_text("scene.yaml", SCENE("", TARGET));
+        snprintf(limits, sizeof limits, "limits={voltage: [-9, 9], each: [%s]}", cases[k].hold);
+        open_measured(&m, *cases[k].hold ? limits : "limits={voltage: [-9, 9]}");
+        assert_int_equal(voltages_clipped(&m.analysis, scene_limits_alone(), &found, m.error), 0);
+        if (found.dependent != cases[k].dependent)
+            fail_msg("%s%s: %d dependent", cases[k].matrix, cases[k].hold, found.dependent);
+        voltages_free(&found);
+        scene_run_close(&m);
+    }
+}
+
 /* Law: what needs a structure says so, and that this scene has none. */
 static void test_without_structure(void **state)
 {
@@ -651,6 +687,7 @@ int main(void)
         cmocka_unit_test(test_simulation),  cmocka_unit_test(test_schedule),
         cmocka_unit_test(test_applied),     cmocka_unit_test(test_faults),
         cmocka_unit_test(test_warnings),    cmocka_unit_test(test_without_structure),
+        cmocka_unit_test(test_dependent),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
