@@ -632,12 +632,16 @@ static void table_prefix(const options *options, const scene *scene, char prefix
             *letter = '_';
 }
 
-/* Path of the output file. Where the options name a folder, the file is named after the prefix. */
-static const char *table_path(const options *options, const char *prefix, char path[OPTIONS_PATH])
+/*
+ * Path of the output file. Where the options name a folder, the file in that folder has the given
+ * name and ending.
+ */
+static const char *output_path(const options *options, const char *name, const char *ending,
+                               char path[OPTIONS_PATH])
 {
     struct stat there;
     if (stat(options->output, &there) == 0 && S_ISDIR(there.st_mode))
-        snprintf(path, OPTIONS_PATH, "%s/%s.h", options->output, prefix);
+        snprintf(path, OPTIONS_PATH, "%s/%s%s", options->output, name, ending);
     else
         snprintf(path, OPTIONS_PATH, "%s", options->output);
     return path;
@@ -787,7 +791,7 @@ static int command_tables(const options *options, analysis *analysis)
     if (prepare_tables(analysis, options->image, error) < 0)
         return complain(error, failed_code(analysis));
     table_prefix(options, analysis->design.scene, prefix);
-    int status = outfile_begin(&output, table_path(options, prefix, path));
+    int status = outfile_begin(&output, output_path(options, prefix, ".h", path));
     if (status == 0)
         status = outfile_end(&output,
                              tables_write(output.file, analysis, options->image, prefix, &size));
@@ -799,11 +803,11 @@ static int command_tables(const options *options, analysis *analysis)
 
 /* ---- fmu ---------------------------------------------------------------- */
 
-static void print_fmu(const options *options, const char *scene, const fmu_summary *summary)
+static void print_fmu(const char *path, const char *what, const char *scene,
+                      const fmu_summary *summary)
 {
-    printf("%s: %s of %s, FMI 2.0 co-simulation, %d inputs, %d outputs, tick %.9g s\n",
-           options->output, options->wants_plant ? "plant" : "controller", scene, summary->inputs,
-           summary->outputs, summary->period);
+    printf("%s: %s of %s, FMI 2.0 co-simulation, %d inputs, %d outputs, tick %.9g s\n", path, what,
+           scene, summary->inputs, summary->outputs, summary->period);
     if (summary->left_out > 0)
         printf("events of the scene that are left out, as they are neither target, load nor "
                "temperature: %d\n",
@@ -814,25 +818,27 @@ static int command_fmu(const options *options, analysis *analysis)
 {
     outfile output;
     fmu_summary summary;
-    char error[SCENE_ERROR];
+    char error[SCENE_ERROR], name[FMU_IDENTIFIER], path[OPTIONS_PATH];
+    const fmu_kind kind = options->wants_plant ? FMU_PLANT : FMU_CONTROLLER;
     analysis->quasi_static = options->quasi_static;
     progress_stage("tables");
-    if ((options->wants_plant ? analysis_influence(analysis, error)
-                              : prepare_tables(analysis, TABLES_CONTROL, error)) < 0)
+    if ((kind == FMU_PLANT ? analysis_influence(analysis, error)
+                           : prepare_tables(analysis, TABLES_CONTROL, error)) < 0)
         return complain(error, failed_code(analysis));
-    int status = outfile_begin(&output, options->output);
+    fmu_identifier(&analysis->design, kind, name);
+    int status = outfile_begin(&output, output_path(options, name, ".fmu", path));
     if (status)
         return status;
     progress_stage(options->builds ? "compiling" : "sources");
-    if (fmu_write(output.file, analysis, options->wants_plant ? FMU_PLANT : FMU_CONTROLLER,
-                  options->builds, &summary, error) < 0) {
+    if (fmu_write(output.file, analysis, kind, options->builds, &summary, error) < 0) {
         outfile_drop(&output);
         return complain(error, OPTIONS_WRONG);
     }
     status = outfile_end(&output, 0);
     progress_stop();
     if (status == 0)
-        print_fmu(options, analysis->design.name, &summary);
+        print_fmu(path, kind == FMU_PLANT ? "plant" : "controller", analysis->design.name,
+                  &summary);
     return status;
 }
 

@@ -13,6 +13,13 @@
 
 typedef enum fmu_kind { FMU_PLANT, FMU_CONTROLLER } fmu_kind;
 
+/*
+ * Write the name of an FMU: a C identifier made from the name of the scene and the kind.
+ *   name [FMU_IDENTIFIER] out
+ */
+enum { FMU_IDENTIFIER = SCENE_NAME + 16 };
+void fmu_identifier(const design *design, fmu_kind kind, char *name);
+
 /* Numbers of an FMU for a message to the user. */
 typedef struct fmu_summary {
     int inputs, outputs; /* numbers of input and of output variables */

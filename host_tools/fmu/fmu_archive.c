@@ -10,14 +10,13 @@
 
 /* ---- names ------------------------------------------------------------ */
 
-/* Make a C identifier from the name of the scene and the kind of the FMU. */
-static void set_identifier(fmu *fmu)
+void fmu_identifier(const design *design, fmu_kind kind, char *name)
 {
-    snprintf(fmu->identifier, sizeof fmu->identifier, "%s_%s", fmu->design->name,
-             fmu->kind == FMU_PLANT ? "plant" : "controller");
-    for (char *letter = fmu->identifier; *letter; letter++)
+    snprintf(name, FMU_IDENTIFIER, "%s_%s", design->name,
+             kind == FMU_PLANT ? "plant" : "controller");
+    for (char *letter = name; *letter; letter++)
         if (!strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_", *letter) ||
-            (letter == fmu->identifier && *letter >= '0' && *letter <= '9'))
+            (letter == name && *letter >= '0' && *letter <= '9'))
             *letter = '_';
 }
 
@@ -130,7 +129,7 @@ static int fill(fmu *fmu, fmu_summary *summary, char *error)
         return -1;
     const int generated = fmu->files;
     fmu_write_variables(fmu);
-    set_identifier(fmu);
+    fmu_identifier(fmu->design, fmu->kind, fmu->identifier);
     set_guid(fmu, generated);
     fmu_write_about(fmu);
     return fmu->is_full ? scene_fault(design->limits.at, error, "out of memory") : 0;

@@ -19,6 +19,33 @@ static int known_loads(const fmu *fmu)
     return loop_feeds(fmu->design) ? fmu->design->loads : 0;
 }
 
+/* Append status, iterations and, for a supervised loop, command and mode. */
+static void add_states(fmu *fmu)
+{
+    const fmu_variable
+        command = {.type = FMU_INTEGER,
+                   .role = FMU_INPUT,
+                   .about =
+                       "command to the supervisor, a value of pzs_supervisor_command; 0: none"},
+        status = {.type = FMU_INTEGER,
+                  .role = FMU_OUTPUT,
+                  .about = "status of the tick, a value of pzs_status; 0: no remark"},
+        iterations = {.type = FMU_INTEGER,
+                      .role = FMU_OUTPUT,
+                      .about = "iterations of the optimiser"},
+        mode = {.type = FMU_INTEGER,
+                .role = FMU_OUTPUT,
+                .about = "mode of the supervisor, a value of pzs_supervisor_mode"},
+        text = {.type = FMU_STRING, .role = FMU_OUTPUT, .about = "status of the tick as a text"};
+    if (fmu->design->safety.given)
+        fmu_add(fmu, command, "command", "");
+    fmu_add(fmu, status, "status", "");
+    fmu_add(fmu, iterations, "iterations", "");
+    if (fmu->design->safety.given)
+        fmu_add(fmu, mode, "mode", "");
+    fmu_add(fmu, text, "status_text", "");
+}
+
 static void add_variables(fmu *fmu)
 {
     const design *design = fmu->design;
@@ -36,34 +63,18 @@ static void add_variables(fmu *fmu)
         fmu_add_indexed(fmu, next, "load_next", k);
     fmu_add_amplifiers(fmu, (fmu_variable){.role = FMU_OUTPUT, .about = "voltage to apply"},
                        "voltage", NULL);
-    fmu_add(fmu,
-            (fmu_variable){.type = FMU_INTEGER,
-                           .role = FMU_OUTPUT,
-                           .about = "status of the tick, a value of pzs_status; 0: no remark"},
-            "status", "");
-    fmu_add(fmu,
-            (fmu_variable){
-                .type = FMU_INTEGER, .role = FMU_OUTPUT, .about = "iterations of the optimiser"},
-            "iterations", "");
-    fmu_add(fmu,
-            (fmu_variable){
-                .type = FMU_STRING, .role = FMU_OUTPUT, .about = "status of the tick as a text"},
-            "status_text", "");
+    add_states(fmu);
 }
 
 int fmu_fill_controller(fmu *fmu, char *error)
 {
-    const design *design = fmu->design;
     tables_size size;
-    if (design->safety.given)
-        return scene_fault(design->limits.at, error,
-                           "the controller of an FMU has no inputs for the commands of a "
-                           "supervisor; remove the section safety");
     add_variables(fmu);
     FILE *file = fmu_begin_file(fmu, "fmu_tables.h");
     if (file) {
         fmu->is_full |= tables_write(file, fmu->nominal, TABLES_CONTROL, "controller", &size) < 0;
-        fprintf(file, "#define CONTROLLER_KNOWN_LOADS %d\n", known_loads(fmu));
+        fprintf(file, "#define CONTROLLER_KNOWN_LOADS %d\n#define CONTROLLER_SUPERVISED %d\n",
+                known_loads(fmu), fmu->design->safety.given);
         fmu_end_file(fmu);
     }
     return fmu_copy_sources(fmu, sources, error);

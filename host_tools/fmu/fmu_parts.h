@@ -33,9 +33,9 @@ typedef struct fmu {
     const analysis *nominal;
     const design *design; /* design of the controller's model */
     fmu_kind kind;
-    char identifier[SCENE_NAME + 16]; /* C identifier, the name of the shared library */
-    char guid[FMU_GUID];              /* mark by which description and library know each other */
-    char *library;                    /* contents of the shared library, or NULL */
+    char identifier[FMU_IDENTIFIER]; /* C identifier, the name of the shared library */
+    char guid[FMU_GUID];             /* mark by which description and library know each other */
+    char *library;                   /* contents of the shared library, or NULL */
     size_t library_bytes;
     fmu_variable *variable;
     int variables;

@@ -14,7 +14,7 @@ export_both() {
     name=$1
     shift
     "$PZS" fmu "$@" --plant --build -o "$dir/$name-plant.fmu" >"$dir/said" 2>&1 &&
-        "$PZS" fmu "$@" --controller --quasi-static --build -o "$dir/$name-controller.fmu" >>"$dir/said" 2>&1
+        "$PZS" fmu "$@" --controller --build -o "$dir/$name-controller.fmu" >>"$dir/said" 2>&1
 }
 
 # coupled NAME EVENTS DELAY SCENE OPTIONS...: the FMUs of a scene give the bits of pzs simulate
@@ -22,7 +22,7 @@ coupled() {
     name=$1 events=$2 delay=$3
     shift 3
     set -- "$@" --set "simulate.events=$events"
-    export_both "$name" "$@" && "$PZS" simulate "$@" --quasi-static --csv "$dir/$name.csv" >"$dir/said" 2>&1 &&
+    export_both "$name" "$@" && "$PZS" simulate "$@" --csv "$dir/$name.csv" >"$dir/said" 2>&1 &&
         "$python" tests/cli/fmu_loop.py coupled "$dir/$name-plant.fmu" "$dir/$name-controller.fmu" "$dir/$name.csv" "$events" "$delay" >"$dir/said" 2>&1
 }
 
@@ -46,13 +46,17 @@ coupled vibrating '[{at: 0, load: 0, factor: 0}, {at: 40, load: 0, factor: 1}, {
     --set 'simulate.sensors={noise: 1e-7, drift: 1e-6, delay: 1, quantum: 1e-8, outliers: {chance: 0.01, size: 1e-6}}'
 check 'a vibrating plant with every imperfection, a load, heat, late readings' $?
 coupled few '[{at: 0, load: 0, factor: 0, feed_forward: true}, {at: 30, load: 0, factor: 0.5, feed_forward: true}, {at: 60, load: 0, factor: 1}]' 3 \
-    plate-few-sensors --set simulate.influence=undeformed --set simulate.plant.kinematics=linear --set simulate.plant.inertia=false --set simulate.ticks=100
+    plate-few-sensors --quasi-static --set simulate.influence=undeformed --set simulate.plant.kinematics=linear --set simulate.plant.inertia=false --set simulate.ticks=100
 check 'a quasi-static plant, few sensors, a known load' $?
 "$PZS" new measured >"$dir/measured.yaml" && "$PZS" new measured-matrix >"$dir/measured-matrix.csv" &&
     coupled measured '[{at: 50, target: -0.5}]' 0 "$dir/measured.yaml"
 check 'a measured mirror' $?
 "$python" tests/cli/fmu_loop.py faults "$dir/vibrating-plant.fmu" "$dir/vibrating-controller.fmu" >"$dir/said" 2>&1
 check 'order of calls, states, instances, bad input' $?
+"$PZS" fmu "$dir/measured.yaml" --controller --build --set simulate.sensors.delay=1 --set 'safety={park: -5, ramp_ticks: 20}' -o "$dir/late.fmu" >"$dir/said" 2>&1 &&
+    "$PZS" fmu "$dir/measured.yaml" --plant --build --set 'simulate.plant={gain: 1.2, hysteresis: 0}' --set simulate.sensors.noise=0 -o "$dir/calm.fmu" >"$dir/said" 2>&1 &&
+    "$python" tests/cli/fmu_loop.py together "$dir/calm.fmu" "$dir/late.fmu" "$dir/measured-controller.fmu" -5 >"$dir/said" 2>&1
+check 'both at once: the controller knows of the late tick; commands to the supervisor' $?
 
 # ---- the archive -----------------------------------------------------------
 
@@ -73,9 +77,10 @@ refuses 'either --plant or --controller' plate-closed-loop --plant --controller
 refuses 'the plant of an FMU is linear' plate-closed-loop --plant
 refuses 'needs a tick rate' plate-50-patches --controller
 refuses 'no plant without the section simulate' plate-50-patches --plant --set 'control={rate: 1000}'
-refuses 'has no inputs for the commands of a supervisor' "$dir/measured.yaml" --controller --set 'safety={park: 0}'
 CC=/nowhere/cc refuses 'could not be compiled' "$dir/measured.yaml" --plant --build
 PZS_SOURCES=/nowhere refuses 'PZS_SOURCES names the folder' "$dir/measured.yaml" --controller
+mkdir "$dir/folder" && "$PZS" fmu "$dir/measured.yaml" --plant -o "$dir/folder" >"$dir/said" 2>&1 && [ -s "$dir/folder/measured_plant.fmu" ]
+check 'a folder as output' $?
 "$PZS" fmu plate-closed-loop --plant >"$dir/said" 2>&1; [ $? -eq 2 ] && grep -q -e '-o FILE' "$dir/said"; check 'an FMU without a file name' $?
 
 # ---- FMPy ------------------------------------------------------------------

@@ -3,6 +3,7 @@
 Plant and controller FMU in a closed loop, through their shared libraries alone (ctypes): the master that a tool is.
 usage: fmu_loop.py coupled PLANT.fmu CONTROLLER.fmu SIMULATION.csv EVENTS DELAY   the same bits as pzs simulate --csv
        fmu_loop.py faults PLANT.fmu CONTROLLER.fmu   bad input, order of calls, states, instances
+       fmu_loop.py together PLANT.fmu LATE.fmu PUNCTUAL.fmu PARK   both FMUs step at once; a supervisor's commands
 """
 import ctypes
 import math
@@ -259,6 +260,42 @@ def check_controller(fmu):
     controller.close()
 
 
+# ---- both at once ---------------------------------------------------------
+
+
+def step_together(plant, controller, first, ticks):
+    """Both FMUs step at once, so that the voltages are one tick late. Largest change of a voltage in each tick."""
+    readings, voltages = plant.fmu.names("reading"), plant.fmu.names("voltage")
+    changes, before = [], controller.get(voltages)
+    for tick in range(first, first + ticks):
+        reading, voltage = plant.get(readings), controller.get(voltages)
+        assert controller.set(readings, reading) == OK and plant.set(voltages, voltage) == OK
+        assert controller.step(tick) == OK and plant.step(tick) == OK, controller.messages + plant.messages
+        after = controller.get(voltages)
+        changes.append(max(abs(a - b) for a, b in zip(after, before)))
+        before = after
+    return changes
+
+
+def together(plant_path, late_path, punctual_path, park):
+    """
+    A controller that knows of readings one tick late settles to the last bit, and one that does not swings by volts. The
+    first has a supervisor: it runs (mode 2), and its command to stop (5) ends at the park voltages, latched (mode 7).
+    """
+    plant, late, punctual = Fmu(plant_path), Fmu(late_path), Fmu(punctual_path)
+    p, c = Instance(plant).open(), Instance(late).open()
+    changes = step_together(p, c, 0, 200)
+    assert max(changes) > 1 and max(changes[-5:]) == 0 and c.integer("mode") == 2, (changes[-9:], c.integer("mode"))
+    assert c.transfer("fmi2SetInteger", ["command"], (ctypes.c_int * 1)(5)) == OK
+    step_together(p, c, 200, 80)
+    assert c.integer("mode") == 7 and c.get(late.names("voltage")) == [park] * len(late.names("voltage"))
+    p.close(), c.close()
+    p, c = Instance(plant).open(), Instance(punctual).open()
+    assert min(step_together(p, c, 0, 200)[-20:]) > 0.1
+    p.close(), c.close()
+    print("a controller that knows of the late tick settles; commands reach the supervisor")
+
+
 def faults(plant_path, controller_path):
     for path, check in ((plant_path, check_plant), (controller_path, check_controller)):
         fmu = Fmu(path)
@@ -271,5 +308,7 @@ if __name__ == "__main__":
     if sys.argv[1] == "coupled":
         import yaml
         coupled(*sys.argv[2:5], yaml.safe_load(sys.argv[5]), int(sys.argv[6]))
+    elif sys.argv[1] == "together":
+        together(*sys.argv[2:5], float(sys.argv[5]))
     else:
         faults(*sys.argv[2:4])

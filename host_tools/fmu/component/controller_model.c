@@ -20,14 +20,20 @@ enum {
     NEXT = NOW + LOADS,                    /* known load factors under the next voltages */
     VOLTAGE = NEXT + LOADS,                /* voltages for the amplifiers (V) */
     REALS = VOLTAGE + CONTROLLER_INPUTS,   /* number of real variables */
-    STATUS = 0,                            /* status of the tick, a value of pzs_status */
-    ITERATIONS,                            /* iterations of the optimiser */
-    STATUS_TEXT = 0                        /* status of the tick as a text */
+    COMMAND = 0,                    /* command to the supervisor, in a supervised loop alone */
+    STATUS = CONTROLLER_SUPERVISED, /* status of the tick, a value of pzs_status */
+    ITERATIONS = STATUS + 1,        /* iterations of the optimiser */
+    MODE = ITERATIONS + CONTROLLER_SUPERVISED, /* mode of the supervisor, in a supervised loop alone
+                                                */
+    STATUS_TEXT = 0                            /* status of the tick as a text */
 };
 
 /* Sizes of this file and of modelDescription.xml are equal, or this declaration does not compile.
  */
-typedef char sizes_agree[REALS == FMU_REALS_USED && VOLTAGE == FMU_REAL_INPUTS ? 1 : -1];
+typedef char sizes_agree[REALS == FMU_REALS_USED && VOLTAGE == FMU_REAL_INPUTS &&
+                                 MODE + 1 == FMU_INTEGERS_USED
+                             ? 1
+                             : -1];
 
 typedef struct controller {
     pzs_loop loop;
@@ -48,6 +54,17 @@ static void publish(const controller *controller, pzs_status status, fmu_values 
     values->integer[STATUS] = (fmi2Integer)status;
     values->integer[ITERATIONS] = controller->loop.info.control->info.iterations;
     values->text[STATUS_TEXT] = pzs_status_text(status);
+    const pzs_supervisor *supervisor = pzs_loop_find(&controller->loop, &pzs_supervisor_block);
+    if (supervisor)
+        values->integer[MODE] = (fmi2Integer)supervisor->info.mode;
+}
+
+/* Pass the command of the tool to the supervisor, where the loop has one. */
+static void give_command(controller *controller, const fmu_values *values)
+{
+    pzs_supervisor *supervisor = pzs_loop_find(&controller->loop, &pzs_supervisor_block);
+    if (supervisor && values->integer[COMMAND] != PZS_COMMAND_NONE)
+        (void)pzs_supervisor_give(supervisor, (pzs_supervisor_command)values->integer[COMMAND]);
 }
 
 /* Describe an error of the loop: block, text, and index of the input or output concerned. */
@@ -88,8 +105,11 @@ fmi2Status fmu_model_step(void *memory, fmu_values *values)
         fmu_check_finite(values, NOW, 2 * LOADS) != fmi2OK)
         return fmi2Error;
     announce_loads(controller, values);
+    give_command(controller, values);
     const pzs_status status =
         pzs_loop_tick(&controller->loop, values->real + TARGET, values->real + READING);
     publish(controller, status, values);
-    return PZS_IS_ERROR(status) ? refuse(controller, status, values) : fmi2OK;
+    if (PZS_IS_ERROR(status) && status != PZS_E_LATCHED)
+        return refuse(controller, status, values);
+    return fmi2OK; /* a latched supervisor keeps the park voltages, which are valid outputs */
 }
