@@ -175,6 +175,7 @@ $(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)
 $(call for_variants,disc,64 san64,@tests/rigs/quad_shell.o @tests/rigs/scene_run.o @host.a)
 $(call for_variants,springs,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,laminate_shear,64 san64,@tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a)
+$(call for_variants,stress,64 san64,@tests/rigs/testdata.o @tests/rigs/scene_run.o @host.a)
 $(call for_variants,quad_cases,64,@tests/rigs/quad_shell.o @host.a)
 $(call for_variants,quad_element,64 san64,@tests/rigs/testdata.o @tests/rigs/quad_shell.o @host.a)
 $(call for_variants,scene,64 san64,@host.a)
@@ -303,7 +304,7 @@ measured: $(B)/pzs
 	B=$(B) sh tests/bench/measured.sh --write
 
 oracle:
-	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py && $(PYTHON) write_thin.py && $(PYTHON) write_quads.py && $(PYTHON) write_sandwich.py && $(PYTHON) write_plant.py && $(PYTHON) write_motion.py && $(PYTHON) write_damper.py
+	cd tests/oracle && $(PYTHON) write_data.py && $(PYTHON) write_nonlinear.py && $(PYTHON) write_thin.py && $(PYTHON) write_quads.py && $(PYTHON) write_sandwich.py && $(PYTHON) write_stress.py && $(PYTHON) write_plant.py && $(PYTHON) write_motion.py && $(PYTHON) write_damper.py
 
 include firmware_demo/firmware.mk
 -include tests/bench/bench.mk

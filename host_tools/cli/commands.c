@@ -54,9 +54,9 @@ const command_entry command_table[COMMANDS] = {
          "and the solver error estimate are those of the linear solve; the discretisation error is "
          "not in them: --error estimates it from coarser meshes. A nonlinear solution is repeated "
          "with twice as many load steps; a warning says where the answer depends on them, or is "
-         "unstable; --path then follows the load path.",
+         "unstable; --path then follows the load path. --stress recovers stresses and strains.",
          {"pzs solve scordelis-lo --error", "pzs solve hinged-roof --path",
-          "pzs solve scordelis-lo --set mesh.theta1.elements=8 --set mesh.theta2.elements=8",
+          "pzs solve crossply --stress --set mesh.theta1.elements=8",
           "pzs solve hemisphere --report hemisphere.html --vtu hemisphere.vtu", NULL}},
     [COMMAND_SHAPE] =
         {"shape",
@@ -240,6 +240,10 @@ const option_entry option_table[OPTIONS] = {
                       "estimate the discretisation error: repeats the computation on meshes with a "
                       "half and, where possible, a quarter of the elements in each direction; for "
                       "about a third more work"},
+    [OPTION_STRESS] = {"--stress", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_SOLVE),
+                       "stresses and strains of each layer: the largest ones with their places, "
+                       "reserve factors against strength and depolarisation; with --vtu, --npz and "
+                       "--report also their fields"},
     [OPTION_PATH] = {"--path", NULL, "", ARGUMENT_NONE, NULL, BIT(COMMAND_SOLVE),
                      "follow the load path from the reference state by the arc-length method, "
                      "through limit points, and name limit points and bifurcations"},

@@ -32,6 +32,7 @@ typedef enum option_id {
     OPTION_JSON,
     OPTION_STRICT,
     OPTION_ERROR,
+    OPTION_STRESS,
     OPTION_PATH,
     OPTION_REPORT,
     OPTION_SVG,

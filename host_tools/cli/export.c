@@ -3,11 +3,14 @@
 #define _POSIX_C_SOURCE 200809L
 #include "export.h"
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include "../model/stress_summary.h"
 #include "../report/report.h"
+#include "../text/words.h"
 #include "outfile.h"
 
 /* Arrays to be written, with the memory of those arrays that were computed for this purpose. */
@@ -122,12 +125,55 @@ static void add_places(arrays *arrays, const design *design, const char *name, c
     add_array(arrays, name, design->units.length, count, 3, place);
 }
 
+/* Append the stress and the strain of each height of each layer of each element, NAN where absent.
+ */
+static void add_points(arrays *arrays, const stress_field *field, const char *unit)
+{
+    const size_t rows = (size_t)field->elements * (size_t)field->layers * STRESS_HEIGHTS;
+    double *stress = allocate_array(arrays, rows * STRESS_COMPONENTS),
+           *strain = allocate_array(arrays, rows * STRESS_COMPONENTS);
+    for (size_t row = 0; row < rows && !arrays->is_full; row++) {
+        const int layer = (int)(row / STRESS_HEIGHTS) % field->layers;
+        const int element = (int)(row / STRESS_HEIGHTS) / field->layers;
+        stress_layer result;
+        for (int i = 0; i < STRESS_COMPONENTS; i++)
+            stress[row * STRESS_COMPONENTS + (size_t)i] =
+                strain[row * STRESS_COMPONENTS + (size_t)i] = (double)NAN;
+        if (!stress_is_present(field, element, layer))
+            continue;
+        stress_layer_of(field, element, layer, &result);
+        memcpy(stress + row * STRESS_COMPONENTS, result.at[row % STRESS_HEIGHTS].stress,
+               sizeof result.at[0].stress);
+        memcpy(strain + row * STRESS_COMPONENTS, result.at[row % STRESS_HEIGHTS].strain,
+               sizeof result.at[0].strain);
+    }
+    add_array(arrays, "stress", unit, rows, STRESS_COMPONENTS, stress);
+    add_array(arrays, "strain", "", rows, STRESS_COMPONENTS, strain);
+}
+
+/* Append the centres, stresses, strains and resultants of all elements. */
+static void add_stress(arrays *arrays, const stress_field *field, char unit[WORDS_UNIT])
+{
+    const scene_unit_names *units = &field->state.design->units;
+    const size_t elements = (size_t)field->elements;
+    double *place = allocate_array(arrays, 3 * elements),
+           *resultant = allocate_array(arrays, STRESS_RESULTANTS * elements);
+    for (int element = 0; element < field->elements && !arrays->is_full; element++) {
+        memcpy(place + 3 * element, field->element[element].place, 3 * sizeof *place);
+        stress_resultants(field, element, resultant + STRESS_RESULTANTS * element);
+    }
+    add_array(arrays, "element_place", units->length, elements, 3, place);
+    add_array(arrays, "stress_resultant", "", elements, STRESS_RESULTANTS, resultant);
+    add_points(arrays, field, words_unit(units, QUANTITY_PRESSURE, unit));
+}
+
 int export_solve(const options *options, const analysis *analysis, const double *displacement,
-                 const double *value)
+                 const double *value, const stress_field *stress)
 {
     const design *design = &analysis->design;
     const size_t nodes = (size_t)design->mesh.nodes;
     arrays arrays = {.count = 0};
+    char unit[WORDS_UNIT];
     if (!export_is_wanted(options))
         return 0;
     double *vector = allocate_array(&arrays, 3 * nodes);
@@ -140,8 +186,12 @@ int export_solve(const options *options, const analysis *analysis, const double 
                      rows = (size_t)design->named_first[k + 1] - first;
         char name[NAMED_ARRAY_NAME];
         snprintf(name, sizeof name, "output_%d", k + 1);
-        add_array(&arrays, name, design->units.length, rows, 0, value + first);
+        add_array(&arrays, name,
+                  design->output[k].recovered == RECOVERED_NONE ? design->units.length : "", rows,
+                  0, value + first);
     }
+    if (stress)
+        add_stress(&arrays, stress, unit);
     return write_arrays(options, &arrays);
 }
 

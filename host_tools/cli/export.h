@@ -4,6 +4,7 @@
 #define EXPORT_H
 
 #include "../data/named_array.h"
+#include "../model/stress.h"
 #include "../model/vibration.h"
 #include "options.h"
 #include "history.h"
@@ -15,13 +16,14 @@ bool export_is_wanted(const options *options);
 /*
  * Write the arrays of a result to the files that the options name. Each function returns 0, or an
  * exit code after printing an error message.
- *   export_solve       displacement [free_dof] and values of the output rows
+ *   export_solve       displacement [free_dof], values of the output rows, and the stresses; NULL:
+ *                      without stresses
  *   export_shape       every set of voltages with its shape
  *   export_modes       natural frequencies and mode shapes
  *   export_simulation  values of every tick
  */
 int export_solve(const options *options, const analysis *analysis, const double *displacement,
-                 const double *value);
+                 const double *value, const stress_field *stress);
 int export_shape(const options *options, const shape_run *run);
 int export_modes(const options *options, const design *design, const vibration *vibration);
 

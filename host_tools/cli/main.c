@@ -185,19 +185,24 @@ static int write_reports(const options *options, write_report *write, const void
 
 /* ---- solve ------------------------------------------------------------ */
 
-/* Displacement vector [free_dof] and the values of the output rows computed from it. */
+/*
+ * Displacement vector [free_dof], the values of the output rows computed from it, and the stresses
+ * recovered from it, or NULL where they are not asked for.
+ */
 typedef struct solution {
     const analysis *a;
     const double *u, *value;
+    const stress_field *stress;
 } solution;
 
 static int write_solve(const report_job *job, const void *result)
 {
     const solution *solution = result;
-    return report_solve(job, solution->a, solution->u, solution->value);
+    return report_solve(job, solution->a, solution->u, solution->value, solution->stress);
 }
 
-static int write_vtu(const analysis *analysis, const double *displacement, const char *path)
+static int write_vtu(const analysis *analysis, const double *displacement,
+                     const stress_field *stress, const char *path)
 {
     const mesh *mesh = &analysis->design.mesh;
     double *vector = calloc(3 * (size_t)mesh->nodes, sizeof *vector);
@@ -209,7 +214,8 @@ static int write_vtu(const analysis *analysis, const double *displacement, const
     }
     report_displacement(mesh, displacement, vector);
     const report_field field = {"displacement", vector};
-    const int failed = report_vtu(output.file, mesh, &field, 1);
+    const int failed = stress ? report_stress_vtu(output.file, stress, vector)
+                              : report_vtu(output.file, mesh, &field, 1);
     free(vector);
     return outfile_end(&output, failed);
 }
@@ -235,11 +241,39 @@ static void check_path(analysis *analysis, const double *displacement)
                    analysis->equilibrium.solver.info.negative_pivots);
 }
 
+/* Print a solution and write it to the files that the options name. Returns an exit code. */
+static int write_solution(const options *options, analysis *analysis, solution *result)
+{
+    int status = 0;
+    (options->as_json ? print_solve_json : print_solve)(analysis, result->u, result->value,
+                                                        result->stress);
+    if (options->vtu)
+        status = write_vtu(analysis, result->u, result->stress, options->vtu);
+    if (status == 0)
+        status = write_reports(options, write_solve, result);
+    return status == 0 ? export_solve(options, analysis, result->u, result->value, result->stress)
+                       : status;
+}
+
+/* Recover the stresses of a displacement, and write the solution with them. */
+static int write_stressed(const options *options, analysis *analysis, solution *result)
+{
+    const stress_state state = {&analysis->design, result->u, analysis->input_value,
+                                analysis->is_nonlinear};
+    stress_field field;
+    int status = stress_recover(&field, &state) < 0 ? complain("out of memory", 1) : 0;
+    result->stress = &field;
+    if (status == 0)
+        status = write_solution(options, analysis, result);
+    stress_free(&field);
+    return status;
+}
+
 static int solved(const options *options, analysis *analysis, const double *displacement)
 {
     const pzs_structure *structure = &analysis->design.structure;
     double *value = calloc((size_t)structure->output.count + 1, sizeof *value);
-    const solution result = {analysis, displacement, value};
+    solution result = {analysis, displacement, value, NULL};
     if (!value)
         return complain("out of memory", 1);
     pzs_observe(structure, displacement, value);
@@ -250,13 +284,8 @@ static int solved(const options *options, analysis *analysis, const double *disp
     int status = solve_error(options, analysis, value);
     progress_stop();
     if (status == 0)
-        (options->as_json ? print_solve_json : print_solve)(analysis, displacement, value);
-    if (status == 0 && options->vtu)
-        status = write_vtu(analysis, displacement, options->vtu);
-    if (status == 0)
-        status = write_reports(options, write_solve, &result);
-    if (status == 0)
-        status = export_solve(options, analysis, displacement, value);
+        status = (options->recovers_stress ? write_stressed : write_solution)(options, analysis,
+                                                                              &result);
     free(value);
     return status;
 }
@@ -417,7 +446,7 @@ static int command_shape(const options *options, analysis *analysis)
         if (status == 0)
             (options->as_json ? print_shape_json : print_shape)(&run);
         if (status == 0 && options->vtu)
-            status = write_vtu(analysis, best->u, options->vtu);
+            status = write_vtu(analysis, best->u, NULL, options->vtu);
         if (status == 0)
             status = write_reports(options, write_shape, &run);
         if (status == 0)

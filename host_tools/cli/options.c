@@ -210,6 +210,7 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_QUASI_STATIC: options->quasi_static = true; return 0;
     case OPTION_PATH: options->follows_path = true; return 0;
     case OPTION_ERROR: options->estimates_error = true; return 0;
+    case OPTION_STRESS: options->recovers_stress = true; return 0;
     case OPTION_REPORT: return take_file(&options->report, value);
     case OPTION_SVG: return take_file(&options->svg, value);
     case OPTION_VTU: return take_file(&options->vtu, value);

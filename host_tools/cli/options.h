@@ -27,6 +27,7 @@ typedef struct options {
     bool quasi_static;
     bool follows_path;    /* whether to follow the load path through limit points */
     bool estimates_error; /* whether to estimate the discretisation error from coarser meshes */
+    bool recovers_stress; /* whether to recover stresses and strains from the displacement */
     const char *report, *svg, *vtu, *csv, *output, *prefix;
     const char *npz, *csv_folder;  /* NumPy file and folder of CSV files for arrays of numbers; NULL
                                       where they are not wanted */

@@ -12,6 +12,7 @@
 #include "print_outputs.h"
 #include "print_path.h"
 #include "print_springs.h"
+#include "print_stress.h"
 #include "print_vibration.h"
 #include "../model/tick_work.h"
 #include "../model/wiring_test.h"
@@ -314,7 +315,8 @@ static void print_discretisation(void)
     puts("  discretisation error: not part of these figures; --error estimates it\n");
 }
 
-void print_solve(analysis *analysis, const double *displacement, const double *value)
+void print_solve(analysis *analysis, const double *displacement, const double *value,
+                 const stress_field *stress)
 {
     print_head(analysis, "at rest");
     if (analysis->design.kinematics == KINEMATICS_AUTO && isfinite(analysis->linear_error))
@@ -335,6 +337,7 @@ void print_solve(analysis *analysis, const double *displacement, const double *v
         print_output(analysis, k, value);
     print_springs(analysis, displacement);
     print_electrodes(analysis);
+    print_stress(stress);
     print_mesh_error(&analysis->mesh_error);
 }
 
@@ -383,7 +386,8 @@ static void json_seconds(json *json, const analysis *analysis)
     json_close(json, '}');
 }
 
-void print_solve_json(analysis *analysis, const double *displacement, const double *value)
+void print_solve_json(analysis *analysis, const double *displacement, const double *value,
+                      const stress_field *stress)
 {
     const design *design = &analysis->design;
     json json = {.file = stdout};
@@ -407,6 +411,7 @@ void print_solve_json(analysis *analysis, const double *displacement, const doub
         print_electrodes_json(&json, analysis);
     if (analysis->load_path.points > 0)
         print_load_path_json(&json, analysis, &analysis->load_path);
+    print_stress_json(&json, stress);
     print_mesh_error_json(&json, &analysis->mesh_error);
     json_close(&json, '}');
 }

@@ -6,6 +6,7 @@
 #include "../model/estimator.h"
 #include "../text/json.h"
 #include "../model/modes.h"
+#include "../model/stress.h"
 
 /* Results of the command `pzs shape`. */
 typedef struct shape_run {
@@ -43,8 +44,10 @@ void print_check_json(const analysis *analysis);
  *   displacement [free_dof]    in
  *   value        [output rows] in
  */
-void print_solve(analysis *analysis, const double *displacement, const double *value);
-void print_solve_json(analysis *analysis, const double *displacement, const double *value);
+void print_solve(analysis *analysis, const double *displacement, const double *value,
+                 const stress_field *stress);
+void print_solve_json(analysis *analysis, const double *displacement, const double *value,
+                      const stress_field *stress);
 
 /*
  * Print voltage, charge and capacitance of each electrode, and how much electrodes in open circuit

@@ -8,7 +8,9 @@
 int print_is_displacement(const analysis *analysis, int k)
 {
     const scene_output *output = &analysis->design.output[k];
-    return output->electric == ELECTRIC_NONE && output->contact == CONTACT_NONE;
+    const bool is_row = output->recovered == RECOVERED_NONE ||
+                        (output->recovered == RECOVERED_STRAIN && !analysis->is_nonlinear);
+    return is_row && output->electric == ELECTRIC_NONE && output->contact == CONTACT_NONE;
 }
 
 /* ---- text ------------------------------------------------------------- */

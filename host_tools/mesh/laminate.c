@@ -179,6 +179,20 @@ double laminate_area_ratio(const scene_element *element, const laminate_place *p
     return metric_at(element, place, z, share);
 }
 
+void laminate_strain_map(const scene_element *element, const laminate_place *place, double z,
+                         double map[6][6])
+{
+    double share[6];
+    if (place->is_general) {
+        natural_strain_map(&place->natural, element->metric ? z : 0, map);
+        return;
+    }
+    metric_at(element, place, z, share);
+    memset(map, 0, 36 * sizeof(double));
+    for (int i = 0; i < 6; i++)
+        map[i][i] = 1 / share[i];
+}
+
 /*
  * Compute the stiffness of a ply at height z in the directions of the element (Voigt order 11 22 33
  * 23 13 12). For an element along lines of curvature it equals the stiffness of the ply; the caller
@@ -378,13 +392,8 @@ static int package_stiffness(const laminate *laminate, const scene_element *elem
     return element->equilibrium_shear ? set_shear(laminate, place, stiffness) : 0;
 }
 
-/*
- * Return the value of a field at height z. A temperature is linear between the faces (K). An
- * electric field is given relative to its mean, voltage over thickness: across a curved ply the
- * electric flux is constant, so that the field is proportional to 1/(area ratio at height z).
- */
-static double field_at(const laminate *laminate, const scene_element *element,
-                       const laminate_place *place, const laminate_field *field, double z)
+double laminate_field_at(const laminate *laminate, const scene_element *element,
+                         const laminate_place *place, const laminate_field *field, double z)
 {
     double share[6], mean = 0;
     if (field->ply < 0)
@@ -424,7 +433,7 @@ static void integrate_stress(const laminate *laminate, const scene_element *elem
         const double z = (ply->z[0] + ply->z[1]) / 2 + half * gauss_x[point];
         double share[6], natural[6];
         const double weight = half * gauss_w[point] * metric_at(element, place, z, share) *
-                              field_at(laminate, element, place, field, z);
+                              laminate_field_at(laminate, element, place, field, z);
         natural_stress(element, place, z, stress, natural);
         for (int i = 0; i < N; i++)
             h0[i] += weight * (is_difference[i] ? (z - middle) / laminate->thickness : 1) *
@@ -690,8 +699,8 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
         const double z = (own->z[0] + own->z[1]) / 2 + half * gauss_x[point];
         charge += half * gauss_w[point] * metric_at(element, place, z, share) *
                   (direct / (2 * half) + thickening) *
-                  field_at(laminate, element, place, &voltage, z) *
-                  field_at(laminate, element, place, field, z);
+                  laminate_field_at(laminate, element, place, &voltage, z) *
+                  laminate_field_at(laminate, element, place, field, z);
     }
     if (element->lin33 && place->present_plies >> ply & 1u &&
         package_stiffness(laminate, element, place, stiffness) == 0)

@@ -78,6 +78,14 @@ int laminate_build(const scene *scene, laminate *laminate, char *error);
 double laminate_area_ratio(const scene_element *element, const laminate_place *place, double z);
 
 /*
+ * Compute the matrix that maps the strains of an element at height z, which are measured in the
+ * directions of the element, to strains in the axes of the shell (map [6][6] out, Voigt order 11 22
+ * 33 23 13 12, engineering shears).
+ */
+void laminate_strain_map(const scene_element *element, const laminate_place *place, double z,
+                         double map[6][6]);
+
+/*
  * Compute the stiffness of the four strain modes of an element: 00 (constant), 01, 10 (linear along
  * one direction) and 11 (bilinear). They are multiplied by area, area/(3 - alpha_1^2), area/(3 -
  * alpha_2^2) and area/9, with alpha_1 and alpha_2 the skew coefficients of the element.
@@ -95,6 +103,14 @@ typedef struct laminate_field {
     int ply;
     double temperature[2]; /* temperature of the inner and of the outer face of the package (K) */
 } laminate_field;
+
+/*
+ * Return the value of a field at height z. A temperature is linear between the faces (K). An
+ * electric field is given relative to its mean, voltage over thickness: across a curved ply the
+ * electric flux is constant, so that the field is proportional to 1/(area ratio at height z).
+ */
+double laminate_field_at(const laminate *laminate, const scene_element *element,
+                         const laminate_place *place, const laminate_field *field, double z);
 
 /* Compute the prescribed resultants of a field, times the area of the element (h0 [10] out). */
 void laminate_resultants(const laminate *laminate, const scene_element *element,

@@ -13,6 +13,7 @@
 #include "../../lib/model/electrode.h"
 #include "design_build.h"
 #include "electrodes.h"
+#include "stress_output.h"
 #include "../../lib/core/guard.h"
 #include "../../lib/core/linalg.h"
 #include "../../lib/model/model.h"
@@ -263,6 +264,10 @@ double analysis_output(const analysis *analysis, int k, int i, const double *val
                    ? analysis->input_value[input]
                    : analysis->charge[electrodes_of(&analysis->design, input)];
     }
+    if (output->recovered == RECOVERED_STRESS ||
+        (output->recovered == RECOVERED_STRAIN && analysis->is_nonlinear))
+        return analysis->recovered ? analysis->recovered[analysis->design.place_first[k] + i]
+                                   : (double)NAN;
     if (output->contact == CONTACT_NONE)
         return value[analysis->design.named_first[k] + i];
     return equilibrium_contact_output(&analysis->equilibrium, output,
@@ -383,10 +388,32 @@ static int solve_auto(analysis *analysis, double *displacement, char *error)
 }
 
 /*
- * Compute the displacement under the scene's loads (analysis.h). Contact and prescribed
+ * Compute the outputs of strains and stresses of a displacement, where the scene has any. Returns
+ * 0, or -1 with error filled.
+ */
+static int recover_outputs(analysis *analysis, const double *displacement, char *error)
+{
+    const design *design = &analysis->design;
+    const stress_state state = {design, displacement, analysis->input_value,
+                                analysis->is_nonlinear};
+    bool is_wanted = false;
+    for (int k = 0; k < design->outputs; k++)
+        is_wanted |= design->output[k].recovered != RECOVERED_NONE;
+    if (!is_wanted)
+        return 0;
+    if (!analysis->recovered)
+        analysis->recovered =
+            calloc((size_t)design->place_first[design->outputs] + 1, sizeof *analysis->recovered);
+    if (analysis->recovered && stress_outputs(&state, analysis->recovered) == 0)
+        return 0;
+    return analysis_explain(analysis, PZS_E_WORKSPACE, error);
+}
+
+/*
+ * Compute the displacement under the scene's loads, without outputs. Contact and prescribed
  * displacements exist under nonlinear kinematics alone, so no linear solution is computed for them.
  */
-int analysis_solve(analysis *analysis, double *displacement, char *error)
+static int solve_scene(analysis *analysis, double *displacement, char *error)
 {
     const int path_alone =
         analysis->design.contact.given || analysis->design.mesh.prescribed_count > 0;
@@ -399,10 +426,21 @@ int analysis_solve(analysis *analysis, double *displacement, char *error)
     return solve_applied(analysis, 0, displacement, error);
 }
 
+int analysis_solve(analysis *analysis, double *displacement, char *error)
+{
+    const int failed = solve_scene(analysis, displacement, error);
+    if (failed && !analysis_ended_early(analysis))
+        return failed;
+    return recover_outputs(analysis, displacement, error) < 0 ? -1 : failed;
+}
+
 int analysis_continue(analysis *analysis, double *displacement, char *error)
 {
     analysis->is_nonlinear = true;
-    return solve_applied(analysis, 1, displacement, error);
+    const int failed = solve_applied(analysis, 1, displacement, error);
+    if (failed && !analysis_ended_early(analysis))
+        return failed;
+    return recover_outputs(analysis, displacement, error) < 0 ? -1 : failed;
 }
 
 /*
@@ -543,5 +581,6 @@ void analysis_free(analysis *analysis)
     free(analysis->electric_work);
     free(analysis->input_value);
     free(analysis->charge);
+    free(analysis->recovered);
     memset(analysis, 0, sizeof *analysis);
 }

@@ -64,6 +64,9 @@ typedef struct analysis {
                           the initial value is that of the scene */
     double *influence; /* [outputs][inputs] influence matrix in the reference state, filled by
                           analysis_influence */
+    double *recovered; /* [entries of design.place_node] values of the outputs of strains and
+                          stresses in the last solution of analysis_solve or analysis_continue; NULL
+                          where the scene has none */
     pzs_status status; /* status of the last computation of a nonlinear equilibrium */
     struct {
         double assemble, factor, solve;

@@ -13,6 +13,7 @@
 #include "../scene/outline_shares.h"
 #include "load_forces.h"
 #include "node_forces.h"
+#include "strain.h"
 
 /* ---- sparse rows under construction ----------------------------------- */
 
@@ -224,6 +225,32 @@ static int build_places(design *design, int *node)
     return design->place_node ? 0 : -1;
 }
 
+/*
+ * Append the rows of a named output of displacements or strains, one for each of its nodes. Outputs
+ * of stresses are no rows: they depend on voltages, too. Returns 0, or -1 with error filled.
+ */
+static int append_named(const design *design, int k, row_builder *rows, double *dense, char *error)
+{
+    const mesh *mesh = &design->mesh;
+    const scene_output *output = &design->scene->output[k];
+    const int moves = output->contact == CONTACT_NONE && output->electric == ELECTRIC_NONE;
+    for (int i = design->place_first[k]; moves && i < design->place_first[k + 1]; i++) {
+        const int node = design->place_node[i];
+        if (output->recovered == RECOVERED_NONE) {
+            append_output(mesh, output, node, rows, dense);
+            continue;
+        }
+        if (strain_check(mesh, output, node, error) < 0)
+            return -1;
+        if (output->recovered == RECOVERED_STRESS)
+            continue;
+        memset(dense, 0, (size_t)mesh->free_dof * sizeof *dense);
+        strain_row(mesh, output, node, dense);
+        append_row(rows, dense, mesh->free_dof);
+    }
+    return 0;
+}
+
 static int build_named(design *design, row_builder *rows, double *dense, int *node, char *error)
 {
     design->named_first = calloc((size_t)design->scene->outputs + 1, sizeof *design->named_first);
@@ -232,11 +259,9 @@ static int build_named(design *design, row_builder *rows, double *dense, int *no
                            "%d outputs do not fit into memory; name fewer nodes",
                            design->scene->outputs);
     for (int k = 0; k < design->scene->outputs; k++) {
-        const scene_output *output = &design->scene->output[k];
-        const int moves = output->contact == CONTACT_NONE && output->electric == ELECTRIC_NONE;
         design->named_first[k] = (int)rows->rows;
-        for (int i = design->place_first[k]; moves && i < design->place_first[k + 1]; i++)
-            append_output(&design->mesh, output, design->place_node[i], rows, dense);
+        if (append_named(design, k, rows, dense, error) < 0)
+            return -1;
     }
     design->named_first[design->scene->outputs] = (int)rows->rows;
     return 0;

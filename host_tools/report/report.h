@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include "../model/modes.h"
+#include "../model/stress.h"
 #include "../simulate/simulate_record.h"
 
 /*
@@ -29,9 +30,10 @@ typedef struct report_job {
  * components.
  *   u      [dof]          in  displacement vector
  *   output [output rows]  in  values of the outputs
+ *   stress                in  recovered stresses, of which the page shows maps; NULL: without
  */
 int report_solve(const report_job *job, const analysis *analysis, const double *u,
-                 const double *output);
+                 const double *output, const stress_field *stress);
 
 /*
  * Write the report of `pzs shape`: the reached shape, the misfit (reached minus target values) and
@@ -53,6 +55,30 @@ typedef struct report_field {
 
 /* Write a VTK file for ParaView: the mesh, with each of the fields as a vector at the nodes. */
 int report_vtu(FILE *file, const mesh *mesh, const report_field *field, int fields);
+
+/* An array of values at the points or in the cells of a VTK file. */
+typedef struct report_array {
+    char name[256];
+    int components; /* number of values at each point or in each cell */
+    bool of_cells;  /* true: values of the cells; false: values of the points */
+    double *value;  /* [points or cells][components] */
+} report_array;
+
+/*
+ * Write a VTK file whose points are nodes of a mesh, and whose cells are its elements.
+ *   node   [points]    in  node of each point
+ *   corner [elements]  in  points of the corners of each element
+ */
+int report_vtu_arrays(FILE *file, const mesh *mesh, const int *node, int points, int (*corner)[4],
+                      const report_array *array, int arrays);
+
+/*
+ * Write a VTK file with the displacement and the recovered stresses: for each layer and height
+ * stress and strain in material axes, at the element centres and averaged at the nodes; reserve
+ * factors, resultants, electric fields. A node on the border of a patch has a point for each side.
+ *   vector [nodes][3] in  displacement of the middle surface, in Cartesian components
+ */
+int report_stress_vtu(FILE *file, const stress_field *field, const double *vector);
 
 /*
  * Compute the Cartesian displacement of the middle surface at the nodes.

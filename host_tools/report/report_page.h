@@ -62,6 +62,9 @@ void page_map(const page *page, const double *value, const draw_scale *scale, co
 /* Write the tables of the layers and materials, and the text of the scene file. */
 void page_structure(const page *page);
 
+/* Write the section of the recovered stresses: a map and tables; nothing where field is NULL. */
+void page_stress(const page *page, const stress_field *field);
+
 /* Write the table of the voltages: a row for each amplifier, a column for each result. */
 void page_voltages(const page *page, const voltages *result, int results);
 

@@ -12,7 +12,8 @@
  */
 typedef struct solve_page {
     page page;
-    const double *output; /* [output rows] values of the outputs */
+    const double *output;       /* [output rows] values of the outputs */
+    const stress_field *stress; /* recovered stresses; NULL: none */
     shell_body body;
 } solve_page;
 
@@ -86,7 +87,8 @@ static int list_values(const solve_page *solve, int k, int along, double *theta,
     const scene_output *output = &solve->page.design->output[k];
     const int count = analysis_outputs(analysis, k);
     const double *first = NULL;
-    if (output->electric != ELECTRIC_NONE || output->contact != CONTACT_NONE || count < 2)
+    if (output->electric != ELECTRIC_NONE || output->contact != CONTACT_NONE ||
+        output->recovered != RECOVERED_NONE || count < 2)
         return 0;
     for (int i = 0; i < count; i++) {
         const double *place = solve->page.mesh->theta[analysis_output_node(analysis, k, i)];
@@ -244,6 +246,7 @@ static void write_page(const solve_page *solve)
     if (solve->body.is_given)
         write_contact_map(page);
     write_components(page);
+    page_stress(page, solve->stress);
     page_structure(page);
     page_end(page);
 }
@@ -261,9 +264,9 @@ static void write_picture(const solve_page *solve)
 }
 
 int report_solve(const report_job *job, const analysis *analysis, const double *u,
-                 const double *output)
+                 const double *output, const stress_field *stress)
 {
-    solve_page solve = {.output = output};
+    solve_page solve = {.output = output, .stress = stress};
     const int failed = page_open(&solve.page, job, analysis);
     if (!failed) {
         page_displace(&solve.page, u);

@@ -125,6 +125,18 @@ typedef struct scene_quads {
     scene_at at;
 } scene_quads;
 
+/* Rule by which the stresses of a ply are compared with its strengths. */
+typedef enum scene_criterion { CRITERION_TSAI_HILL, CRITERION_MAXIMUM_STRESS } scene_criterion;
+
+/* Strengths of a material in its axes. */
+typedef struct scene_strength {
+    bool given;
+    double tension[2];     /* strength under tension along the axes 1 and 2 */
+    double compression[2]; /* strength under compression along the axes 1 and 2, positive */
+    double shear;          /* strength under shear in the plane 12 */
+    scene_criterion criterion;
+} scene_strength;
+
 typedef struct scene_material {
     char name[SCENE_NAME];
     double e[3], g23, g13, g12, nu12, nu13, nu23; /* engineering constants of a material: Young's
@@ -136,12 +148,13 @@ typedef struct scene_material {
     double piezo_e[5]; /* piezoelectric constants e31, e32, e33, e24, e15 (C/m2): stress per
                           electric field; valid if has_e is true */
     bool has_d, has_e;
-    double permittivity;   /* permittivity at constant strain (F/m); 0 if not given */
-    double pyroelectric;   /* pyroelectric constant along the poling direction at constant strain
-                              (C/(m2 K)) */
-    double alpha[3];       /* thermal expansion coefficients in the directions 1, 2 and 3 (1/K) */
-    double density;        /* mass per volume; the weight per volume is density times gravity */
-    double field_limit;    /* depolarisation field (V/m); 0: no limit */
+    double permittivity;     /* permittivity at constant strain (F/m); 0 if not given */
+    double pyroelectric;     /* pyroelectric constant along the poling direction at constant strain
+                                (C/(m2 K)) */
+    double alpha[3];         /* thermal expansion coefficients in the directions 1, 2 and 3 (1/K) */
+    double density;          /* mass per volume; the weight per volume is density times gravity */
+    double field_limit;      /* depolarisation field (V/m); 0: no limit */
+    scene_strength strength; /* strengths, with which `pzs solve --stress` compares the stresses */
     double film_thickness; /* thickness of a film actuator whose constants come from its data sheet
                               (scene unit of length); 0: no film */
     int poling; /* poling direction of a material relative to e3 of the surface: +3 or -3 */
@@ -399,8 +412,21 @@ typedef enum scene_electric_output {
     ELECTRIC_CHARGE
 } scene_electric_output;
 
+/* Strain or stress of a layer that is an output: recovered from the displacement at nodes. */
+typedef enum scene_recovered { RECOVERED_NONE, RECOVERED_STRAIN, RECOVERED_STRESS } scene_recovered;
+
+/* Number of the component of an output of a stress that stands for the von Mises stress. */
+enum { RECOVERED_MISES = 6 };
+
 typedef struct scene_output {
     char name[SCENE_NAME];
+    scene_recovered recovered; /* whether the output is a strain or a stress; if so, it has a place,
+                                  but is no displacement */
+    int recovered_component; /* component of a strain or stress, from 0 in the order 11 22 33 23 13
+                                12, or RECOVERED_MISES */
+    int layer;    /* layer of a strain or stress; -1: a strain of the package of all layers */
+    int height;   /* height in the layer or package: 0 inner face, 1 middle, 2 outer face */
+    double angle; /* angle of the axis 1 of a strain against that of the shell (degrees) */
     scene_contact_output contact;   /* quantity of contact; if it is not CONTACT_NONE, the output is
                                        no displacement, and only CONTACT_PRESSURE has a place */
     scene_electric_output electric; /* electric quantity; if it is not ELECTRIC_NONE, the output is

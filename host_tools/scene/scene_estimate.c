@@ -14,6 +14,14 @@ static int read_output_of(reader *reader, int node, void *to, const void *rule)
     i = find_named(scene->output, scene->outputs, sizeof *scene->output, name);
     if (i < 0)
         return tree_fault(reader->t, node, "there is no output '%s'; add it to outputs", name);
+    if (scene->output[i].recovered == RECOVERED_STRESS)
+        return tree_fault(reader->t, node,
+                          "'%s' is a stress, which no sensor measures; use a strain", name);
+    if (scene->output[i].recovered == RECOVERED_STRAIN && scene->kinematics != KINEMATICS_LINEAR)
+        return tree_fault(reader->t, node,
+                          "'%s' is a strain, which is linear in the displacement only with "
+                          "kinematics: linear; remove this reading",
+                          name);
     if (scene->output[i].contact != CONTACT_NONE)
         return tree_fault(
             reader->t, node,

@@ -324,6 +324,64 @@ static int check_material(reader *reader, int node, material_text *text)
                        : elastic_isotropic(reader, node, text);
 }
 
+static const form pair_form = {.type = FORM_LIST, .item = &above_zero_form, .least = 2, .most = 2};
+static const form *const axes_forms[] = {&above_zero_form, &pair_form, NULL};
+static const form axes_form = {.type = FORM_ANY, .any = axes_forms};
+
+/* Read a strength along the axes 1 and 2: one number for both, or a list of two. */
+static int read_axes(reader *reader, int node, void *to, const void *rule)
+{
+    double *strength = to;
+    if (reader->t->node[node].kind == TREE_LIST)
+        return read_pair(reader, node, strength, rule);
+    if (read_real(reader, node, strength, rule) != 0)
+        return -1;
+    strength[1] = strength[0];
+    return 0;
+}
+
+static const choice criteria[] = {
+    {"tsai-hill", CRITERION_TSAI_HILL}, {"maximum-stress", CRITERION_MAXIMUM_STRESS}, {NULL, 0}};
+
+static const field strength_fields[] = {
+    {"tension", read_axes, offsetof(scene_strength, tension), &above_zero, 1, .of = OF_STRESS,
+     .form = &axes_form,
+     .help = "Strength under tension: one number, or [along 1, along 2] of the material."},
+    {"compression", read_axes, offsetof(scene_strength, compression), &above_zero, .of = OF_STRESS,
+     .form = &axes_form,
+     .help = "Strength under compression, positive, as tension; default that under tension."},
+    {"shear", read_real, offsetof(scene_strength, shear), &above_zero, .of = OF_STRESS,
+     .help = "Strength under shear in the plane 12; default tension/sqrt(3), where tension is one "
+             "number."},
+    {"criterion", read_choice, offsetof(scene_strength, criterion), criteria,
+     .help = "tsai-hill (default): the stresses act together; maximum-stress: each by itself."},
+    {.key = NULL}};
+static const form strength_form = {.type = FORM_MAP, .fields = strength_fields};
+
+/*
+ * Read the strengths of a material. With one tension for both axes and no shear, the shear strength
+ * makes the Tsai-Hill criterion that of von Mises.
+ */
+static int read_strength(reader *reader, int node, void *to, const void *rule)
+{
+    scene_strength *strength = to;
+    const tree *const text = reader->t;
+    (void)rule;
+    if (read_map(reader, node, strength_fields, strength) != 0)
+        return -1;
+    strength->given = true;
+    if (!tree_find(text, node, "compression"))
+        memcpy(strength->compression, strength->tension, sizeof strength->compression);
+    if (tree_find(text, node, "shear"))
+        return 0;
+    if (text->node[tree_find(text, node, "tension")].kind == TREE_LIST)
+        return tree_fault(reader->t, node,
+                          "no 'shear' beside the strengths %g and %g along 1 and 2; add it",
+                          strength->tension[0], strength->tension[1]);
+    strength->shear = strength->tension[0] / sqrt(3);
+    return 0;
+}
+
 static const range poisson = {-1, 0.5, 1, NULL};
 static const form poisson_form = {.type = FORM_NUMBER, .range = &poisson};
 
@@ -390,6 +448,8 @@ static const field material_fields[] = {
            "Mass per volume; needed for natural frequencies and for weight."),
     NUMBER("field_limit", m.field_limit, &not_negative, OF_FIELD,
            "Field that depolarises the material; voltages stay below it; 0: no limit."),
+    {"strength", read_strength, offsetof(material_text, m.strength), .form = &strength_form,
+     .help = "Strengths of the material; pzs solve --stress prints the reserve factors."},
     {.key = NULL}};
 #undef NUMBER
 

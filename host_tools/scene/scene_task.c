@@ -521,10 +521,67 @@ static int read_electric_output(reader *reader, int node, void *to, const void *
                       name);
 }
 
+static const choice strains[] = {{"11", 0}, {"22", 1}, {"12", 5}, {NULL, 0}};
+static const choice stresses[] = {
+    {"11", 0}, {"22", 1}, {"33", 2}, {"23", 3}, {"13", 4}, {"12", 5}, {"mises", RECOVERED_MISES},
+    {NULL, 0}};
+static const choice heights[] = {{"inner", 0}, {"middle", 1}, {"outer", 2}, {NULL, 0}};
+static const form strain_form = {.type = FORM_WORD, .words = strains};
+static const form stress_form = {.type = FORM_WORD, .words = stresses};
+
+/* Read an output of a strain or stress; the rule is the array of its components. */
+static int read_recovered(reader *reader, int node, void *to, const void *rule)
+{
+    output_text *text = to;
+    if (text->directions++)
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
+                             "an output is one of displacement, strain, stress, contact, voltage "
+                             "and charge; write a second item for '%s'",
+                             reader->t->node[node].key);
+    text->output.recovered = rule == stresses ? RECOVERED_STRESS : RECOVERED_STRAIN;
+    return read_choice(reader, node, &text->output.recovered_component, rule);
+}
+
+/* Read the layer of a strain or stress. */
+static int read_layer_of(reader *reader, int node, void *to, const void *rule)
+{
+    const scene *scene = reader->s;
+    output_text *text = to;
+    char name[SCENE_NAME];
+    if (read_name(reader, node, name, rule) != 0)
+        return -1;
+    for (int i = 0; i < scene->layers; i++)
+        if (strcmp(scene->layer[i].name, name) == 0) {
+            text->output.layer = i;
+            return 0;
+        }
+    return tree_fault(reader->t, node,
+                      "there is no layer '%s'; name a layer of layers, as {name: %s, ...}", name,
+                      name);
+}
+
+/* Check an output of a strain or stress, and complete its layer and its angle. */
+static int finish_recovered(reader *reader, int node, output_text *text)
+{
+    const scene *scene = reader->s;
+    scene_output *output = &text->output;
+    if (output->recovered == RECOVERED_STRESS && output->layer < 0 && scene->layers > 1)
+        return tree_fault(reader->t, node,
+                          "a stress needs one of the %d layers; add layer: and its name",
+                          scene->layers);
+    if (output->recovered == RECOVERED_STRESS && output->layer < 0)
+        output->layer = 0;
+    if (isnan(output->angle))
+        output->angle = output->layer >= 0 ? scene->layer[output->layer].angle : 0;
+    return require_place(reader, node, &output->where);
+}
+
 static int finish_output(reader *reader, int node, output_text *text)
 {
     const scene_contact_output contact = text->output.contact;
     text->output.at = node_at(reader, node);
+    if (text->output.recovered != RECOVERED_NONE)
+        return finish_recovered(reader, node, text);
     if (text->output.electric != ELECTRIC_NONE) {
         if (text->output.where.at.column == 0)
             return 0;
@@ -559,6 +616,18 @@ static const field output_fields[] = {
     {"charge", read_electric_output, 0, &electric[1], .form = &name_form,
      .help = "Charges of a sensor or actuator, or of one of its electrodes, on the side towards "
              "+e3."},
+    {"strain", read_recovered, 0, strains, .form = &strain_form,
+     .help = "Strain at nodes, as of a strain gauge or of a fibre, in the axes of the layer's "
+             "material: 11, 22 or 12 (twice the tensor's)."},
+    {"stress", read_recovered, 0, stresses, .form = &stress_form,
+     .help = "Stress at nodes in the axes of the layer's material, or mises; pzs solve alone."},
+    {"layer", read_layer_of, .form = &name_form,
+     .help = "Layer of a strain or stress; a strain without layer is one of the whole package."},
+    {"face", read_choice, offsetof(output_text, output.height), heights,
+     .help = "Height of a strain or stress in the layer: inner, middle (default) or outer."},
+    {"angle", read_real, offsetof(output_text, output.angle), .of = OF_DEGREES,
+     .help = "Direction 1 of a strain, from the axis 1 of the shell towards 2, in degrees; default "
+             "that of the layer's material."},
     PLACE(offsetof(output_text, output.where)),
     {"reference", read_real, offsetof(output_text, output.reference), .of = OF_OUTPUT,
      .help = "Value to print beside the result."},
@@ -566,6 +635,8 @@ static const field output_fields[] = {
 
 static const form_case output_cases[] = {
     {"u1|u2|u3|x|y|z edge|at|set", "A displacement."},
+    {"strain edge|at|set ?layer ?face ?angle", "A strain at nodes."},
+    {"stress edge|at|set ?layer ?face", "A stress at nodes."},
     {"contact=pressure edge|at|set", "The contact pressure at a place."},
     {"contact=x/y/z/nodes", "A result of the whole contact."},
     {"voltage|charge", "Voltages or charges of electrodes."},
@@ -577,7 +648,9 @@ static int read_output(reader *reader, int node, scene_output *to)
 {
     output_text text;
     memset(&text, 0, sizeof text);
-    text.output.reference = (double)NAN;
+    text.output.reference = text.output.angle = (double)NAN;
+    text.output.layer = -1;
+    text.output.height = 1;
     if (read_map(reader, node, output_fields, &text) != 0 ||
         finish_output(reader, node, &text) != 0)
         return -1;

@@ -112,6 +112,10 @@ static dimension of_output(const tree *tree, int map)
         return OF_VOLTAGE;
     if (tree_find(tree, map, "charge"))
         return OF_CHARGE;
+    if (tree_find(tree, map, "strain"))
+        return OF_NUMBER;
+    if (tree_find(tree, map, "stress"))
+        return OF_STRESS;
     if (!*contact)
         return OF_LENGTH;
     if (strcmp(contact, "nodes") == 0)
@@ -123,6 +127,8 @@ static dimension of_reading(const reader *reader, int map)
 {
     const int k = find_named(reader->s->output, reader->s->outputs, sizeof *reader->s->output,
                              text_of(reader->t, map, "output"));
+    if (k >= 0 && reader->s->output[k].recovered != RECOVERED_NONE)
+        return OF_NUMBER;
     if (k < 0 || reader->s->output[k].electric == ELECTRIC_NONE)
         return OF_LENGTH;
     return reader->s->output[k].electric == ELECTRIC_VOLTAGE ? OF_VOLTAGE : OF_CHARGE;

@@ -47,6 +47,8 @@ words_quantity words_of_load(const scene_load *load)
 
 words_quantity words_of_output(const scene_output *output)
 {
+    if (output->recovered != RECOVERED_NONE)
+        return output->recovered == RECOVERED_STRESS ? QUANTITY_PRESSURE : QUANTITY_OTHER;
     if (output->electric != ELECTRIC_NONE)
         return output->electric == ELECTRIC_VOLTAGE ? QUANTITY_VOLTAGE : QUANTITY_CHARGE;
     switch (output->contact) {

@@ -539,6 +539,20 @@ run 0 solve scordelis-lo --error && grep -q 'extrapolated' "$dir/out"; check 'so
 run 0 shape plate-50-patches --error --json && json "j['discretisation']['results']['shape error']['value']==j['shape_error']"; check 'shape --error' $?
 run 0 modes plate-50-patches --number 2 --error --json && json "j['discretisation']['results']['mode 2']['value']==j['frequency'][1]"; check 'modes --error' $?
 run 0 solve hinged-roof --path --set mesh.theta1.elements=8 --set mesh.theta2.elements=8 --json && json "[e['type'] for e in j['path']['events']]==['limit point']*2 and abs(j['path']['events'][0]['load_factor']*3000/2225-1)<.01 and j['path']['complete'] and j['path']['points'][0]['outputs']['centre']==0"; check 'solve --path' $?
+# stresses: the pressure on the outer face is the stress 33 there; the report, VTU and arrays have the layers of the plate
+run 0 solve tests/rigs/scenes/sine-strip.yaml --stress --json && json "(lambda s: abs(s['largest_stress']['33']['value']-1)<.01 and s['largest_stress']['33']['face']=='outer' and s['largest_stress']['11']['layer']=='upper' and len(s['layers'])==2 and abs(s['largest_stress']['11']['value']/60.79-1)<.01)(j['stress'])"; check 'solve --stress --json: extremes and places' $?
+run 0 solve plate-50-patches --stress --set actuators.0.applied=100 --set 'materials.G1195.strength={tension: 40 MPa}' --vtu "$dir/s.vtu" --npz "$dir/s.npz" --report "$dir/s.html" && grep -q 'reserve, Tsai-Hill' "$dir/out" && grep -q 'Use of the strength' "$dir/s.html" && law s.html xml &&
+    /usr/bin/python3 -c "
+import sys, xml.etree.ElementTree as tree, numpy
+piece = tree.parse(sys.argv[1]).find('.//Piece')
+points, cells = int(piece.get('NumberOfPoints')), int(piece.get('NumberOfCells'))
+size = dict(Points=points, PointData=points, CellData=cells)
+assert points >= 121 and all(len(a.text.split()) == int(a.get('NumberOfComponents'))*size[part.tag]
+                            for part in piece if part.tag in size for a in part)
+assert any(a.get('Name').startswith('stress_') and a.get('Name').endswith('_(N/m2)') for a in piece.find('CellData'))
+z = numpy.load(sys.argv[2])
+assert z['stress'].shape == z['strain'].shape and z['stress_resultant'].shape == (cells, 8)" "$dir/s.vtu" "$dir/s.npz"; check 'solve --stress: report, VTU, arrays' $?
+run 2 shape plate-50-patches --stress && says 'belongs to solve'; check '--stress of another command' $?
 run 2 solve scordelis-lo --path && says 'needs kinematics: nonlinear'; check 'solve --path: a linear scene' $?
 run 1 solve tests/rigs/scenes/pulled-cylinder.yaml --strict && grep -q '^  path: .*twice as many load steps' "$dir/out"; check 'solve: an answer off the load path is a warning' $?
 run 2 solve bimorph-actuator --error && says 'mesh.theta1 has 5 elements, which cannot be halved'; check 'solve --error: a mesh that cannot be halved' $?

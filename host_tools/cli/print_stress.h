@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Recovered stresses and strains on standard output, as text and as JSON. */
+#ifndef PRINT_STRESS_H
+#define PRINT_STRESS_H
+
+#include "../model/stress.h"
+#include "../text/json.h"
+
+/*
+ * Print the largest stresses and strains with their places, then for each layer the largest von
+ * Mises stress, the smallest reserve factor and the electric field. The JSON member is `stress`.
+ * Nothing is printed where field is NULL.
+ */
+void print_stress(const stress_field *field);
+void print_stress_json(json *json, const stress_field *field);
+
+#endif

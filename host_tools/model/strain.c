@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Strains of elements, and strains at nodes as rows over the dof (strain.h). */
+#include "strain.h"
+#include <math.h>
+#include <string.h>
+#include "../../lib/model/shell.h"
+
+/* Number of intervals between the heights of an output: inner face, middle, outer face. */
+enum { INTERVALS = 2 };
+
+/* ---- strains of an element ------------------------------------------------ */
+
+void strain_turn_stress(const double stress[6], double angle, double turned[6])
+{
+    const double c = cos(angle), s = sin(angle);
+    const double in[6] = {stress[0], stress[1], stress[2], stress[3], stress[4], stress[5]};
+    turned[0] = c * c * in[0] + s * s * in[1] + 2 * c * s * in[5];
+    turned[1] = s * s * in[0] + c * c * in[1] - 2 * c * s * in[5];
+    turned[2] = in[2];
+    turned[3] = c * in[3] - s * in[4];
+    turned[4] = c * in[4] + s * in[3];
+    turned[5] = c * s * (in[1] - in[0]) + (c * c - s * s) * in[5];
+}
+
+void strain_turn(const double strain[6], double angle, double turned[6])
+{
+    double tensor[6];
+    for (int i = 0; i < 6; i++)
+        tensor[i] = strain[i] / (i < 3 ? 1 : 2);
+    strain_turn_stress(tensor, angle, turned);
+    for (int i = 3; i < 6; i++)
+        turned[i] *= 2;
+}
+
+void strain_of_element(const mesh *mesh, int element, const double *displacement, bool is_nonlinear,
+                       double strain[10])
+{
+    const pzs_element_type *type = &mesh->type[mesh->element_type[element]];
+    const unsigned dof = 4 * mesh->dof_per_node;
+    double modes[2][4][10], scaled[SHELL_MAX], largest = 0;
+    for (unsigned i = 0; i < dof; i++)
+        largest = fmax(largest, fabs(displacement[i]));
+    if (is_nonlinear || !(largest > 0)) {
+        pzs_shell_strains_at(type, mesh->dof_per_node, displacement, modes[0]);
+        memcpy(strain, modes[0][0], 10 * sizeof *strain);
+        return;
+    }
+    const double factor = 1e-6 * fmin(1, type->thickness) / largest;
+    for (int side = 0; side < 2; side++) {
+        for (unsigned i = 0; i < dof; i++)
+            scaled[i] = (side ? -factor : factor) * displacement[i];
+        pzs_shell_strains_at(type, mesh->dof_per_node, scaled, modes[side]);
+    }
+    for (int i = 0; i < 10; i++)
+        strain[i] = (modes[0][0][i] - modes[1][0][i]) / (2 * factor);
+}
+
+/* ---- outputs ---------------------------------------------------------------- */
+
+/* Height of an output above the reference surface: in its layer, or in the package without one. */
+static double height_of(const mesh *mesh, const scene_output *output)
+{
+    const double *z = output->layer >= 0 ? mesh->laminate.ply[output->layer].z : mesh->laminate.z;
+    return z[0] + (z[1] - z[0]) * output->height / INTERVALS;
+}
+
+bool strain_is_in(const mesh *mesh, const scene_output *output, int element, int node)
+{
+    const uint32_t present = mesh->place[mesh->element_type[element]].present_plies;
+    const uint16_t *corner = mesh->element[element];
+    const bool is_there =
+        corner[0] == node || corner[1] == node || corner[2] == node || corner[3] == node;
+    return is_there && (output->layer < 0 || (present >> output->layer & 1u));
+}
+
+double strain_area(const mesh *mesh, const scene_output *output, int node)
+{
+    double area = 0;
+    for (int element = 0; element < mesh->elements; element++)
+        if (strain_is_in(mesh, output, element, node))
+            area += mesh->place[mesh->element_type[element]].area;
+    return area;
+}
+
+double strain_of_output(const mesh *mesh, const scene_output *output, int element,
+                        const double strain[10])
+{
+    static const int mean[3] = {0, 2, 6}, voigt[3] = {0, 1, 5};
+    const double z = height_of(mesh, output);
+    const double middle = (mesh->laminate.z[0] + mesh->laminate.z[1]) / 2;
+    const double share = (z - middle) / mesh->laminate.thickness;
+    double map[6][6], all[6] = {0}, turned[6];
+    laminate_strain_map(&mesh->formulation, &mesh->place[mesh->element_type[element]], z, map);
+    for (int i = 0; i < 6; i++)
+        for (int k = 0; k < 3; k++)
+            all[i] += map[i][voigt[k]] * (strain[mean[k]] + share * strain[mean[k] + 1]);
+    strain_turn(all, output->angle * 0.017453292519943295, turned);
+    return turned[output->recovered_component];
+}
+
+/* Add the strain of an output in one element, times a factor, to a dense row [free_dof]. */
+static void add_element(const mesh *mesh, const scene_output *output, int element, double factor,
+                        double *dense)
+{
+    double strain[10], unit[SHELL_MAX] = {0};
+    for (unsigned k = 0; k < 4 * mesh->dof_per_node; k++) {
+        const uint16_t dof =
+            mesh->node_dof[mesh->element[element][k / mesh->dof_per_node] * mesh->dof_per_node +
+                           k % mesh->dof_per_node];
+        if (dof == PZS_CONSTRAINED)
+            continue;
+        unit[k] = 1;
+        strain_of_element(mesh, element, unit, false, strain);
+        unit[k] = 0;
+        dense[dof] += factor * strain_of_output(mesh, output, element, strain);
+    }
+}
+
+void strain_row(const mesh *mesh, const scene_output *output, int node, double *dense)
+{
+    const double area = strain_area(mesh, output, node);
+    for (int element = 0; element < mesh->elements; element++)
+        if (strain_is_in(mesh, output, element, node))
+            add_element(mesh, output, element, mesh->place[mesh->element_type[element]].area / area,
+                        dense);
+}
+
+int strain_check(const mesh *mesh, const scene_output *output, int node, char *error)
+{
+    if (strain_area(mesh, output, node) > 0)
+        return 0;
+    return scene_fault(output->where.at, error,
+                       "layer '%s' of output '%s' is absent at %s, where it has no patch; choose "
+                       "another place or another layer",
+                       mesh->scene->layer[output->layer].name, output->name,
+                       mesh_node_text(mesh, node).text);
+}

@@ -1,0 +1,470 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Strains, resultants and ply stresses of elements at their centres (stress_field.h). */
+#include "stress_field.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../../lib/model/shell.h"
+#include "../mesh/invert.h"
+#include "../quads/vector.h"
+#include "load_forces.h"
+#include "strain.h"
+
+const char *const stress_height_name[STRESS_HEIGHTS] = {"inner", "middle", "outer"};
+const char *const stress_component_name[STRESS_COMPONENTS] = {"11", "22", "33", "23", "13", "12"};
+
+/* Positions of the mean and of the difference of the strain 33 among the strains of an element. */
+enum { MEAN_33 = 4, DIFFERENCE_33 = 5 };
+
+static const laminate_place *place_of(const mesh *mesh, int element)
+{
+    return &mesh->place[mesh->element_type[element]];
+}
+
+bool stress_is_present(const stress_field *field, int element, int layer)
+{
+    const mesh *mesh = &field->state.design->mesh;
+    return place_of(mesh, element)->present_plies >> layer & 1u;
+}
+
+double stress_height(const stress_field *field, int layer, int height)
+{
+    const double *z = field->state.design->mesh.laminate.ply[layer].z;
+    return z[0] + (z[1] - z[0]) * height / (STRESS_HEIGHTS - 1);
+}
+
+/* ---- axes --------------------------------------------------------------- */
+
+/* Unit vector along direction 1 (a = 0) or 2 (a = 1) of an element, from its corners. */
+static void chord_of(const mesh *mesh, int element, int a, double unit[3])
+{
+    static const int sign[2][4] = {{-1, 1, 1, -1}, {-1, -1, 1, 1}};
+    for (int i = 0; i < 3; i++) {
+        unit[i] = 0;
+        for (int corner = 0; corner < 4; corner++)
+            unit[i] += sign[a][corner] * mesh->point[mesh->element[element][corner]].position[i];
+    }
+    vector_normalise(unit);
+}
+
+/*
+ * Shell axes of an element of a general mesh. The base vectors of the element, which are unit
+ * vectors along its directions, have known components in these axes (natural_base.h).
+ */
+static void general_axes(const mesh *mesh, int element, double axis[3][3])
+{
+    const double(*base)[3] = (const double(*)[3])place_of(mesh, element)->natural.base;
+    const double size = base[0][0] * base[1][1] - base[0][1] * base[1][0];
+    double chord[2][3];
+    for (int a = 0; a < 2; a++)
+        chord_of(mesh, element, a, chord[a]);
+    for (int i = 0; i < 3; i++) {
+        axis[0][i] = (chord[0][i] * base[1][1] - chord[1][i] * base[1][0]) / size;
+        axis[1][i] = (chord[1][i] * base[0][0] - chord[0][i] * base[0][1]) / size;
+    }
+    vector_cross(axis[0], axis[1], axis[2]);
+}
+
+/*
+ * Shell axes of an element along lines of curvature: along its directions, which are made
+ * orthogonal by equal and opposite turns.
+ */
+static void line_axes(const mesh *mesh, int element, double axis[3][3])
+{
+    double chord[2][3], across[3];
+    for (int a = 0; a < 2; a++)
+        chord_of(mesh, element, a, chord[a]);
+    vector_cross(chord[0], chord[1], axis[2]);
+    vector_normalise(axis[2]);
+    vector_cross(chord[1], axis[2], across);
+    for (int i = 0; i < 3; i++)
+        axis[0][i] = chord[0][i] + across[i];
+    vector_normalise(axis[0]);
+    vector_cross(axis[2], axis[0], axis[1]);
+}
+
+void stress_axes(const mesh *mesh, int element, double place[3], double axis[3][3])
+{
+    for (int i = 0; i < 3; i++) {
+        place[i] = 0;
+        for (int corner = 0; corner < 4; corner++)
+            place[i] += mesh->point[mesh->element[element][corner]].position[i] / 4;
+    }
+    (place_of(mesh, element)->is_general ? general_axes : line_axes)(mesh, element, axis);
+}
+
+/* Gather the displacement of the four nodes of an element (local [4 dof_per_node] out). */
+static void gather(const mesh *mesh, int element, const double *displacement, double *local)
+{
+    for (int corner = 0; corner < 4; corner++) {
+        const uint16_t *dof =
+            mesh->node_dof + (size_t)mesh->element[element][corner] * mesh->dof_per_node;
+        for (unsigned i = 0; i < mesh->dof_per_node; i++)
+            *local++ = dof[i] == PZS_CONSTRAINED ? 0 : displacement[dof[i]];
+    }
+}
+
+/* ---- prescribed fields ------------------------------------------------------ */
+
+/* Add the voltages of the patches of one drive in an element to those of its layers. */
+static void add_drive(const stress_field *field, int element, const scene_drive *drive,
+                      const double *value, design_part *part, double *voltage)
+{
+    const scene_patches *patches = &field->state.design->patches[drive->patches];
+    const int parts = design_patches_in(&field->state.design->mesh, element, patches, part);
+    for (int i = 0; i < parts; i++)
+        voltage[patches->layer] += part[i].share * drive->factor * value[part[i].patch];
+}
+
+/*
+ * Add the voltages of the electrodes of actuators or sensors in an element.
+ *   value [electrodes] in  voltages of all electrodes of the list (V)
+ */
+static void add_electrodes(const stress_field *field, int element, const scene_actuator *actuator,
+                           int count, const double *value, design_part *part, double *voltage)
+{
+    for (int k = 0; k < count; k++)
+        for (int drive = 0; drive < actuator[k].drives; drive++)
+            add_drive(field, element, &actuator[k].drive[drive], value + actuator[k].first, part,
+                      voltage);
+}
+
+/* Temperatures of the two faces of the package under all temperature inputs and loads. */
+static void add_temperatures(const stress_state *state, double temperature[2])
+{
+    const design *design = state->design;
+    for (int k = 0; k < design->actuators; k++)
+        for (int face = 0; face < 2 && design->actuator[k].is_temperature; face++)
+            temperature[face] += state->input_value[design->actuator[k].first];
+    for (int k = 0; k < design->loads; k++) {
+        if (design->load[k].type != LOAD_TEMPERATURE)
+            continue;
+        const laminate_field load = load_temperatures(&design->load[k]);
+        for (int face = 0; face < 2; face++)
+            temperature[face] +=
+                state->input_value[state->design->amplifiers + k] * load.temperature[face];
+    }
+}
+
+/* Largest number of electrodes of one grid of patches that cover parts of one element. */
+static int most_parts(const design *design)
+{
+    int most = 1;
+    for (int k = 0; k < design->patch_grids; k++)
+        for (int element = 0; element < design->mesh.elements; element++) {
+            const int parts = design_patches_in(&design->mesh, element, &design->patches[k], NULL);
+            most = parts > most ? parts : most;
+        }
+    return most;
+}
+
+static int fill_voltages(stress_field *field)
+{
+    const stress_state *state = &field->state;
+    const design *design = state->design;
+    design_part *part = calloc((size_t)most_parts(state->design), sizeof *part);
+    for (int element = 0; part && element < field->elements; element++) {
+        double *voltage = field->voltage + (size_t)element * (size_t)field->layers;
+        add_electrodes(field, element, design->actuator, design->actuators, state->input_value,
+                       part, voltage);
+        add_electrodes(field, element, design->sensor, design->sensors,
+                       state->input_value + state->design->sensor_first, part, voltage);
+    }
+    free(part);
+    return part ? 0 : -1;
+}
+
+/* ---- element states --------------------------------------------------------- */
+
+/* Add the prescribed resultants of one field, times a factor, to resultants times the area [10]. */
+static void add_prescribed(const mesh *mesh, int element, const laminate_field *given,
+                           double factor, double resultant[10])
+{
+    double h0[LAMINATE_STRAINS];
+    laminate_resultants(&mesh->laminate, &mesh->formulation, place_of(mesh, element), given, h0);
+    for (int i = 0; i < LAMINATE_STRAINS; i++)
+        resultant[i] += factor * h0[i];
+}
+
+/* Thickness of the plies that are present, weighted with the area ratio at their heights. */
+static double present_thickness(const mesh *mesh, int element)
+{
+    const laminate_place *place = place_of(mesh, element);
+    const scene_element *option = &mesh->formulation;
+    double sum = 0;
+    for (int layer = 0; layer < mesh->laminate.plies; layer++) {
+        const double *z = mesh->laminate.ply[layer].z;
+        if (place->present_plies >> layer & 1u)
+            sum += (z[1] - z[0]) / 6 *
+                   (laminate_area_ratio(option, place, z[0]) +
+                    4 * laminate_area_ratio(option, place, (z[0] + z[1]) / 2) +
+                    laminate_area_ratio(option, place, z[1]));
+    }
+    return sum;
+}
+
+/* Stress resultants of an element: stiffness of mode 00 times the strains, and those prescribed. */
+static void fill_resultants(const stress_field *field, int element)
+{
+    const mesh *mesh = &field->state.design->mesh;
+    const double *stiffness = mesh->type[mesh->element_type[element]].d[0];
+    const double *voltage = field->voltage + (size_t)element * (size_t)field->layers;
+    stress_element *own = &field->element[element];
+    double resultant[10] = {0};
+    for (int i = 0; i < 10; i++)
+        for (int j = 0; j < 10; j++) {
+            const int row = i > j ? i : j, column = i > j ? j : i;
+            resultant[i] += stiffness[row * (row + 1) / 2 + column] * own->strain[j];
+        }
+    for (int layer = 0; layer < field->layers; layer++) {
+        const laminate_field volt = {layer, {0, 0}};
+        if (voltage[layer] != 0)
+            add_prescribed(mesh, element, &volt, voltage[layer], resultant);
+    }
+    const laminate_field heat = {-1, {own->temperature[0], own->temperature[1]}};
+    if (heat.temperature[0] != 0 || heat.temperature[1] != 0)
+        add_prescribed(mesh, element, &heat, 1, resultant);
+    for (int i = 0; i < 10; i++)
+        own->resultant[i] = resultant[i] / place_of(mesh, element)->area;
+    own->normal_stress = own->resultant[MEAN_33] / present_thickness(mesh, element);
+}
+
+static void fill_element(const stress_field *field, int element)
+{
+    const mesh *mesh = &field->state.design->mesh;
+    stress_element *own = &field->element[element];
+    double local[SHELL_MAX];
+    stress_axes(mesh, element, own->place, own->axis);
+    gather(mesh, element, field->state.displacement, local);
+    strain_of_element(mesh, element, local, field->state.is_nonlinear, own->strain);
+    add_temperatures(&field->state, own->temperature);
+    fill_resultants(field, element);
+}
+
+/* ---- plies -------------------------------------------------------------------- */
+
+/* Prescribed stress of a layer at height z (Pa), shell axes, from its voltage and temperature. */
+static void prescribed_stress(const stress_field *field, int element, int layer, double z,
+                              double stress[6])
+{
+    const mesh *mesh = &field->state.design->mesh;
+    const laminate_ply *ply = &mesh->laminate.ply[layer];
+    const double *temperature = field->element[element].temperature;
+    const laminate_field volt = {layer, {0, 0}}, heat = {-1, {temperature[0], temperature[1]}};
+    const laminate_place *place = place_of(mesh, element);
+    const double voltage = field->voltage[(size_t)element * (size_t)field->layers + (size_t)layer] *
+                           laminate_field_at(&mesh->laminate, &mesh->formulation, place, &volt, z);
+    const double kelvin = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &heat, z);
+    for (int i = 0; i < 6; i++)
+        stress[i] = ply->stress_per_voltage[i] * voltage + ply->stress_per_kelvin[i] * kelvin;
+}
+
+/* Product of a symmetric 6 x 6 matrix and a vector, plus another vector. */
+static void product_plus(const double matrix[6][6], const double vector[6], const double plus[6],
+                         double sum[6])
+{
+    for (int i = 0; i < 6; i++) {
+        sum[i] = plus[i];
+        for (int j = 0; j < 6; j++)
+            sum[i] += matrix[i][j] * vector[j];
+    }
+}
+
+/*
+ * Strain and stress of a layer at height z in the shell axes, without the transverse shears. With
+ * the element option lin33 the strain 33 follows from the normal stress that all plies share.
+ */
+static void ply_state(const stress_field *field, int element, int layer, double z, double strain[6],
+                      double stress[6])
+{
+    static const int first[6] = {0, 2, 4, -1, -1, 6};
+    const mesh *mesh = &field->state.design->mesh;
+    const double(*c)[6] = (const double(*)[6])mesh->laminate.ply[layer].c;
+    const stress_element *own = &field->element[element];
+    const bool is_free = mesh->formulation.lin33;
+    const double middle = (mesh->laminate.z[0] + mesh->laminate.z[1]) / 2;
+    const double share = (z - middle) / mesh->laminate.thickness;
+    double map[6][6], given[6], work = -own->normal_stress, stiffness = 0;
+    laminate_strain_map(&mesh->formulation, place_of(mesh, element), z, map);
+    for (int i = 0; i < 6; i++) {
+        strain[i] = 0;
+        for (int j = 0; j < 6; j++)
+            if (first[j] >= 0 && !(is_free && j == 2))
+                strain[i] +=
+                    map[i][j] * (own->strain[first[j]] + share * own->strain[first[j] + 1]);
+    }
+    prescribed_stress(field, element, layer, z, given);
+    product_plus(c, strain, given, stress);
+    if (!is_free)
+        return;
+    for (int i = 0; i < 6; i++) {
+        work += map[i][2] * stress[i];
+        for (int j = 0; j < 6; j++)
+            stiffness += map[i][2] * c[i][j] * map[j][2];
+    }
+    for (int i = 0; i < 6; i++)
+        strain[i] -= map[i][2] * work / stiffness;
+    product_plus(c, strain, given, stress);
+}
+
+static void fill_samples(const stress_field *field, int element)
+{
+    stress_sample *sample =
+        field->sample + (size_t)element * (size_t)field->layers * STRESS_HEIGHTS;
+    for (int i = 0; i < field->layers * STRESS_HEIGHTS; i++) {
+        const int layer = i / STRESS_HEIGHTS;
+        double strain[6], stress[6];
+        if (!stress_is_present(field, element, layer))
+            continue;
+        ply_state(field, element, layer, stress_height(field, layer, i % STRESS_HEIGHTS), strain,
+                  stress);
+        sample[i].plane[0] = stress[0];
+        sample[i].plane[1] = stress[1];
+        sample[i].plane[2] = stress[5];
+        sample[i].normal = stress[2];
+    }
+}
+
+/*
+ * Electric displacement along e3 at the middle of a layer, from its strains in the shell axes
+ * (laminate_ply states the signs).
+ */
+static double electric_displacement(const stress_field *field, int element, int layer, double z,
+                                    const double strain[6])
+{
+    const mesh *mesh = &field->state.design->mesh;
+    const laminate_ply *ply = &mesh->laminate.ply[layer];
+    const double *temperature = field->element[element].temperature;
+    const laminate_field volt = {layer, {0, 0}}, heat = {-1, {temperature[0], temperature[1]}};
+    const laminate_place *place = place_of(mesh, element);
+    const double share = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &volt, z);
+    double sum = -ply->capacitance * share *
+                     field->voltage[(size_t)element * (size_t)field->layers + (size_t)layer] -
+                 ply->pyroelectric_charge *
+                     laminate_field_at(&mesh->laminate, &mesh->formulation, place, &heat, z);
+    for (int i = 0; i < 6; i++)
+        sum += (ply->z[1] - ply->z[0]) * ply->stress_per_voltage[i] * strain[i];
+    return sum;
+}
+
+/* Transverse shear strains 23 and 13 of a layer from its transverse shear stresses. */
+static void shear_strains(const laminate_ply *ply, const double shear[2], double strain[6])
+{
+    const double size = ply->c[3][3] * ply->c[4][4] - ply->c[3][4] * ply->c[4][3];
+    strain[3] = (ply->c[4][4] * shear[1] - ply->c[3][4] * shear[0]) / size;
+    strain[4] = (ply->c[3][3] * shear[0] - ply->c[4][3] * shear[1]) / size;
+}
+
+void stress_layer_of(const stress_field *field, int element, int layer, stress_layer *result)
+{
+    const mesh *mesh = &field->state.design->mesh;
+    const laminate_ply *ply = &mesh->laminate.ply[layer];
+    const double angle = field->state.design->layer[layer].angle * 0.017453292519943295;
+    const stress_sample *sample =
+        field->sample + ((size_t)element * (size_t)field->layers + (size_t)layer) * STRESS_HEIGHTS;
+    for (int height = 0; height < STRESS_HEIGHTS; height++) {
+        const double z = stress_height(field, layer, height);
+        double strain[6], stress[6];
+        ply_state(field, element, layer, z, strain, stress);
+        stress[2] = sample[height].normal;
+        stress[3] = sample[height].shear[1];
+        stress[4] = sample[height].shear[0];
+        shear_strains(ply, sample[height].shear, strain);
+        if (height == 1)
+            result->displacement = electric_displacement(field, element, layer, z, strain);
+        strain_turn_stress(stress, angle, result->at[height].stress);
+        strain_turn(strain, angle, result->at[height].strain);
+    }
+    result->field = -field->voltage[(size_t)element * (size_t)field->layers + (size_t)layer] /
+                    (ply->z[1] - ply->z[0]);
+}
+
+/* ---- neighbours ----------------------------------------------------------------- */
+
+bool stress_are_neighbours(const stress_field *field, int first, int second)
+{
+    const double least_cosine = 0.766; /* cosine of 40 degrees, beyond which a fold is assumed */
+    const mesh *mesh = &field->state.design->mesh;
+    const stress_element *a = &field->element[first], *b = &field->element[second];
+    const size_t layers = (size_t)field->layers;
+    return place_of(mesh, first)->present_plies == place_of(mesh, second)->present_plies &&
+           memcmp(field->voltage + (size_t)first * layers, field->voltage + (size_t)second * layers,
+                  layers * sizeof *field->voltage) == 0 &&
+           vector_dot(a->axis[0], b->axis[0]) > least_cosine &&
+           vector_dot(a->axis[2], b->axis[2]) > least_cosine;
+}
+
+int stress_neighbours(const stress_field *field, int element, int list[STRESS_NEIGHBOURS])
+{
+    const mesh *mesh = &field->state.design->mesh;
+    int count = 0;
+    for (int corner = 0; corner < 4; corner++) {
+        const int node = mesh->element[element][corner];
+        for (int i = field->node_start[node]; i < field->node_start[node + 1]; i++) {
+            const int other = field->node_element[i];
+            int is_listed = other == element;
+            for (int k = 0; k < count; k++)
+                is_listed |= list[k] == other;
+            if (!is_listed && count < STRESS_NEIGHBOURS &&
+                stress_are_neighbours(field, element, other))
+                list[count++] = other;
+        }
+    }
+    return count;
+}
+
+/* List the elements at each node. */
+static void fill_node_elements(stress_field *field)
+{
+    const mesh *mesh = &field->state.design->mesh;
+    for (int k = 0; k < 4 * mesh->elements; k++)
+        field->node_start[mesh->element[k / 4][k % 4] + 1]++;
+    for (int node = 0; node < mesh->nodes; node++)
+        field->node_start[node + 1] += field->node_start[node];
+    for (int k = 4 * mesh->elements - 1; k >= 0; k--)
+        field->node_element[--field->node_start[mesh->element[k / 4][k % 4] + 1]] = k / 4;
+    for (int node = 0; node < mesh->nodes; node++)
+        field->node_start[node] = field->node_start[node + 1];
+    field->node_start[mesh->nodes] = 4 * mesh->elements;
+}
+
+/* ---- all elements ----------------------------------------------------------------- */
+
+static bool allocate(stress_field *field)
+{
+    const mesh *mesh = &field->state.design->mesh;
+    const size_t elements = (size_t)field->elements, layers = (size_t)field->layers;
+    field->element = calloc(elements, sizeof *field->element);
+    field->voltage = calloc(elements * layers, sizeof *field->voltage);
+    field->sample = calloc(elements * layers * STRESS_HEIGHTS, sizeof *field->sample);
+    field->node_start = calloc((size_t)mesh->nodes + 2, sizeof *field->node_start);
+    field->node_element = calloc(4 * elements, sizeof *field->node_element);
+    return field->element && field->voltage && field->sample && field->node_start &&
+           field->node_element;
+}
+
+int stress_field_fill(stress_field *field, const stress_state *state)
+{
+    memset(field, 0, sizeof *field);
+    field->state = *state;
+    field->elements = state->design->mesh.elements;
+    field->layers = state->design->mesh.laminate.plies;
+    if (!allocate(field) || fill_voltages(field) < 0)
+        return -1;
+    fill_node_elements(field);
+    for (int element = 0; element < field->elements; element++) {
+        fill_element(field, element);
+        fill_samples(field, element);
+    }
+    return 0;
+}
+
+void stress_free(stress_field *field)
+{
+    free(field->element);
+    free(field->voltage);
+    free(field->sample);
+    free(field->node_start);
+    free(field->node_element);
+    memset(field, 0, sizeof *field);
+}

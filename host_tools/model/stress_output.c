@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Strains and stresses at nodes as outputs of a scene (stress_output.h). */
+#include "stress_output.h"
+#include "strain.h"
+#include "stress_summary.h"
+
+/* Value of an output of a stress in one element. */
+static double stress_in(const stress_field *field, const scene_output *output, int element)
+{
+    stress_layer layer;
+    stress_layer_of(field, element, output->layer, &layer);
+    const double *stress = layer.at[output->height].stress;
+    return output->recovered_component < STRESS_COMPONENTS ? stress[output->recovered_component]
+                                                           : stress_mises(stress);
+}
+
+/* Value of an output of a strain or stress at a node. */
+static double value_at(const stress_field *field, const scene_output *output, int node)
+{
+    const mesh *mesh = &field->state.design->mesh;
+    const double area = strain_area(mesh, output, node);
+    double sum = 0;
+    for (int i = field->node_start[node]; i < field->node_start[node + 1]; i++) {
+        const int element = field->node_element[i];
+        const double share = mesh->place[mesh->element_type[element]].area / area;
+        if (!strain_is_in(mesh, output, element, node))
+            continue;
+        sum +=
+            share * (output->recovered == RECOVERED_STRESS
+                         ? stress_in(field, output, element)
+                         : strain_of_output(mesh, output, element, field->element[element].strain));
+    }
+    return sum;
+}
+
+int stress_outputs(const stress_state *state, double *value)
+{
+    const design *design = state->design;
+    stress_field field;
+    const int status = stress_recover(&field, state);
+    for (int k = 0; status == 0 && k < design->outputs; k++)
+        for (int i = design->place_first[k]; i < design->place_first[k + 1]; i++)
+            if (design->output[k].recovered != RECOVERED_NONE)
+                value[i] = value_at(&field, &design->output[k], design->place_node[i]);
+    stress_free(&field);
+    return status;
+}

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Section of the stresses on a report page (report_page.h). */
+#include <math.h>
+#include <stdlib.h>
+#include "../model/stress_summary.h"
+#include "../text/words.h"
+#include "report_page.h"
+
+/* Average the load on the elements at the nodes, weighted with areas (value [nodes] out). */
+static void average_load(const stress_field *field, const double *load, double *value)
+{
+    const mesh *mesh = &field->state.design->mesh;
+    for (int node = 0; node < mesh->nodes; node++) {
+        double area = 0;
+        value[node] = 0;
+        for (int i = field->node_start[node]; i < field->node_start[node + 1]; i++) {
+            const int element = field->node_element[i];
+            const double own = mesh->place[mesh->element_type[element]].area;
+            value[node] += own * load[element];
+            area += own;
+        }
+        value[node] /= area > 0 ? area : 1;
+    }
+}
+
+static void write_load(const page *page, const stress_field *field)
+{
+    double *load = calloc((size_t)field->elements + 1, sizeof *load);
+    char unit[WORDS_UNIT];
+    if (!load)
+        return;
+    const bool has_strength = stress_load(field, load);
+    draw_scale scale = {
+        false, 0, has_strength ? "" : words_unit(&page->design->units, QUANTITY_PRESSURE, unit)};
+    average_load(field, load, page->value);
+    for (int node = 0; node < page->mesh->nodes; node++)
+        draw_extend(&scale, page->value[node]);
+    if (has_strength)
+        page_map(
+            page, page->value, &scale, "Use of the strength",
+            "Use of the strength: one over the least reserve factor of the layers, averaged at "
+            "the nodes; largest %n",
+            scale.most);
+    else
+        page_map(page, page->value, &scale, "Von Mises stress",
+                 "Largest von Mises stress of the layers, averaged at the nodes; largest %q",
+                 scale.most, scale.unit);
+    free(load);
+}
+
+static void write_extreme(const page *page, const char *name, const char *component,
+                          const stress_extreme *found, const char *unit)
+{
+    const scene_layer *layer = &page->design->layer[found->layer];
+    put_row(page->file, "%t %t|%q|<%d %t, %t|<%t", name, component, found->value, unit,
+            found->layer + 1, layer->name, stress_height_name[found->height],
+            mesh_element_text(page->mesh, found->element).text);
+}
+
+static void write_components(const page *page, const stress_summary *summary)
+{
+    char unit[WORDS_UNIT];
+    words_unit(&page->design->units, QUANTITY_PRESSURE, unit);
+    put_table(page->file,
+              "Largest stresses and strains at element centres, in the axes of the "
+              "materials",
+              "Component|Value|<Layer, face|<Place");
+    for (int k = 0; k < 2 * STRESS_COMPONENTS; k++) {
+        const bool is_strain = k >= STRESS_COMPONENTS;
+        const int i = k % STRESS_COMPONENTS;
+        const stress_extreme *found = is_strain ? &summary->strain[i] : &summary->stress[i];
+        if (found->element >= 0)
+            write_extreme(page, is_strain ? "Strain" : "Stress", stress_component_name[i], found,
+                          is_strain ? "" : unit);
+    }
+    put_table_end(page->file);
+}
+
+/* Value of an extreme, NAN where there is none. */
+static double value_of(const stress_extreme *found)
+{
+    return found->element >= 0 ? found->value : (double)NAN;
+}
+
+static void write_layers(const page *page, const stress_summary *summary)
+{
+    char unit[WORDS_UNIT];
+    words_unit(&page->design->units, QUANTITY_PRESSURE, unit);
+    put_table(page->file, "Layers: largest von Mises stress, least reserve factors",
+              "Layer|<Material|Von Mises|Reserve, strength|Reserve, depolarisation");
+    for (int layer = 0; layer < page->design->layers; layer++)
+        put_row(page->file, "%d %t|<%t|%q|%n|%n", layer + 1, page->design->layer[layer].name,
+                page->design->material[page->design->layer[layer].material].name,
+                value_of(&summary->mises[layer]), unit, value_of(&summary->reserve[layer]),
+                value_of(&summary->field_reserve[layer]));
+    put_table_end(page->file);
+}
+
+void page_stress(const page *page, const stress_field *field)
+{
+    stress_summary summary;
+    if (!field)
+        return;
+    stress_summarise(field, &summary);
+    put(page->file, "<section>\n<h2>Stresses</h2>\n<p class=\"soft\">%s</p>\n<div class=\"row\">\n",
+        field->state.is_nonlinear ? "Second Piola-Kirchhoff stresses and Green-Lagrange strains."
+                                  : "Linear in the displacement; 13, 23 and 33 from equilibrium.");
+    write_load(page, field);
+    fputs("<div>\n", page->file);
+    write_components(page, &summary);
+    write_layers(page, &summary);
+    fputs("</div>\n</div>\n</section>\n", page->file);
+}
