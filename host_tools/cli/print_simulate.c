@@ -78,19 +78,22 @@ int print_run(simulation *simulation, const simulate_sinks *sinks, char *error)
 /* ---- text ------------------------------------------------------------- */
 
 /*
- * Print the time steps of a nonlinear motion: their length relative to a tick, and the mean number
- * of linear solves in one.
+ * Print the time steps of a nonlinear motion: their number in a tick, and the mean numbers of
+ * linear solves and of factorisations of the matrix in one.
  */
 static void print_steps(const plant *plant)
 {
     const shell_motion *motion = &plant->shell_motion;
-    const double ticks = motion->step_most * plant->analysis.design.control.rate;
+    const double steps = motion->steps > 0 ? (double)motion->steps : 1;
     printf(
-        "  nonlinear motion of %d free dof at large rotation: %.3g time steps a tick, %.2f linear "
-        "solves a step, %d at most; viscosity %.3g s for faster modes\n",
-        plant->analysis.design.mesh.free_dof, 1 / ticks,
-        motion->steps > 0 ? (double)motion->linear_solves / (double)motion->steps : 0,
-        motion->solves_most, motion->viscosity);
+        "  nonlinear motion of %d free dof at large rotation: %.3g time steps a tick; %.2f linear "
+        "solves with %.2f factorisations a step\n",
+        plant->analysis.design.mesh.free_dof,
+        1 / (motion->step_most * plant->analysis.design.control.rate),
+        (double)motion->linear_solves / steps, (double)motion->factorisations / steps);
+    printf("  damping ratios of %zu modes as stated, of faster motions %.3g s times half their "
+           "angular frequency\n",
+           motion->modes, motion->viscosity);
 }
 
 /* Print whether the plant vibrates, and the number of its modes or the reason why it does not. */

@@ -16,11 +16,17 @@
 enum { SOLVES_MOST = 16 }; /* Largest number of linear solves in one time step. */
 
 /*
- * Convergence tolerance of a time step: largest norm of the last increment relative to the change
- * of the displacement in half the step, and relative to the displacement itself where the structure
- * hardly moves.
+ * Convergence tolerance of a time step: largest size of the last increment relative to the change
+ * of the displacement in half the step, or to least_change times the displacement where the
+ * structure hardly moves.
  */
-static const double tolerance = 1e-7, tolerance_at_rest = 1e-10;
+static const double tolerance = 1e-7, least_change = 1e-3;
+
+/*
+ * Relative increment below which the factors of the matrix are kept for the next linear solve,
+ * unless the last increment was more than slow_decrease times the one before.
+ */
+static const double small_increment = 0.01, slow_decrease = 0.2;
 
 /* Largest phase of the fastest followed mode in a step, and in a control tick (radians). */
 static const double step_phase = 0.5, tick_phase = 2;
@@ -215,29 +221,43 @@ static void acting_resultants(const shell_motion *motion, uint32_t element, doub
 }
 
 /*
- * Add the tangent and the mass of one element to the matrix of the step, and subtract its internal
- * force from the imbalance.
+ * Add the tangent and the mass of one element to the matrix of the step. The geometric part of the
+ * tangent holds the extrapolated stress resultants.
  */
-static void add_element(shell_motion *motion, uint32_t element, double step, double *imbalance)
+static void add_tangent(shell_motion *motion, uint32_t element, double step)
 {
     pzs_model *model = motion->solver.state.model;
     const pzs_structure *structure = structure_of(motion);
-    const pzs_element_type *type = &structure->type[structure->element_type[element]];
-    const double factor = pzs_model_type_factor(model, element),
-                 elastic = tangent_factor(motion, step);
+    const double elastic = tangent_factor(motion, step);
     double displacement[SHELL_MAX], force[SHELL_MAX], tangent[SHELL_PACKED(SHELL_MAX)],
-        geometric[22], acting[22];
+        geometric[22];
     gather(motion, element, motion->solver.state.displacement, displacement);
     for (int i = 0; i < 22; i++)
         geometric[i] = motion->solver.state.resultant[element][i] / elastic;
-    pzs_shell_system(type, structure->dof_per_node, displacement, NULL, geometric, force, tangent);
-    pzs_model_add_matrix(model, structure->element[element], SHELL_NODES, factor * elastic,
-                         tangent);
+    pzs_shell_system(&structure->type[structure->element_type[element]], structure->dof_per_node,
+                     displacement, NULL, geometric, force, tangent);
+    pzs_model_add_matrix(model, structure->element[element], SHELL_NODES,
+                         pzs_model_type_factor(model, element) * elastic, tangent);
     pzs_model_add_matrix(model, structure->element[element], SHELL_NODES, mass_factor(motion, step),
                          mass_element(&motion->mass, (int)element));
+}
+
+/*
+ * Subtract the internal force of one element from the imbalance, and store its stress resultants as
+ * the extrapolated ones.
+ */
+static void subtract_internal_force(shell_motion *motion, uint32_t element, double step,
+                                    double *imbalance)
+{
+    pzs_model *model = motion->solver.state.model;
+    const pzs_structure *structure = structure_of(motion);
+    double displacement[SHELL_MAX], force[SHELL_MAX], acting[22];
+    gather(motion, element, motion->solver.state.displacement, displacement);
     acting_resultants(motion, element, step, acting);
-    pzs_shell_force_at(type, structure->dof_per_node, displacement, acting, force);
-    pzs_model_scatter(model, structure->element[element], SHELL_NODES, -factor, force, imbalance);
+    pzs_shell_force_at(&structure->type[structure->element_type[element]], structure->dof_per_node,
+                       displacement, acting, force);
+    pzs_model_scatter(model, structure->element[element], SHELL_NODES,
+                      -pzs_model_type_factor(model, element), force, imbalance);
     memcpy(motion->solver.state.resultant[element], acting, sizeof acting);
 }
 
@@ -268,18 +288,36 @@ static bool is_actuation(const shell_motion *motion, uint32_t input)
     return start && start[input + 1] > start[input];
 }
 
-/* Add the loads at half the step to the imbalance, and subtract their derivative from the matrix.
+/*
+ * Add the loads at half the step to the imbalance: loads of constant direction, and those of the
+ * options (follower loads) by the force per unit of each input.
  */
 static void add_loads(shell_motion *motion, double *imbalance)
 {
     pzs_solver *solver = &motion->solver;
-    for (uint32_t input = 0; input < structure_of(motion)->input.count; input++)
-        if (solver->state.input_value[input] != 0 && !is_actuation(motion, input))
-            pzs_model_add_input(solver->state.model, input, solver->state.input_value[input],
-                                imbalance);
+    const uint32_t dof = structure_of(motion)->free_dof;
+    double *const unit = motion->scratch;
+    for (uint32_t input = 0; input < structure_of(motion)->input.count; input++) {
+        const double value = solver->state.input_value[input];
+        if (value == 0 || is_actuation(motion, input))
+            continue;
+        memset(unit, 0, dof * sizeof *unit);
+        pzs_nonlinear_unit_force(solver, input, unit);
+        for (uint32_t i = 0; i < dof; i++)
+            imbalance[i] += value * unit[i];
+    }
+}
+
+/*
+ * Subtract the derivative of the loads of the options (follower loads) from the matrix of the step.
+ */
+static void subtract_load_tangent(shell_motion *motion)
+{
+    pzs_solver *solver = &motion->solver;
+    memset(motion->scratch, 0, structure_of(motion)->free_dof * sizeof *motion->scratch);
     for (pzs_solver_option *option = solver->state.option; option; option = option->next)
         if (option->call->add_forces)
-            option->call->add_forces(option, solver, imbalance);
+            option->call->add_forces(option, solver, motion->scratch);
 }
 
 /*
@@ -306,47 +344,64 @@ static void subtract_inertia(shell_motion *motion, double step, double *imbalanc
 }
 
 /*
- * Assemble the matrix of the step and the force imbalance at the present displacement at half the
- * step.
+ * Compute the force imbalance at the present displacement at half the step, and the displacement at
+ * the end of the step.
  *   imbalance [free_dof] out  (N and N m)
  */
-static void build(shell_motion *motion, double step, double *imbalance)
+static void compute_imbalance(shell_motion *motion, double step, double *imbalance)
 {
-    pzs_model *model = motion->solver.state.model;
+    pzs_solver *solver = &motion->solver;
     const pzs_structure *structure = structure_of(motion);
     double *const strained = motion->scratch;
-    pzs_linalg_clear(&model->state.stiffness);
-    model->state.stage = STAGE_READY;
     memset(imbalance, 0, structure->free_dof * sizeof *imbalance);
     for (uint32_t i = 0; i < structure->free_dof; i++) {
         motion->end[i] = motion->displacement[i] + 2 * motion->half_change[i];
-        strained[i] = motion->solver.state.displacement[i] +
-                      motion->viscosity / step * motion->half_change[i];
+        strained[i] =
+            solver->state.displacement[i] + motion->viscosity / step * motion->half_change[i];
     }
     for (uint32_t element = 0; element < structure->elements; element++)
-        add_element(motion, element, step, imbalance);
-    pzs_model_add_springs(model);
-    pzs_model_add_spring_force(model, -1, strained, imbalance);
+        subtract_internal_force(motion, element, step, imbalance);
+    pzs_model_add_spring_force(solver->state.model, -1, strained, imbalance);
     add_loads(motion, imbalance);
     subtract_inertia(motion, step, imbalance);
+    pzs_nonlinear_clear_prescribed(solver, imbalance);
 }
 
 /*
- * Make one linear solve, and update displacement and stress resultants. Returns false where the
- * matrix is singular or a result is not finite.
+ * Assemble and factor the matrix of the step at the present displacement at half the step. Returns
+ * whether the matrix is regular.
  */
-static bool solve_and_update(shell_motion *motion, double step)
+static bool factor_matrix(shell_motion *motion, double step)
+{
+    pzs_solver *solver = &motion->solver;
+    pzs_model *model = solver->state.model;
+    const pzs_prescribed_motion *held = &solver->state.tables->prescribed;
+    pzs_linalg_clear(&model->state.stiffness);
+    model->state.stage = STAGE_READY;
+    for (uint32_t element = 0; element < structure_of(motion)->elements; element++)
+        add_tangent(motion, element, step);
+    pzs_model_add_springs(model);
+    subtract_load_tangent(motion);
+    for (uint32_t i = 0; i < held->count; i++)
+        pzs_nonlinear_prescribe(&model->state.stiffness, held->dof[i], 0, motion->scratch);
+    motion->factorisations++;
+    return pzs_nonlinear_factor(solver);
+}
+
+/*
+ * Make one linear solve, and update displacement and stress resultants.
+ *   is_new in  true: with the matrix at the present displacement; false: with that of the last call
+ * Returns false where the matrix is singular or a result is not finite.
+ */
+static bool solve_and_update(shell_motion *motion, double step, bool is_new)
 {
     pzs_solver *solver = &motion->solver;
     const uint32_t dof = structure_of(motion)->free_dof;
-    const pzs_prescribed_motion *held = &solver->state.tables->prescribed;
     double *const imbalance = solver->state.load;
-    build(motion, step, imbalance);
-    for (uint32_t i = 0; i < held->count; i++)
-        pzs_nonlinear_prescribe(&solver->state.model->state.stiffness, held->dof[i], 0, imbalance);
     motion->linear_solves++;
-    if (!pzs_nonlinear_factor(solver))
+    if (is_new && !factor_matrix(motion, step))
         return false;
+    compute_imbalance(motion, step, imbalance);
     pzs_model_backsolve(solver->state.model, imbalance, motion->increment);
     if (pzs_guard_nonfinite(motion->increment, dof) >= 0)
         return false;
@@ -393,19 +448,37 @@ static void end_step(shell_motion *motion, double step)
     }
 }
 
-/* Try one step. Returns whether Newton's method converged; otherwise the motion has not changed. */
-static bool try_step(shell_motion *motion, double step)
+/*
+ * Size of the last increment relative to the change of the displacement in half the step. Where the
+ * structure hardly moves, the change counts as a small part of the displacement.
+ */
+static double relative_increment(const shell_motion *motion)
 {
     const pzs_solver *solver = &motion->solver;
+    const double last2 = pzs_nonlinear_norm2(solver, motion->increment, NULL),
+                 moved2 = pzs_nonlinear_norm2(solver, motion->half_change, NULL),
+                 whole2 = pzs_nonlinear_norm2(solver, solver->state.displacement, NULL);
+    const double size2 = moved2 + least_change * least_change * whole2;
+    return size2 > 0 ? sqrt(last2 / size2) : 0;
+}
+
+/*
+ * Try one step. The matrix is factored anew until the increments are small, and later where they
+ * decrease too slowly. Returns whether the iteration converged; otherwise the motion has not
+ * changed.
+ */
+static bool try_step(shell_motion *motion, double step)
+{
+    double before = 1;
+    bool is_new = true;
     begin_step(motion, step);
     for (int solves = 1; solves <= SOLVES_MOST; solves++) {
-        if (!solve_and_update(motion, step))
+        if (!solve_and_update(motion, step, is_new))
             return false;
-        const double last2 = pzs_nonlinear_norm2(solver, motion->increment, NULL),
-                     moved2 = pzs_nonlinear_norm2(solver, motion->half_change, NULL),
-                     whole2 = pzs_nonlinear_norm2(solver, solver->state.displacement, NULL);
-        if (!(last2 <=
-              tolerance * tolerance * moved2 + tolerance_at_rest * tolerance_at_rest * whole2))
+        const double size = relative_increment(motion);
+        is_new = size > small_increment || size > slow_decrease * before;
+        before = size;
+        if (!(size <= tolerance))
             continue;
         end_step(motion, step);
         motion->steps++;

@@ -58,8 +58,10 @@ typedef struct shell_motion {
     double *end;          /* [free_dof] displacement at the end of the step (m and 1) */
     double *scratch;      /* [free_dof] work vector */
     double (*start_resultant)[22]; /* [elements] stress resultants at the start of the step (N m) */
-    long steps, linear_solves;     /* number of time steps, and of linear solves in all of them */
-    int solves_most;               /* largest number of linear solves in one time step */
+    long steps;                    /* number of time steps */
+    long linear_solves;            /* number of linear solves in all time steps */
+    long factorisations; /* number of factorisations of the matrix for these linear solves */
+    int solves_most;     /* largest number of linear solves in one time step */
 } shell_motion;
 
 /*
