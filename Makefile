@@ -237,6 +237,11 @@ $(B)/test/storms-64: $(B)/64/tests/unit/sweep_storms.o $(B)/64/tests/rigs/scene_
 	@mkdir -p $(@D)
 	$(CC) $^ $(HOST_LIBS) -o $@
 
+# Storms on nonlinear plants with mass, with check-long.
+$(B)/test/motion_storms-64: $(B)/64/tests/unit/sweep_motion.o $(B)/64/tests/rigs/scene_run.o $(B)/64/host.a $(B)/64/libpiezoshape.a
+	@mkdir -p $(@D)
+	$(CC) $^ $(HOST_LIBS) -o $@
+
 format:
 	clang-format -i $$(git ls-files "*.c" "*.h" ":!host_tools/tables/example.h")
 
@@ -285,6 +290,8 @@ check-long: setup-test
 	    -lcmocka $(HOST_LIBS) -o $(B)/long-quads && $(B)/long-quads
 	$(B)/test/sweep-64 full
 	$(B)/test/storms-64 full
+	@$(MAKE) --no-print-directory -s $(B)/test/motion_storms-64
+	$(B)/test/motion_storms-64 full
 	/usr/bin/python3 tests/cli/schema.py $(B)/pzs $(SCENES)/scene.schema.json 1 tests/cli/schema/scenes.yaml $(SCENES)/*.yaml
 	for s in $$($(B)/pzs-san list | cut -d' ' -f1); do for e in published improved; do \
 	    case $$e$$s in publishedhex-mirror|publishedwing-panel|publishedhyperbolic-paraboloid|publishedoff-axis-dish|publisheddisc-61-hexagons|publishedstack-mirror) continue ;; esac; \
