@@ -19,7 +19,7 @@
 
 #define PLATE "plate-closed-loop"
 #define PANEL "tests/rigs/scenes/storm-panel.yaml"
-#define ENDLESS "simulate.plant.hysteresis=0;simulate.amplifiers={step: 0};"
+#define ENDLESS "simulate.amplifiers={step: 0};"
 
 /*
  * A structure with its target: largest normal displacement of the target over the thickness, scene,
