@@ -692,8 +692,9 @@ static int build_numbers(mesh *mesh, char *error)
                         "0 free dof: the supports constrain every node; remove a support");
         else if (mesh->free_dof >= (int)PZS_CONSTRAINED)
             scene_fault(scene->line[0].at, error,
-                        "%d free dof; the tables hold at most %u; use fewer elements",
-                        mesh->free_dof, PZS_CONSTRAINED - 1u);
+                        "%d free dof; the tables hold at most %u; use fewer elements%s",
+                        mesh->free_dof, PZS_CONSTRAINED - 1u,
+                        mesh->dof_per_node > 6 ? ", or dof_per_node: 6" : "");
         else if ((status = list_prescribed(mesh, values)) < 0)
             scene_fault(scene->line[0].at, error,
                         "%d dof do not fit into memory; use fewer elements", mesh->free_dof);

@@ -59,7 +59,8 @@ int quad_turn(quad_mesh *mesh);
 
 /*
  * Fill mesh->order with an order of the nodes that gives the factor of the stiffness matrix a small
- * envelope (reverse Cuthill-McKee algorithm). Returns 0, or -1 when memory runs out.
+ * envelope: the best of those of the algorithms of Cuthill and McKee and of Sloan. Returns 0, or -1
+ * when memory runs out.
  */
 int quad_renumber(quad_mesh *mesh);
 

@@ -17,6 +17,7 @@
 #include <string.h>
 #include <unistd.h>
 #include <cmocka.h>
+#include "../../host_tools/quads/quad_graph.h"
 #include "../../host_tools/quads/quad_read.h"
 #include "../rigs/mesh_writer.h"
 
@@ -516,6 +517,116 @@ static void test_order(void **state)
     }
 }
 
+/*
+ * Return the envelope of an order that is found in the simplest way: all nodes level by level from
+ * a node that is farthest from the first one, in reverse.
+ */
+static uint64_t envelope_of_levels(const quad_graph *graph)
+{
+    uint32_t *order = calloc(graph->nodes, sizeof *order), *place = calloc(graph->nodes, 4);
+    unsigned char *seen = malloc(graph->nodes);
+    for (int round = 0; round < 2; round++) {
+        uint32_t count = 1;
+        memset(seen, 0, graph->nodes);
+        seen[order[0]] = 1;
+        for (uint32_t i = 0; i < count; i++)
+            for (uint32_t k = graph->start[order[i]]; k < graph->start[order[i] + 1]; k++)
+                if (!seen[graph->neighbour[k]]++)
+                    order[count++] = graph->neighbour[k];
+        assert_int_equal(count, graph->nodes);
+        for (uint32_t i = 0; i < count / 2; i++) {
+            const uint32_t swap = order[i];
+            order[i] = order[count - 1 - i];
+            order[count - 1 - i] = swap;
+        }
+    }
+    const uint64_t envelope = quad_envelope(graph, order, place);
+    free(order);
+    free(place);
+    free(seen);
+    return envelope;
+}
+
+/*
+ * Check the order of a mesh, and release the mesh. Returns its envelope relative to that of
+ * envelope_of_levels.
+ */
+static double check_order(quad_mesh *mesh)
+{
+    quad_graph graph;
+    double largest, mean;
+    uint32_t *place = calloc(mesh->nodes, sizeof *place);
+    assert_int_equal(quad_graph_make(&graph, mesh), 0);
+    const uint64_t envelope = quad_envelope(&graph, mesh->order, place);
+    for (uint32_t i = 0; i < mesh->nodes; i++)
+        assert_int_equal(place[mesh->order[i]], i);
+    widths(mesh, &largest, &mean);
+    assert_true(fabs(mean * (double)mesh->nodes - (double)envelope) < 0.5);
+    const double relative = (double)envelope / (double)envelope_of_levels(&graph);
+    quad_graph_free(&graph);
+    quad_mesh_free(mesh);
+    free(place);
+    return relative;
+}
+
+/*
+ * Law: the order is a permutation, and its envelope is that of its widths. It is never larger than
+ * that of an order by levels, and on the disc of hexagons a fifth smaller.
+ */
+static void test_envelope(void **state)
+{
+    static void (*const surface[])(double, double, double[3]) = {plate, cylinder, sphere};
+    static const char *const shipped[] = {"hex-mirror", "wing-panel"};
+    (void)state;
+    for (int k = 0; k < 6; k++) {
+        grid_fill(&grid, k < 3 ? 24 : 40, k < 3 ? 24 : 7, surface[k % 3], 5);
+        write_grid(MSH4_BINARY);
+        quad_mesh mesh = read_valid();
+        assert_true(check_order(&mesh) <= 1);
+    }
+    for (int k = 0; k < 2; k++) {
+        char name[64], error[QUAD_ERROR];
+        quad_mesh mesh;
+        quad_warnings warnings;
+        snprintf(name, sizeof name, "host_tools/scenes/%s.msh", shipped[k]);
+        assert_int_equal(quad_read(&mesh, name, &plain, &warnings, error), 0);
+        assert_true(check_order(&mesh) <= (k == 0 ? 0.8 : 1));
+    }
+}
+
+/*
+ * Law: Sloan's algorithm numbers a strip of n x 2 elements from the first node on with the envelope
+ * of its lines, and line by line where the distance weighs as much as the growth of the front.
+ */
+static void test_sloan_strip(void **state)
+{
+    uint32_t distance[63], order[63], place[63];
+    quad_graph graph;
+    (void)state;
+    grid_fill(&grid, 20, 2, plate, 0);
+    write_grid(MSH4_TEXT);
+    quad_mesh mesh = read_valid();
+    assert_int_equal(mesh.nodes, 63);
+    assert_int_equal(quad_graph_make(&graph, &mesh), 0);
+    for (uint32_t node = 0; node < 63; node++)
+        distance[node] = (uint32_t)(10 * mesh.position[node][0] + 0.5);
+    uint32_t first = 0;
+    for (uint32_t node = 0; node < 63; node++)
+        if (distance[node] == 20 && mesh.position[node][1] < mesh.position[first][1] + 1e-9)
+            first = node;
+    for (int weight = 1; weight <= 4; weight++) {
+        assert_int_equal(quad_sloan(&graph, distance, first, weight, order), 0);
+        assert_int_equal(order[0], first);
+        /* a grid whose lines have m = 3 nodes has at best the widths m + 1 within a line, m at its
+         * first node, and j in the first line */
+        assert_true(quad_envelope(&graph, order, place) <= 4u * 60u + 3u);
+        for (uint32_t i = 0; i < 63; i++)
+            assert_true(weight > 1 || distance[order[i]] + i / 3 == 20);
+    }
+    quad_graph_free(&graph);
+    quad_mesh_free(&mesh);
+}
+
 /* ---- damaged files ------------------------------------------------------- */
 
 static unsigned next_random(unsigned *state)
@@ -617,6 +728,8 @@ int main(void)
         cmocka_unit_test(test_sphere_directors),
         cmocka_unit_test(test_sharp_edge),
         cmocka_unit_test(test_order),
+        cmocka_unit_test(test_envelope),
+        cmocka_unit_test(test_sloan_strip),
         cmocka_unit_test(test_damaged_files),
     };
     const int file = mkstemp(path);

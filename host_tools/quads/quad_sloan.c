@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Order of the nodes of a mesh by the algorithm of S. W. Sloan (Int. J. Numer. Meth. Engng. 23,
+ * 1986, 239-251), which keeps the front small: the nodes without a number that have a neighbour
+ * with a number (quad_graph.h).
+ */
+#include "quad_graph.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+
+/*
+ * State of a node. NEAR_FRONT: the node waits for a number, but none of its neighbours has a number
+ * yet. IN_FRONT: the node waits for a number, and a neighbour has one.
+ */
+typedef enum node_state { UNSEEN, NEAR_FRONT, IN_FRONT, NUMBERED } node_state;
+
+typedef struct sloan {
+    const quad_graph *graph;
+    int64_t *priority; /* [nodes] the waiting node of the highest priority gets the next number */
+    node_state *state; /* [nodes] state of each node */
+    uint32_t *waiting; /* [nodes] nodes near the front or in it, as a binary heap: the priority at
+                          index i is not below those at 2 i + 1 and 2 i + 2 */
+    uint32_t *slot;    /* [nodes] index of each waiting node in the heap */
+    uint32_t count;    /* number of waiting nodes */
+    int64_t growth_weight; /* what the priority of a node gains when its number would add one
+                              neighbour less to the front */
+} sloan;
+
+/* ---- waiting nodes ------------------------------------------------------ */
+
+static int64_t priority_at(const sloan *run, uint32_t slot)
+{
+    return run->priority[run->waiting[slot]];
+}
+
+static void swap_slots(sloan *run, uint32_t first, uint32_t second)
+{
+    const uint32_t node = run->waiting[first];
+    run->waiting[first] = run->waiting[second];
+    run->waiting[second] = node;
+    run->slot[run->waiting[first]] = first;
+    run->slot[run->waiting[second]] = second;
+}
+
+/* Move the node at an index of the heap towards its top, to the place of its priority. */
+static void lift(sloan *run, uint32_t slot)
+{
+    for (; slot > 0 && priority_at(run, slot) > priority_at(run, (slot - 1) / 2);
+         slot = (slot - 1) / 2)
+        swap_slots(run, slot, (slot - 1) / 2);
+}
+
+/* Remove the node of the highest priority from the waiting nodes. Returns this node. */
+static uint32_t take_next(sloan *run)
+{
+    const uint32_t node = run->waiting[0];
+    swap_slots(run, 0, --run->count);
+    for (uint32_t slot = 0, child = 1; child < run->count; child = 2 * slot + 1) {
+        if (child + 1 < run->count && priority_at(run, child + 1) > priority_at(run, child))
+            child++;
+        if (priority_at(run, child) <= priority_at(run, slot))
+            break;
+        swap_slots(run, slot, child);
+        slot = child;
+    }
+    return node;
+}
+
+static void add_waiting(sloan *run, uint32_t node)
+{
+    run->state[node] = NEAR_FRONT;
+    run->slot[node] = run->count;
+    run->waiting[run->count] = node;
+    lift(run, run->count++);
+}
+
+/* Raise the priority of a node, because its number would add one neighbour less to the front. */
+static void raise_priority(sloan *run, uint32_t node)
+{
+    run->priority[node] += run->growth_weight;
+    if (run->state[node] == UNSEEN)
+        add_waiting(run, node);
+    else if (run->state[node] != NUMBERED)
+        lift(run, run->slot[node]);
+}
+
+/* ---- front -------------------------------------------------------------- */
+
+/* Raise the priority of a node's neighbours, because the node has come into the front. */
+static void enter_front(sloan *run, uint32_t node)
+{
+    for (uint32_t k = run->graph->start[node]; k < run->graph->start[node + 1]; k++)
+        raise_priority(run, run->graph->neighbour[k]);
+}
+
+/* Give a waiting node its number, and bring its neighbours into the front. */
+static void give_number(sloan *run, uint32_t node)
+{
+    const bool was_near = run->state[node] == NEAR_FRONT;
+    run->state[node] = NUMBERED;
+    if (was_near)
+        enter_front(run, node);
+    for (uint32_t k = run->graph->start[node]; k < run->graph->start[node + 1]; k++) {
+        const uint32_t other = run->graph->neighbour[k];
+        if (run->state[other] != NEAR_FRONT)
+            continue;
+        run->state[other] = IN_FRONT;
+        raise_priority(run, other);
+        enter_front(run, other);
+    }
+}
+
+int quad_sloan(const quad_graph *graph, const uint32_t *distance, uint32_t first, int growth_weight,
+               uint32_t *order)
+{
+    sloan run = {.graph = graph, .growth_weight = growth_weight};
+    run.priority = calloc(graph->nodes, sizeof *run.priority);
+    run.state = calloc(graph->nodes, sizeof *run.state);
+    run.waiting = calloc(graph->nodes, sizeof *run.waiting);
+    run.slot = calloc(graph->nodes, sizeof *run.slot);
+    const bool has_memory = run.priority && run.state && run.waiting && run.slot;
+    for (uint32_t node = 0; has_memory && node < graph->nodes; node++) {
+        const int64_t neighbours = graph->start[node + 1] - graph->start[node];
+        run.priority[node] = distance[node] - growth_weight * (neighbours + 1);
+        run.state[node] = UNSEEN;
+    }
+    if (has_memory)
+        add_waiting(&run, first);
+    for (uint32_t number = 0; run.count > 0; number++) {
+        order[number] = take_next(&run);
+        give_number(&run, order[number]);
+    }
+    free(run.priority);
+    free(run.state);
+    free(run.waiting);
+    free(run.slot);
+    return has_memory ? 0 : -1;
+}
