@@ -30,6 +30,15 @@
 #define PZS_TILE 4
 #endif
 
+/*
+ * PZS_WIDE: 1 compiles the innermost loop of the factorisation in double also for x86-64 processors
+ * with the vector unit AVX2, which the library looks for at run time. It is for hosts: factors have
+ * the same bits and take about half the time. It needs gcc or clang and PZS_TILE 4.
+ */
+#ifndef PZS_WIDE
+#define PZS_WIDE 0
+#endif
+
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "piezoshape needs NaN and infinity: do not use -ffast-math, -Ofast, -ffinite-math-only"
 #endif
@@ -38,6 +47,9 @@
 #endif
 #if PZS_TILE != 4 && PZS_TILE != 8 && PZS_TILE != 16
 #error "PZS_TILE is 4, 8 or 16"
+#endif
+#if PZS_WIDE && (PZS_REAL_BITS != 64 || PZS_TILE != 4 || !defined(__x86_64__))
+#error "PZS_WIDE needs PZS_REAL_BITS 64, PZS_TILE 4 and an x86-64 processor"
 #endif
 
 #endif

@@ -4,6 +4,7 @@
  * factorisation L D L^T is left-looking and works on tiles of PZS_TILE x PZS_TILE entries.
  */
 #include "linalg.h"
+#include "linalg_wide.h"
 #include "unrolled.h"
 
 #include <float.h>
@@ -17,6 +18,12 @@
  * that their STRIP x PZS_TILE sums fit into the registers. The number affects only the speed.
  */
 #define STRIP PZS_BY_TILE(4, 8, 8)
+
+/*
+ * Number of panels from which the columns left of the first of them are eliminated together. The
+ * number affects only the speed.
+ */
+#define GROUP 16u
 
 /*
  * MOVE copies `count` numbers between memory and local variables: one by one, or with memcpy where
@@ -186,19 +193,38 @@ void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale)
     }
 }
 
+/*
+ * Add the absolute values of the entries of one panel to the sums of their rows and of their
+ * columns; an entry on the diagonal counts once. The entries are read in the order of memory.
+ *   sum [rows of the matrix] in/out  sums
+ */
+static void add_panel_sums(const pzs_envelope *matrix, uint32_t panel, pzs_real *sum)
+{
+    const uint32_t row = panel * PZS_TILE, rows = smaller(PZS_TILE, matrix->n - row);
+    uint32_t k = leftmost_column(matrix, panel);
+    const pzs_real *entry = column(matrix, panel, k);
+
+    for (; k < row; k++, entry += PZS_TILE)
+        for (uint32_t i = 0; i < rows; i++) {
+            sum[row + i] += PZS_ABS(entry[i]);
+            sum[k] += PZS_ABS(entry[i]);
+        }
+    for (; k < row + rows; k++, entry += PZS_TILE) {
+        sum[k] += PZS_ABS(entry[k - row]);
+        for (uint32_t i = k - row + 1u; i < rows; i++) {
+            sum[row + i] += PZS_ABS(entry[i]);
+            sum[k] += PZS_ABS(entry[i]);
+        }
+    }
+}
+
 pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 {
     pzs_real norm = 0;
 
-    for (uint32_t i = 0; i < matrix->n; i++) {
-        const pzs_real *entry = pzs_linalg_entry(matrix, i, matrix->first[i]);
-        sum[i] = 0;
-        for (uint32_t j = matrix->first[i]; j < i; j++, entry += PZS_TILE) {
-            sum[i] += PZS_ABS(*entry);
-            sum[j] += PZS_ABS(*entry);
-        }
-        sum[i] += PZS_ABS(*entry);
-    }
+    memset(sum, 0, matrix->n * sizeof *sum);
+    for (uint32_t panel = 0; panel < panel_count(matrix->n); panel++)
+        add_panel_sums(matrix, panel, sum);
     for (uint32_t i = 0; i < matrix->n; i++) {
         if (!(sum[i] <= REAL_MOST))
             return sum[i];
@@ -210,19 +236,22 @@ pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 /* ---- factor ----------------------------------------------------------- */
 
 /*
- * Eliminate STRIP columns of a panel left of its diagonal tile. For A = L D L^T and W = L D, each
- * entry is W_ij = A_ij - sum over k < j of W_ik L_jk. T stands for PZS_TILE.
- *   strip  [STRIP][T]         in/out  in: columns of A; out: columns of W
- *   scaled [count][T]         in      columns of W before the strip
- *   lower  [count + STRIP][T] in      entries of L in the rows j, column by column; the entry of
- *                                     the first of these rows comes first
+ * Eliminate a strip of STRIP columns of a panel left of its diagonal tile. For A = L D L^T and W =
+ * L D, each entry is W_ij = A_ij - sum over k < j of W_ik L_jk. T stands for PZS_TILE.
+ *   strip [STRIP][T] in/out  in: columns of A; out: columns of W; the columns of W before the strip
+ *                            precede them in memory
+ *   lower [STRIP][T] in      entries of L in the rows j, column by column, beginning with the
+ *                            columns of the strip; the entry of the first of these rows comes
+ *                            first; those in the columns before the strip precede them in memory
+ *   count            in      number of columns before the strip that are subtracted
  * The last STRIP terms of each sum use the columns of the strip that have just been finished.
  */
-static void eliminate(pzs_real *restrict strip, const pzs_real *restrict scaled,
-                      const pzs_real *restrict lower, uint32_t count)
+static void eliminate(pzs_real *restrict strip, const pzs_real *restrict lower, uint32_t count)
 {
+    const pzs_real *scaled = strip - (size_t)count * PZS_TILE;
     pzs_real sum[STRIP * PZS_TILE];
 
+    lower -= (size_t)count * PZS_TILE;
     MOVE(sum, strip, STRIP * PZS_TILE);
     for (; count > 0; count--, scaled += PZS_TILE, lower += PZS_TILE)
         UNROLLED
@@ -299,22 +328,55 @@ static uint32_t factor_tile(pzs_real *restrict tile, const pzs_real *restrict le
 }
 
 /*
- * Eliminate all columns of a panel up to its diagonal tile, tile by tile from the leftmost one.
- * Only the pivots of the diagonal tile remain to be computed.
+ * Eliminate the STRIP columns from column `at` on of the panels `panel` to `past` - 1, whose
+ * diagonal tiles lie further right. With wide vectors, panels are eliminated in pairs.
  */
-static void eliminate_panel(const pzs_envelope *matrix, uint32_t panel)
+static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t panel, uint32_t past)
 {
-    const uint32_t left = leftmost_column(matrix, panel);
+    const uint32_t first = leftmost_column(matrix, at / PZS_TILE);
+    const pzs_real *lower = column(matrix, at / PZS_TILE, at) + at % PZS_TILE;
+    wide_strip pair[2];
+    uint32_t waiting = 0;
 
-    for (uint32_t strip = left; strip < panel * PZS_TILE; strip += STRIP) {
-        const uint32_t from = leftmost_column(matrix, strip / PZS_TILE) > left
-                                  ? leftmost_column(matrix, strip / PZS_TILE)
-                                  : left;
-        eliminate(column(matrix, panel, strip), column(matrix, panel, from),
-                  column(matrix, strip / PZS_TILE, from) + strip % PZS_TILE, strip - from);
+    for (; panel < past; panel++) {
+        const uint32_t own_first = leftmost_column(matrix, panel);
+        const uint32_t count = at - (own_first > first ? own_first : first);
+        if (own_first > at)
+            continue;
+        if (!pzs_linalg_has_wide()) {
+            eliminate(column(matrix, panel, at), lower, count);
+            continue;
+        }
+        pair[waiting++] = (wide_strip){column(matrix, panel, at), count};
+        if (waiting == 2u) {
+            pzs_linalg_wide(pair, lower);
+            waiting = 0;
+        }
     }
-    eliminate_diagonal(column(matrix, panel, panel * PZS_TILE), column(matrix, panel, left),
-                       matrix->inverse + left, panel * PZS_TILE - left);
+    if (waiting > 0)
+        eliminate(pair[0].entry, lower, pair[0].count);
+}
+
+/*
+ * Eliminate the columns `left` to `right` - 1, both multiples of PZS_TILE, of the panels `panel` to
+ * `past` - 1, whose diagonal tiles lie further right. Each strip of columns is eliminated from all
+ * of these panels while the factors of its rows are in the cache.
+ */
+static void eliminate_columns(const pzs_envelope *matrix, uint32_t left, uint32_t right,
+                              uint32_t panel, uint32_t past)
+{
+    for (uint32_t at = left; at < right; at += STRIP)
+        eliminate_strip(matrix, at, panel, past);
+}
+
+/* Eliminate all columns left of the first panel of a group, from the panels of the group. */
+static void eliminate_left(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
+{
+    uint32_t left = panel * PZS_TILE;
+
+    for (uint32_t own = panel; own < past; own++)
+        left = smaller(left, leftmost_column(matrix, own));
+    eliminate_columns(matrix, left, panel * PZS_TILE, panel, past);
 }
 
 linalg_inertia pzs_linalg_factor(pzs_envelope *matrix)
@@ -328,7 +390,9 @@ linalg_inertia pzs_linalg_factor(pzs_envelope *matrix)
 
     for (uint32_t row = 0; row < matrix->n && found.zero < 0; row += PZS_TILE) {
         const uint32_t rows = smaller(PZS_TILE, matrix->n - row);
-        pzs_real *tile = column(matrix, row / PZS_TILE, row);
+        const uint32_t panel = row / PZS_TILE, left = leftmost_column(matrix, panel);
+        const uint32_t past = smaller(panel - panel % GROUP + GROUP, panel_count(matrix->n));
+        pzs_real *tile = column(matrix, panel, row);
         pzs_real least[PZS_TILE];
         uint32_t usable;
 
@@ -336,7 +400,9 @@ linalg_inertia pzs_linalg_factor(pzs_envelope *matrix)
             least[local] = tolerance * PZS_ABS(tile[local * PZS_TILE + local]);
             diagonal = larger(diagonal, PZS_ABS(tile[local * PZS_TILE + local]));
         }
-        eliminate_panel(matrix, row / PZS_TILE);
+        if (panel % GROUP == 0)
+            eliminate_left(matrix, panel, past);
+        eliminate_diagonal(tile, column(matrix, panel, left), matrix->inverse + left, row - left);
         usable = factor_tile(tile, least, matrix->inverse + row, rows);
         for (uint32_t local = 0; local < usable; local++) {
             pivot = larger(pivot, PZS_ABS(tile[local * PZS_TILE + local]));
@@ -345,6 +411,8 @@ linalg_inertia pzs_linalg_factor(pzs_envelope *matrix)
         }
         if (usable < rows)
             found.zero = (int32_t)(row + usable);
+        else
+            eliminate_columns(matrix, row, row + PZS_TILE, panel + 1u, past);
     }
     if (diagonal > 0)
         found.growth = pivot / diagonal;
@@ -496,33 +564,30 @@ static uint32_t index_of_largest(const pzs_real *vector, uint32_t count)
 }
 
 /*
- * Return the ratio |A^-1 b| / |b| in the 1-norm for a vector b of alternating signs and growing
- * size. This vector is immune to the cancellation that can mislead the estimate of the condition
- * number (Higham 1988, section 3). `vector` [rows of the matrix] is a work array.
+ * Fill a vector with numbers of alternating signs and growing size. The ratio |A^-1 b| / |b| in the
+ * 1-norm is for this vector b immune to the cancellation that can mislead the estimate of the
+ * condition number of A (Higham 1988, section 3).
  */
-static pzs_real alternating_ratio(const pzs_envelope *matrix, pzs_real *vector)
+static void fill_alternating(pzs_real *vector, uint32_t count)
 {
-    pzs_real size;
-
-    for (uint32_t i = 0; i < matrix->n; i++) {
-        const pzs_real size_of_entry = 1 + (pzs_real)i / (pzs_real)matrix->n;
+    for (uint32_t i = 0; i < count; i++) {
+        const pzs_real size_of_entry = 1 + (pzs_real)i / (pzs_real)count;
         vector[i] = i % 2u != 0u ? -size_of_entry : size_of_entry;
     }
-    size = norm1(vector, matrix->n);
-    pzs_linalg_solve(matrix, vector);
-    return norm1(vector, matrix->n) / size;
 }
 
 /*
  * Hager's method maximises |A^-1 x| in the 1-norm over the unit ball, whose corners are the unit
  * vectors. The gradient at x, A^-1 sign(A^-1 x), shows the corner of the largest increase. Every
- * vector x gives a lower bound, and five corners are enough in practice.
+ * vector x gives a lower bound, and five corners are enough in practice. The first vector is solved
+ * together with the alternating one.
  */
 pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_real *work)
 {
     const uint32_t rows = matrix->n;
     pzs_real *vector = work;
-    pzs_real *sign = work + rows;
+    pzs_real *alternating = work + rows;
+    pzs_real *sign = alternating + rows;
     pzs_real inverse = 0;
     pzs_real other;
 
@@ -530,9 +595,14 @@ pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_r
         vector[i] = 1 / (pzs_real)rows;
         sign[i] = 0;
     }
+    fill_alternating(alternating, rows);
+    const pzs_real size = norm1(alternating, rows);
+    pzs_linalg_solve_many(matrix, work, 2, rows);
+    other = norm1(alternating, rows) / size;
     for (int corner = 0; corner < 5; corner++) {
         uint32_t best;
-        pzs_linalg_solve(matrix, vector);
+        if (corner > 0)
+            pzs_linalg_solve(matrix, vector);
         if (!(norm1(vector, rows) > inverse))
             break;
         inverse = norm1(vector, rows);
@@ -545,6 +615,5 @@ pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_r
         memset(vector, 0, rows * sizeof *vector);
         vector[best] = 1;
     }
-    other = alternating_ratio(matrix, vector);
     return norm_a * (other <= inverse ? inverse : other);
 }

@@ -99,7 +99,7 @@ void pzs_linalg_solve_many(const pzs_envelope *matrix, pzs_real *vector, uint32_
  * Estimate the condition number of a factored matrix in the 1-norm, by the method of Hager and
  * Higham.
  *   norm1          in   1-norm of the matrix before its factorisation
- *   work  [2 rows] out  work array
+ *   work  [3 rows] out  work array
  */
 pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm1, pzs_real *work);
 

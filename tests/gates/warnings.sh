@@ -26,9 +26,20 @@ check() {
     tap $? "$1, $4 bits, tiles 4 8 16, nonlinear off and on"
 }
 
+# wide NAME COMPILER: the innermost loop of the factorisation for AVX2, where the compiler makes programs for x86-64.
+wide() {
+    tap_needs "$2" "$1" || return 0
+    case $("$2" -dumpmachine) in
+    x86_64-*) compile "$2" -DPZS_WIDE=1 64 4 0 >"$scratch/found" 2>&1 ;;
+    esac
+    tap $? "$1, 64 bits, PZS_WIDE"
+}
+
 top=$(pwd)
 check 'gcc, host' "$CC" '' '32 64'
 check 'clang, host' "$CLANG" '' '32 64'
+wide 'gcc, host' "$CC"
+wide 'clang, host' "$CLANG"
 check 'gcc, Cortex-M4F' "$ARM_CC" "$m4" 32
 check 'gcc, Cortex-M7' "$ARM_CC" "$m7" '32 64'
 tap_end

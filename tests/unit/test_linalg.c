@@ -20,7 +20,8 @@
 
 #include "../../lib/core/linalg.h"
 
-#define MOST 97u
+#define MOST 300u /* rows of the largest matrix of the tests */
+#define USUAL 97u /* rows of the largest matrix of most tests */
 #define GUARD 16u
 #define CANARY ((pzs_real)-12345)
 #define NOT_A_NUMBER ((pzs_real)NAN)
@@ -32,7 +33,7 @@ typedef long double wide;
 enum pattern { DENSE, BAND, SKYLINE, ARROW, DIAGONAL, PATTERNS };
 
 static const uint32_t orders[] = {1,  2,  3,  PZS_TILE - 1, PZS_TILE, PZS_TILE + 1, 15,
-                                  16, 17, 31, 33,           48,       64,           97};
+                                  16, 17, 31, 33,           48,       64,           USUAL};
 #define ORDERS (sizeof orders / sizeof *orders)
 
 /* ---- a matrix in envelope storage, and the same dense ------------------ */
@@ -231,6 +232,19 @@ static void layout(void **state)
         }
 }
 
+/* Compare the factor of the matrix in the envelope with the reference, bit by bit. */
+static void check_bits_of_factor(void)
+{
+    assert_int_equal(pzs_linalg_factor(&a).zero, -1);
+    reference_factor();
+    for (uint32_t i = 0; i < a.n; i++) {
+        assert_true(same_bits(inverse[i], ref_inverse[i]));
+        for (uint32_t j = first[i]; j <= i; j++)
+            assert_true(same_bits(at(i, j), ref[i][j]));
+    }
+    assert_true(inverse[a.n] == CANARY && value[reals] == CANARY);
+}
+
 static void bits_of_factor(void **state)
 {
     /* Law: factor and pivots have the bits of the row by row reference, whatever the tile; no byte
@@ -239,19 +253,23 @@ static void bits_of_factor(void **state)
     for (size_t o = 0; o < ORDERS; o++)
         for (int p = 0; p < PATTERNS; p++)
             for (uint32_t s = 0; s < 6; s++) {
-                linalg_inertia found;
                 s % 2u ? make_definite((enum pattern)p, orders[o], s)
                        : make_indefinite((enum pattern)p, orders[o], s);
-                found = pzs_linalg_factor(&a);
-                assert_int_equal(found.zero, -1);
-                reference_factor();
-                for (uint32_t i = 0; i < a.n; i++) {
-                    assert_true(same_bits(inverse[i], ref_inverse[i]));
-                    for (uint32_t j = first[i]; j <= i; j++)
-                        assert_true(same_bits(at(i, j), ref[i][j]));
-                }
-                assert_true(inverse[a.n] == CANARY && value[reals] == CANARY);
+                check_bits_of_factor();
             }
+}
+
+static void bits_of_groups(void **state)
+{
+    /* Law: the factor has the bits of the reference also where the matrix has more rows than the
+     * panels that are eliminated together, 16 panels of 4, 8 or 16 rows. */
+    static const uint32_t large[] = {129, 200, 257, 263, MOST};
+    (void)state;
+    for (size_t o = 0; o < sizeof large / sizeof *large; o++)
+        for (int p = 0; p < PATTERNS; p++) {
+            make_definite((enum pattern)p, large[o], (uint32_t)o);
+            check_bits_of_factor();
+        }
 }
 
 static void bits_of_solution(void **state)
@@ -297,9 +315,9 @@ static void bits_everywhere(void **state)
     uint32_t hash = 2166136261u;
 
     (void)state;
-    for (uint32_t n = 1; n <= MOST; n += 7)
+    for (uint32_t n = 1; n <= USUAL; n += 7)
         for (int p = 0; p < PATTERNS; p++) {
-            pzs_real x[MOST], work[2u * MOST], norm;
+            pzs_real x[MOST], work[3u * MOST], norm;
             make_indefinite((enum pattern)p, n, n);
             norm = pzs_linalg_norm1(&a, work);
             pzs_linalg_factor(&a);
@@ -656,11 +674,11 @@ static unsigned estimates, good_estimates;
 /* Compare the estimate for the matrix in dense with the truth. */
 static void check_condition(void)
 {
-    pzs_real work[2u * MOST + GUARD], norm_a, estimate;
+    pzs_real work[3u * MOST + GUARD], norm_a, estimate;
     wide truth, rounding;
 
     load();
-    work[2u * a.n] = CANARY;
+    work[3u * a.n] = CANARY;
     norm_a = pzs_linalg_norm1(&a, work);
     truth = norm_of_inverse() * (wide)norm_a;
     rounding = 4 * (wide)a.n * (wide)PZS_EPSILON * truth; /* relative error of a solution: that of
@@ -668,7 +686,7 @@ static void check_condition(void)
     assert_true(rounding < 0.25L);
     assert_int_equal(pzs_linalg_factor(&a).zero, -1);
     estimate = pzs_linalg_condition(&a, norm_a, work);
-    assert_true(work[2u * a.n] == CANARY);
+    assert_true(work[3u * a.n] == CANARY);
     assert_true((wide)estimate <= truth * (1 + rounding));
     assert_true((wide)estimate >= truth * (1 - rounding) / 10);
     estimates++;
@@ -694,7 +712,7 @@ static void condition(void **state)
                 dense[i][j] = 1 / (pzs_real)(i + j + 1u);
         check_condition();
     }
-    for (uint32_t n = 3; n <= MOST; n += 5) { /* a string of springs: condition n^2, tied so that
+    for (uint32_t n = 3; n <= USUAL; n += 5) { /* a string of springs: condition n^2, tied so that
                                                  floats can bear it */
         make_pattern(BAND, n, 0);
         for (uint32_t i = 0; i < n; i++) {
@@ -710,7 +728,7 @@ static void condition(void **state)
 static void condition_of_overflow(void **state)
 {
     /* Law: a factor whose solutions overflow has no finite condition. */
-    pzs_real work[8];
+    pzs_real work[12];
     pzs_real estimate;
 
     (void)state;
@@ -728,6 +746,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(layout),
         cmocka_unit_test(bits_of_factor),
+        cmocka_unit_test(bits_of_groups),
         cmocka_unit_test(bits_of_solution),
         cmocka_unit_test(bits_everywhere),
         cmocka_unit_test(factor_gives_matrix_back),

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Innermost loop of the factorisation for hosts with the vector unit AVX2 (option PZS_WIDE). Two
+ * panels (linalg.h) are processed together: the eight sums of vectors that this takes fit into the
+ * registers and do not wait for each other. Each entry is computed by the operations of the
+ * portable loop in their order, so that the bits of the factors are the same.
+ */
+#ifndef PZS_LIB_LINALG_WIDE_H
+#define PZS_LIB_LINALG_WIDE_H
+
+#include "pzs_base.h"
+
+/*
+ * A strip of PZS_TILE columns of one panel, in which it follows the columns that have been
+ * eliminated before.
+ */
+typedef struct wide_strip {
+    pzs_real *entry; /* [PZS_TILE][PZS_TILE] columns of the matrix A = L D L^T, which become columns
+                        of W = L D */
+    uint32_t count;  /* number of columns of W before the strip whose products are subtracted */
+} wide_strip;
+
+#if PZS_WIDE
+
+/* Return whether this processor can execute pzs_linalg_wide. */
+bool pzs_linalg_has_wide(void);
+
+/*
+ * Eliminate a strip of columns in two panels: W_ij = A_ij - sum over k < j of W_ik L_jk, for the
+ * rows i of the panels and the columns j of the strip.
+ *   strip [2]                  in/out  the strip in both panels
+ *   lower [PZS_TILE][PZS_TILE] in      entries L_jk of the diagonal tile of the rows j, column by
+ *                                      column; those of the columns k before it precede them in
+ *                                      memory
+ */
+void pzs_linalg_wide(const wide_strip strip[2], const pzs_real *lower);
+
+#else
+
+static inline bool pzs_linalg_has_wide(void)
+{
+    return false;
+}
+
+static inline void pzs_linalg_wide(const wide_strip strip[2], const pzs_real *lower)
+{
+    (void)strip;
+    (void)lower;
+}
+
+#endif
+#endif
