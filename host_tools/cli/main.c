@@ -190,15 +190,16 @@ static int write_reports(const options *options, write_report *write, const void
  * recovered from it, or NULL where they are not asked for.
  */
 typedef struct solution {
-    const analysis *a;
-    const double *u, *value;
+    const analysis *analysis;
+    const double *displacement, *value;
     const stress_field *stress;
 } solution;
 
 static int write_solve(const report_job *job, const void *result)
 {
     const solution *solution = result;
-    return report_solve(job, solution->a, solution->u, solution->value, solution->stress);
+    return report_solve(job, solution->analysis, solution->displacement, solution->value,
+                        solution->stress);
 }
 
 static int write_vtu(const analysis *analysis, const double *displacement,
@@ -245,20 +246,21 @@ static void check_path(analysis *analysis, const double *displacement)
 static int write_solution(const options *options, analysis *analysis, solution *result)
 {
     int status = 0;
-    (options->as_json ? print_solve_json : print_solve)(analysis, result->u, result->value,
-                                                        result->stress);
+    (options->as_json ? print_solve_json : print_solve)(analysis, result->displacement,
+                                                        result->value, result->stress);
     if (options->vtu)
-        status = write_vtu(analysis, result->u, result->stress, options->vtu);
+        status = write_vtu(analysis, result->displacement, result->stress, options->vtu);
     if (status == 0)
         status = write_reports(options, write_solve, result);
-    return status == 0 ? export_solve(options, analysis, result->u, result->value, result->stress)
+    return status == 0 ? export_solve(options, analysis, result->displacement, result->value,
+                                      result->stress)
                        : status;
 }
 
 /* Recover the stresses of a displacement, and write the solution with them. */
 static int write_stressed(const options *options, analysis *analysis, solution *result)
 {
-    const stress_state state = {&analysis->design, result->u, analysis->input_value,
+    const stress_state state = {&analysis->design, result->displacement, analysis->input_value,
                                 analysis->is_nonlinear};
     stress_field field;
     int status = stress_recover(&field, &state) < 0 ? complain("out of memory", 1) : 0;
@@ -437,7 +439,7 @@ static int command_shape(const options *options, analysis *analysis)
     if (analysis_influence(analysis, error) == 0 && shape_results(&run, options, error) == 0) {
         const voltages *best = &run.results[1];
         plausible_voltages(&analysis->warnings, analysis->design.scene, best->voltage, best->name);
-        plausible_result(&analysis->warnings, &analysis->design.mesh, best->u,
+        plausible_result(&analysis->warnings, &analysis->design.mesh, best->displacement,
                          !analysis->is_nonlinear, best->name);
         const plausible_optimum optimum = optimum_of(&run);
         plausible_target(&analysis->warnings, analysis->design.scene, &optimum);
@@ -446,7 +448,7 @@ static int command_shape(const options *options, analysis *analysis)
         if (status == 0)
             (options->as_json ? print_shape_json : print_shape)(&run);
         if (status == 0 && options->vtu)
-            status = write_vtu(analysis, best->u, NULL, options->vtu);
+            status = write_vtu(analysis, best->displacement, NULL, options->vtu);
         if (status == 0)
             status = write_reports(options, write_shape, &run);
         if (status == 0)

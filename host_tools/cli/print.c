@@ -544,7 +544,7 @@ static int is_single(const analysis *analysis, int k)
 
 static double reached(const analysis *analysis, int k, const voltages *result)
 {
-    return pzs_model_observe_row(&analysis->design.structure, result->u,
+    return pzs_model_observe_row(&analysis->design.structure, result->displacement,
                                  (uint32_t)analysis->design.named_first[k]);
 }
 
@@ -622,7 +622,7 @@ static void print_reached_nodes(const analysis *analysis, const voltages *best, 
 {
     const design *design = &analysis->design;
     int left = 0;
-    pzs_observe(&analysis->design.structure, best->u, value);
+    pzs_observe(&analysis->design.structure, best->displacement, value);
     for (int k = 0; k < design->outputs; k++)
         if (print_is_displacement(analysis, k) && analysis_outputs(analysis, k) > 1) {
             printf("\n  displacement, %s, under \"%s\":\n", design->units.length, best->name);
@@ -690,7 +690,7 @@ static void json_reached(json *json, const analysis *analysis, const voltages *r
     double *value = calloc((size_t)analysis->design.structure.output.count + 1, sizeof *value);
     if (!value)
         return;
-    pzs_observe(&analysis->design.structure, result->u, value);
+    pzs_observe(&analysis->design.structure, result->displacement, value);
     print_outputs_json(json, analysis, value, 1);
     print_output_places_json(json, analysis, value, 1);
     free(value);

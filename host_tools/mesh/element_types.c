@@ -30,7 +30,7 @@ static int same_place(double near, const laminate_place *first, const laminate_p
     return alike(near, &first->area, &second->area, 1, 0) &&
            first->present_plies == second->present_plies &&
            alike(near, first->chord, second->chord, 2, 0) &&
-           alike(near, first->k, second->k, 2, flat) &&
+           alike(near, first->curvature, second->curvature, 2, flat) &&
            alike(near, &first->bubble_share, &second->bubble_share, 1, 0) &&
            alike(near, first->skew, second->skew, 2, 1) &&
            alike(near, &first->natural.base[0][0], &second->natural.base[0][0], 9, 1) &&

@@ -166,7 +166,7 @@ static double metric_at(const scene_element *element, const laminate_place *plac
                         double share[6])
 {
     const double height = element->metric ? z : 0;
-    const double c1 = 1 + place->k[0] * height, c2 = 1 + place->k[1] * height;
+    const double c1 = 1 + place->curvature[0] * height, c2 = 1 + place->curvature[1] * height;
     const double all[6] = {c1 * c1, c2 * c2, 1, c2, c1, c1 * c2};
     for (int i = 0; i < 6; i++)
         share[i] = place->is_general ? 1 : all[i];

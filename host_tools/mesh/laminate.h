@@ -51,7 +51,8 @@ typedef struct laminate {
  */
 typedef struct laminate_place {
     uint32_t present_plies; /* bit i is set if ply i is present in the element */
-    double k[2];     /* principal curvatures of the element along its directions 1 and 2 (1/m) */
+    double curvature[2]; /* principal curvatures of the element along its directions 1 and 2 (1/m)
+                          */
     double chord[2]; /* lengths of the element along its directions 1 and 2 (m), used for the shear
                         flexibility */
     double area;

@@ -307,7 +307,7 @@ static laminate_place element_place(const mesh *mesh, int element)
         middle[direction] = (range[direction][0] + range[direction][1]) / 2;
     const surface_point centre = surface_at(&scene->surface, middle[0], middle[1]);
     for (int direction = 0; direction < 2; direction++)
-        place.k[direction] = centre.curvature[direction];
+        place.curvature[direction] = centre.curvature[direction];
     centre_chords(mesh, mesh->element[element], place.chord);
     place.bubble_share = 1;
     place.area = scene->element.exact_area
@@ -326,7 +326,7 @@ static double warp_share(const mesh *mesh, const laminate_place *place)
 {
     double sum = 0;
     for (int direction = 0; direction < 2; direction++)
-        sum += place->chord[direction] * place->chord[direction] * place->k[direction];
+        sum += place->chord[direction] * place->chord[direction] * place->curvature[direction];
     return mesh->scene->element.tau * sum / (12 * mesh->laminate.thickness);
 }
 
@@ -357,7 +357,7 @@ static void set_node_curvatures(mesh *mesh)
     for (int element = 0; element < mesh->elements && elements_at; element++)
         for (int corner = 0; corner < 4; corner++) {
             const int node = mesh->element[element][corner];
-            const double *k = mesh->place[mesh->element_type[element]].k;
+            const double *k = mesh->place[mesh->element_type[element]].curvature;
             elements_at[node]++;
             for (int direction = 0; direction < 2; direction++)
                 mesh->point[node].curvature[direction] +=

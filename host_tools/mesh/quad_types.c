@@ -115,7 +115,7 @@ static laminate_place quad_place(const quad_geometry *geometry, const quad_regio
     double axes[3][3];
     material_axes(geometry, region->direction, axes);
     set_skew(geometry, place.skew);
-    memcpy(place.k, geometry->principal, sizeof place.k);
+    memcpy(place.curvature, geometry->principal, sizeof place.curvature);
     memcpy(place.chord, geometry->length, sizeof place.chord);
     for (int i = 0; i < 3; i++) {
         for (int direction = 0; direction < 2; direction++) {

@@ -18,7 +18,7 @@ enum { ROWS = 8, TILTS = 8 };
  * strain 12 between the faces under this tilt.
  */
 typedef struct tilt_system {
-    double a[TILTS][ROWS], y[TILTS];
+    double matrix[TILTS][ROWS], right_side[TILTS];
 } tilt_system;
 
 static const int neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
@@ -73,8 +73,8 @@ static void fill_system(const pzs_element_type *type, tilt_system *equations)
     for (int node = 0; node < 4; node++)
         for (int j = 0; j < 2; j++)
             for (int corner = 0; corner < 4; corner++)
-                add_corner(type, corner, node, j, equations->a[2 * node + j],
-                           &equations->y[2 * node + j]);
+                add_corner(type, corner, node, j, equations->matrix[2 * node + j],
+                           &equations->right_side[2 * node + j]);
 }
 
 /*
@@ -87,9 +87,9 @@ static void scale_columns(tilt_system *equations, double scale[ROWS])
     for (int k = 0; k < ROWS; k++) {
         scale[k] = 0;
         for (int i = 0; i < TILTS; i++)
-            scale[k] = fmax(scale[k], fabs(equations->a[i][k]));
+            scale[k] = fmax(scale[k], fabs(equations->matrix[i][k]));
         for (int i = 0; i < TILTS && scale[k] > 0; i++)
-            equations->a[i][k] /= scale[k];
+            equations->matrix[i][k] /= scale[k];
     }
 }
 
@@ -109,8 +109,8 @@ static double find_pivot(const tilt_system *equations, int from, int *row, int *
     double largest = -1;
     for (int i = from; i < TILTS; i++)
         for (int k = from; k < ROWS; k++)
-            if (fabs(equations->a[i][k]) > largest) {
-                largest = fabs(equations->a[i][k]);
+            if (fabs(equations->matrix[i][k]) > largest) {
+                largest = fabs(equations->matrix[i][k]);
                 *row = i;
                 *column = k;
             }
@@ -121,12 +121,12 @@ static double find_pivot(const tilt_system *equations, int from, int *row, int *
 static void eliminate(tilt_system *equations, int step)
 {
     for (int i = 0; i < TILTS; i++) {
-        const double factor = equations->a[i][step] / equations->a[step][step];
+        const double factor = equations->matrix[i][step] / equations->matrix[step][step];
         if (i == step)
             continue;
         for (int k = step; k < ROWS; k++)
-            equations->a[i][k] -= factor * equations->a[step][k];
-        equations->y[i] -= factor * equations->y[step];
+            equations->matrix[i][k] -= factor * equations->matrix[step][k];
+        equations->right_side[i] -= factor * equations->right_side[step];
     }
 }
 
@@ -143,10 +143,10 @@ static int reduce(tilt_system *equations, int order[ROWS])
         if (!(find_pivot(equations, step, &row, &column) > 1e-10))
             return step;
         for (int k = 0; k < ROWS; k++)
-            swap(&equations->a[step][k], &equations->a[row][k]);
-        swap(&equations->y[step], &equations->y[row]);
+            swap(&equations->matrix[step][k], &equations->matrix[row][k]);
+        swap(&equations->right_side[step], &equations->right_side[row]);
         for (int i = 0; i < TILTS; i++)
-            swap(&equations->a[i][step], &equations->a[i][column]);
+            swap(&equations->matrix[i][step], &equations->matrix[i][column]);
         const int kept = order[step];
         order[step] = order[column];
         order[column] = kept;
@@ -166,13 +166,13 @@ static int solve(tilt_system *equations, double factors[ROWS])
     int order[ROWS];
     scale_columns(equations, scale);
     for (int i = 0; i < TILTS; i++)
-        size = fmax(size, fabs(equations->y[i]));
+        size = fmax(size, fabs(equations->right_side[i]));
     const int rank = reduce(equations, order);
     for (int i = rank; i < TILTS; i++)
-        if (!(fabs(equations->y[i]) <= 1e-8 * size))
+        if (!(fabs(equations->right_side[i]) <= 1e-8 * size))
             return -1;
     for (int k = 0; k < rank; k++)
-        value[order[k]] = equations->y[k] / equations->a[k][k];
+        value[order[k]] = equations->right_side[k] / equations->matrix[k][k];
     for (int k = 0; k < ROWS; k++) {
         factors[k] = fabs(value[k]) <= 1e-13 * size ? 0 : value[k] / scale[k];
         if (!isfinite(factors[k]) || !isfinite(size))

@@ -80,7 +80,7 @@ bool clipped_solve(clipped *clipped, double lambda, double *voltage)
  * clipping: the best parameter, error and voltages so far.
  */
 typedef struct tuning {
-    clipped *c;
+    clipped *clipped;
     double *trial, *best_voltage; /* [amplifiers] voltages of the present trial and of the best one
                                      (V) */
     double best, best_lambda;
@@ -88,9 +88,9 @@ typedef struct tuning {
 
 static double clipped_misfit(tuning *tuning, double lambda)
 {
-    const clipped *clipped = tuning->c;
+    const clipped *clipped = tuning->clipped;
     const size_t amplifiers = (size_t)clipped->design->amplifiers;
-    if (!clipped_solve(tuning->c, lambda, tuning->trial))
+    if (!clipped_solve(tuning->clipped, lambda, tuning->trial))
         return HUGE_VAL;
     for (size_t i = 0; i < (size_t)clipped->design->targets; i++) {
         clipped->shape[i] = 0;
@@ -148,7 +148,7 @@ pzs_status clipped_tune(clipped *clipped, double *voltage, double *lambda)
 {
     const double step = 1.0 / PER_DECADE;
     double least = HUGE_VAL, at = LOWEST;
-    tuning tuning = {.c = clipped, .best_voltage = voltage, .best = HUGE_VAL};
+    tuning tuning = {.clipped = clipped, .best_voltage = voltage, .best = HUGE_VAL};
     tuning.trial = calloc((size_t)clipped->design->amplifiers, sizeof *tuning.trial);
     if (!tuning.trial)
         return PZS_E_WORKSPACE;

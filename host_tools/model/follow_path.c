@@ -22,7 +22,7 @@
 typedef struct arc_search {
     pzs_solver *solver;
     const double *full; /* [inputs] input values of the scene at full load */
-    size_t n;
+    size_t free_dof;
     double *memory;
     double *metric; /* [free_dof] weight of each dof in the norm of a displacement: 1 for the means
                        of both faces' displacements, thickness^2 for the other dof */
@@ -43,7 +43,7 @@ static double scalar_product(const arc_search *arc_search, const double *first,
                              const double *second)
 {
     double sum = 0;
-    for (size_t i = 0; i < arc_search->n; i++)
+    for (size_t i = 0; i < arc_search->free_dof; i++)
         sum += arc_search->metric[i] * first[i] * second[i];
     return sum;
 }
@@ -64,17 +64,17 @@ static int arc_open(arc_search *arc_search, analysis *analysis)
     memset(arc_search, 0, sizeof *arc_search);
     arc_search->solver = &analysis->equilibrium.solver;
     arc_search->full = analysis->equilibrium.full_input;
-    arc_search->n = (size_t)analysis->design.mesh.free_dof;
+    arc_search->free_dof = (size_t)analysis->design.mesh.free_dof;
     double **const vector[] = {&arc_search->metric,      &arc_search->start,
                                &arc_search->direction,   &arc_search->increment,
                                &arc_search->by_residual, &arc_search->by_load,
                                &arc_search->unit};
     const size_t vectors = sizeof vector / sizeof *vector;
-    arc_search->memory = calloc(vectors * arc_search->n, sizeof *arc_search->memory);
+    arc_search->memory = calloc(vectors * arc_search->free_dof, sizeof *arc_search->memory);
     if (!arc_search->memory)
         return -1;
     for (size_t i = 0; i < vectors; i++)
-        *vector[i] = arc_search->memory + i * arc_search->n;
+        *vector[i] = arc_search->memory + i * arc_search->free_dof;
     fill_metric(arc_search);
     return 0;
 }
@@ -89,7 +89,7 @@ static void set_point(arc_search *arc_search)
 {
     pzs_solver *solver = arc_search->solver;
     const uint32_t inputs = solver->state.model->state.structure->input.count;
-    for (size_t i = 0; i < arc_search->n; i++)
+    for (size_t i = 0; i < arc_search->free_dof; i++)
         solver->state.displacement[i] = arc_search->start[i] + arc_search->increment[i];
     for (uint32_t j = 0; j < inputs; j++)
         solver->state.input_value[j] = arc_search->load_factor * arc_search->full[j];
@@ -100,13 +100,13 @@ static void set_point(arc_search *arc_search)
 static void full_force(arc_search *arc_search)
 {
     const uint32_t inputs = arc_search->solver->state.model->state.structure->input.count;
-    memset(arc_search->by_load, 0, arc_search->n * sizeof *arc_search->by_load);
+    memset(arc_search->by_load, 0, arc_search->free_dof * sizeof *arc_search->by_load);
     for (uint32_t j = 0; j < inputs; j++) {
         if (arc_search->full[j] == 0)
             continue;
-        memset(arc_search->unit, 0, arc_search->n * sizeof *arc_search->unit);
+        memset(arc_search->unit, 0, arc_search->free_dof * sizeof *arc_search->unit);
         pzs_nonlinear_unit_force(arc_search->solver, j, arc_search->unit);
-        for (size_t i = 0; i < arc_search->n; i++)
+        for (size_t i = 0; i < arc_search->free_dof; i++)
             arc_search->by_load[i] += arc_search->full[j] * arc_search->unit[i];
     }
 }
@@ -126,7 +126,7 @@ static bool solve_both(arc_search *arc_search)
         return false;
     pzs_model_backsolve(solver->state.model, arc_search->by_residual, arc_search->by_residual);
     pzs_model_backsolve(solver->state.model, arc_search->by_load, arc_search->by_load);
-    return pzs_guard_nonfinite(arc_search->by_load, (uint32_t)arc_search->n) < 0;
+    return pzs_guard_nonfinite(arc_search->by_load, (uint32_t)arc_search->free_dof) < 0;
 }
 
 /* ---- one step --------------------------------------------------------- */
@@ -171,7 +171,7 @@ static bool correct_increment(arc_search *arc_search, double arc)
         if (!isfinite(change))
             return false;
         double moved2 = 0;
-        for (size_t k = 0; k < arc_search->n; k++) {
+        for (size_t k = 0; k < arc_search->free_dof; k++) {
             const double by = arc_search->by_residual[k] + change * arc_search->by_load[k];
             arc_search->increment[k] += by;
             moved2 += arc_search->metric[k] * by * by;
@@ -195,7 +195,7 @@ static double forward_sign(const arc_search *arc_search)
  */
 static bool restore_start(arc_search *arc_search)
 {
-    memset(arc_search->increment, 0, arc_search->n * sizeof *arc_search->increment);
+    memset(arc_search->increment, 0, arc_search->free_dof * sizeof *arc_search->increment);
     arc_search->load_factor = arc_search->start_factor;
     return solve_both(arc_search);
 }
@@ -210,7 +210,7 @@ static bool try_step(arc_search *arc_search, double arc)
     const double change =
         forward_sign(arc_search) * arc /
         sqrt(scalar_product(arc_search, arc_search->by_load, arc_search->by_load));
-    for (size_t i = 0; i < arc_search->n; i++)
+    for (size_t i = 0; i < arc_search->free_dof; i++)
         arc_search->increment[i] = change * arc_search->by_load[i];
     arc_search->load_factor = arc_search->start_factor + change;
     return correct_increment(arc_search, arc) && solve_both(arc_search);
@@ -222,7 +222,7 @@ static bool try_step(arc_search *arc_search, double arc)
  */
 static void accept_point(arc_search *arc_search)
 {
-    for (size_t i = 0; i < arc_search->n; i++) {
+    for (size_t i = 0; i < arc_search->free_dof; i++) {
         arc_search->direction[i] = arc_search->increment[i];
         arc_search->start[i] += arc_search->increment[i];
         arc_search->increment[i] = 0;
@@ -302,17 +302,17 @@ static bool find_events(arc_search *arc_search, load_path *path, double arc, sig
     if (!is_limit && changes == 0)
         return true;
     const double load_factor = arc_search->load_factor;
-    double *kept = malloc(arc_search->n * sizeof *kept);
+    double *kept = malloc(arc_search->free_dof * sizeof *kept);
     if (!kept)
         return false;
-    memcpy(kept, arc_search->increment, arc_search->n * sizeof *kept);
+    memcpy(kept, arc_search->increment, arc_search->free_dof * sizeof *kept);
     if (is_limit)
         add_event(path, LOAD_PATH_LIMIT,
                   locate_critical_point(arc_search, arc, before, LOAD_PATH_LIMIT));
     if (changes > is_limit)
         add_event(path, LOAD_PATH_BIFURCATION,
                   locate_critical_point(arc_search, arc, before, LOAD_PATH_BIFURCATION));
-    memcpy(arc_search->increment, kept, arc_search->n * sizeof *kept);
+    memcpy(arc_search->increment, kept, arc_search->free_dof * sizeof *kept);
     free(kept);
     arc_search->load_factor = load_factor;
     return solve_both(arc_search);
@@ -350,7 +350,7 @@ static void take_steps(arc_search *arc_search, load_path *path)
         sqrt(scalar_product(arc_search, arc_search->by_load, arc_search->by_load)) / 20;
     double arc = first;
     memcpy(arc_search->direction, arc_search->by_load,
-           arc_search->n * sizeof *arc_search->direction);
+           arc_search->free_dof * sizeof *arc_search->direction);
     while (path->points < LOAD_PATH_POINTS && arc_search->start_factor < 1 && arc > first / 1024) {
         const signature before = signature_at(arc_search, arc_search->direction);
         arc_search->iterations = 0;
@@ -372,11 +372,11 @@ static void take_steps(arc_search *arc_search, load_path *path)
 static void continue_from_end(arc_search *arc_search)
 {
     pzs_solver *solver = arc_search->solver;
-    memset(arc_search->increment, 0, arc_search->n * sizeof *arc_search->increment);
+    memset(arc_search->increment, 0, arc_search->free_dof * sizeof *arc_search->increment);
     arc_search->load_factor = arc_search->start_factor;
     set_point(arc_search);
     memcpy(solver->state.converged_displacement, solver->state.displacement,
-           arc_search->n * sizeof *solver->state.displacement);
+           arc_search->free_dof * sizeof *solver->state.displacement);
     memcpy(solver->state.converged_input_value, solver->state.input_value,
            solver->state.model->state.structure->input.count * sizeof *solver->state.input_value);
     solver->settings.extrapolated_iterations = 0;

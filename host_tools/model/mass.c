@@ -58,7 +58,7 @@ static void moments(const laminate *laminate, const laminate_place *place, doubl
         const double half = (ply->z[1] - ply->z[0]) / 2, centre = (ply->z[0] + ply->z[1]) / 2;
         for (int point = 0; point < POINTS && place->present_plies >> layer & 1u; point++) {
             const double z = centre + half * gauss_x[point];
-            const double metric = (1 + place->k[0] * z) * (1 + place->k[1] * z);
+            const double metric = (1 + place->curvature[0] * z) * (1 + place->curvature[1] * z);
             add_moments(z - middle, laminate->thickness,
                         half * gauss_w[point] * ply->density * metric, m);
         }

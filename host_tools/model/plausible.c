@@ -223,7 +223,7 @@ void plausible_result(plausible *warnings, const mesh *mesh, const double *displ
                    strain to check */
     const subject of = {.scene = mesh->scene,
                         .mesh = mesh,
-                        .u = displacement,
+                        .displacement = displacement,
                         .is_linear = is_linear,
                         .name = name};
     apply_all(warnings, SUBJECT_RESULT, &of);

@@ -15,7 +15,7 @@
 typedef struct subject {
     const scene *scene;
     const mesh *mesh;
-    const double *u, *voltage;
+    const double *displacement, *voltage;
     bool is_linear;
     const char *name;
     const struct plausible_optimum *optimum;

@@ -55,7 +55,8 @@ int measure_displacement(const subject *of, int k, measured *found)
     if (k > 0)
         return 0;
     for (int node = 0; of->is_linear && node < of->mesh->nodes; node++) {
-        const double size = fabs(displacement_of(of->mesh, of->u, node, COMPONENT_U3, FACE_MIDDLE));
+        const double size =
+            fabs(displacement_of(of->mesh, of->displacement, node, COMPONENT_U3, FACE_MIDDLE));
         where = size > most ? node : where;
         most = fmax(most, size);
     }
@@ -70,7 +71,7 @@ int measure_displacement(const subject *of, int k, measured *found)
  * their change by the displacement (u).
  */
 typedef struct cell {
-    double x[2][3], u[2][3];
+    double position[2][3], displacement[2][3];
 } cell;
 
 /*
@@ -101,8 +102,8 @@ static cell cell_of(const mesh *mesh, int element, int face, double (*point)[2][
         for (int corner = 0; corner < 4; corner++)
             for (int i = 0; i < 3; i++) {
                 const int node = mesh->element[element][corner];
-                result.x[axis][i] += sign[axis][corner] * point[node][face][i];
-                result.u[axis][i] += sign[axis][corner] * moved[node][face][i];
+                result.position[axis][i] += sign[axis][corner] * point[node][face][i];
+                result.displacement[axis][i] += sign[axis][corner] * moved[node][face][i];
             }
     return result;
 }
@@ -116,10 +117,12 @@ static double principal_strain(const cell *cell, int is_linear)
     double g[2][2], e[2][2];
     for (int a = 0; a < 2; a++)
         for (int b = 0; b < 2; b++) {
-            g[a][b] = vector_dot(cell->x[a], cell->x[b]);
-            e[a][b] = (vector_dot(cell->x[a], cell->u[b]) + vector_dot(cell->x[b], cell->u[a])) / 2;
+            g[a][b] = vector_dot(cell->position[a], cell->position[b]);
+            e[a][b] = (vector_dot(cell->position[a], cell->displacement[b]) +
+                       vector_dot(cell->position[b], cell->displacement[a])) /
+                      2;
             if (!is_linear)
-                e[a][b] += vector_dot(cell->u[a], cell->u[b]) / 2;
+                e[a][b] += vector_dot(cell->displacement[a], cell->displacement[b]) / 2;
         }
     const double area = g[0][0] * g[1][1] - g[0][1] * g[0][1];
     const double half = (g[1][1] * e[0][0] + g[0][0] * e[1][1] - 2 * g[0][1] * e[0][1]) / area / 2;
@@ -152,7 +155,7 @@ int measure_strain(const subject *of, int k, measured *found)
     int where = 0;
     if (k > 0)
         return 0;
-    found->value = plausible_strain(of->mesh, of->u, of->is_linear, &where);
+    found->value = plausible_strain(of->mesh, of->displacement, of->is_linear, &where);
     snprintf(found->what, WHAT, "principal strain of %s at %s", of->name,
              mesh_element_text(of->mesh, where).text);
     return 1;

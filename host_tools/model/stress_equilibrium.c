@@ -65,8 +65,8 @@ static void curvatures(const stress_field *field, int element, double k[3])
     const double *strain = field->element[element].strain;
     const double thickness = field->state.design->mesh.laminate.thickness;
     double map[6][6];
-    k[0] = place->k[0];
-    k[1] = place->k[1];
+    k[0] = place->curvature[0];
+    k[1] = place->curvature[1];
     k[2] = 0;
     if (place->is_general) {
         const double size = base[0][0] * base[1][1] - base[0][1] * base[1][0];

@@ -150,11 +150,13 @@ static int open_result(const analysis *analysis, voltages *result, const char *n
     result->shape = calloc((size_t)analysis->design.targets, sizeof *result->shape);
     result->aligned_target =
         calloc((size_t)analysis->design.targets, sizeof *result->aligned_target);
-    result->u = calloc((size_t)analysis->design.mesh.free_dof, sizeof *result->u);
+    result->displacement =
+        calloc((size_t)analysis->design.mesh.free_dof, sizeof *result->displacement);
     result->optimality = (double)NAN;
     result->limit[0] = -HUGE_VAL;
     result->limit[1] = HUGE_VAL;
-    return result->voltage && result->shape && result->aligned_target && result->u ? 0 : -1;
+    return result->voltage && result->shape && result->aligned_target && result->displacement ? 0
+                                                                                              : -1;
 }
 
 static int out_of_memory(const analysis *analysis, char *error)
@@ -201,7 +203,7 @@ static void measure_errors(const analysis *analysis, voltages *result)
 {
     const design *design = &analysis->design;
     double most = 0;
-    design_shape(design, result->u, result->shape);
+    design_shape(design, result->displacement, result->shape);
     const double misfit = design_squares(design, result->shape, design->target),
                  wanted = design_squares(design, design->wanted, NULL);
     const double missed_fixed =
@@ -227,7 +229,7 @@ static void measure_errors(const analysis *analysis, voltages *result)
  */
 static int evaluate(analysis *analysis, voltages *result, int warm, char *error)
 {
-    if (analysis_reach(analysis, result->voltage, warm, result->u, error) < 0)
+    if (analysis_reach(analysis, result->voltage, warm, result->displacement, error) < 0)
         return -1;
     measure_errors(analysis, result);
     result->residual = analysis->is_nonlinear ? analysis->equilibrium.solver.info.residual
@@ -334,7 +336,7 @@ void voltages_free(voltages *result)
     free(result->voltage);
     free(result->shape);
     free(result->aligned_target);
-    free(result->u);
+    free(result->displacement);
     memset(result, 0, sizeof *result);
 }
 
@@ -387,8 +389,9 @@ static void save_best(const analysis *analysis, newton *newton, const voltages *
     newton->best.aligned_target =
         memcpy(own.aligned_target, result->aligned_target,
                (size_t)analysis->design.targets * sizeof *result->aligned_target);
-    newton->best.u =
-        memcpy(own.u, result->u, (size_t)analysis->design.mesh.free_dof * sizeof *result->u);
+    newton->best.displacement =
+        memcpy(own.displacement, result->displacement,
+               (size_t)analysis->design.mesh.free_dof * sizeof *result->displacement);
 }
 
 static void restore_best(analysis *analysis, const newton *newton, voltages *result)
@@ -398,7 +401,8 @@ static void restore_best(analysis *analysis, const newton *newton, voltages *res
            (size_t)result->amplifiers * sizeof *result->voltage);
     memcpy(result->shape, newton->best.shape,
            (size_t)analysis->design.targets * sizeof *result->shape);
-    memcpy(result->u, newton->best.u, (size_t)analysis->design.mesh.free_dof * sizeof *result->u);
+    memcpy(result->displacement, newton->best.displacement,
+           (size_t)analysis->design.mesh.free_dof * sizeof *result->displacement);
     memcpy(result->aligned_target, newton->best.aligned_target,
            (size_t)analysis->design.targets * sizeof *result->aligned_target);
     result->error = newton->best.error;

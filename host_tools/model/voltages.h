@@ -12,8 +12,9 @@
 typedef struct voltages {
     char name[SCENE_NAME + 32]; /* name of the method that computed the voltages, for reports */
     int amplifiers;
-    double *voltage; /* [amplifiers] computed voltages (V) */
-    double *u;       /* [free_dof] displacement vector under the voltages and the scene's loads */
+    double *voltage;      /* [amplifiers] computed voltages (V) */
+    double *displacement; /* [free_dof] displacement vector under the voltages and the scene's loads
+                           */
     double *shape; /* [targets] displacements of the target rows under the voltages and the scene's
                       loads */
     double *aligned_target; /* [targets] target plus the combination of its free functions (shapes

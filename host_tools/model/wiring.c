@@ -34,19 +34,22 @@ static const double gain_spread = 1;
  * number of actuators, and of their electrodes.
  */
 typedef struct wiring {
-    size_t n;
-    double *voltages; /* [n][n] scalar products of the voltages of each pair of amplifiers, summed
-                         over all pokes (shapes measured under known voltages) (V2) */
-    double *shapes;   /* [n][n] scalar products of each pair of columns of the model's influence
-                         matrix */
-    double *products; /* [n][n] for each amplifier and electrode, the sum over all measured shapes
-                         of the amplifier's voltage times the scalar product of the shape with the
-                         electrode's column of the model's influence matrix */
-    double *matrix;   /* [n][n] matrix of the normal equations, then its Cholesky factor */
-    double *gain; /* [n] right-hand side of the normal equations, then gain of each electrode (ratio
-                     of its actual to its model influence) */
-    double *work; /* [n] work vector for one column of the normal equations */
-    size_t *amplifier; /* [n] index of the amplifier to which each electrode is connected */
+    size_t amplifiers;
+    double *voltages; /* [amplifiers][amplifiers] scalar products of the voltages of each pair of
+                         amplifiers, summed over all pokes (shapes measured under known voltages)
+                         (V2) */
+    double *shapes;   /* [amplifiers][amplifiers] scalar products of each pair of columns of the
+                         model's influence   matrix */
+    double *products; /* [amplifiers][amplifiers] for each amplifier and electrode, the sum over all
+                         measured shapes of the amplifier's voltage times the scalar product of the
+                         shape with the electrode's column of the model's influence matrix */
+    double *matrix;   /* [amplifiers][amplifiers] matrix of the normal equations, then its Cholesky
+                         factor */
+    double *gain;     /* [amplifiers] right-hand side of the normal equations, then gain of each
+                         electrode (ratio     of its actual to its model influence) */
+    double *work;     /* [amplifiers] work vector for one column of the normal equations */
+    size_t *amplifier; /* [amplifiers] index of the amplifier to which each electrode is connected
+                        */
     double squares;    /* sum of squares of the measured shapes */
     double entries;    /* number of values of the measured shapes */
     double variance;   /* variance of the measurement noise */
@@ -58,7 +61,7 @@ static int wiring_open(wiring *wiring, const pokes *pokes)
 {
     const size_t actuators = pokes->actuators;
     memset(wiring, 0, sizeof *wiring);
-    wiring->n = actuators;
+    wiring->amplifiers = actuators;
     wiring->entries = (double)(pokes->count * pokes->outputs);
     wiring->voltages =
         calloc(4 * actuators * actuators + 2 * actuators + 1, sizeof *wiring->voltages);
@@ -83,7 +86,7 @@ static void wiring_close(wiring *wiring)
 
 static void fill_sums(wiring *wiring, const pokes *pokes, const double *model)
 {
-    const size_t actuators = wiring->n, outputs = pokes->outputs;
+    const size_t actuators = wiring->amplifiers, outputs = pokes->outputs;
     for (size_t i = 0; i < outputs; i++)
         for (size_t row = 0; row < actuators; row++)
             for (size_t column = 0; column < actuators; column++)
@@ -111,7 +114,7 @@ static void fill_sums(wiring *wiring, const pokes *pokes, const double *model)
 /* Replace the lower triangle of the positive definite `matrix` by its Cholesky factor. */
 static void factor(wiring *wiring)
 {
-    const size_t actuators = wiring->n;
+    const size_t actuators = wiring->amplifiers;
     for (size_t j = 0; j < actuators; j++)
         for (size_t i = j; i < actuators; i++) {
             double sum = wiring->matrix[i * actuators + j];
@@ -124,7 +127,7 @@ static void factor(wiring *wiring)
 
 static void substitute(const wiring *wiring, double *vector)
 {
-    const size_t actuators = wiring->n;
+    const size_t actuators = wiring->amplifiers;
     for (size_t j = 0; j < actuators; j++) {
         for (size_t k = 0; k < j; k++)
             vector[j] -= wiring->matrix[j * actuators + k] * vector[k];
@@ -139,13 +142,14 @@ static void substitute(const wiring *wiring, double *vector)
 
 static double normal_entry(const wiring *wiring, size_t row, size_t column)
 {
-    return wiring->voltages[wiring->amplifier[row] * wiring->n + wiring->amplifier[column]] *
-           wiring->shapes[row * wiring->n + column];
+    return wiring
+               ->voltages[wiring->amplifier[row] * wiring->amplifiers + wiring->amplifier[column]] *
+           wiring->shapes[row * wiring->amplifiers + column];
 }
 
 static double right_side(const wiring *wiring, size_t actuator)
 {
-    return wiring->products[wiring->amplifier[actuator] * wiring->n + actuator];
+    return wiring->products[wiring->amplifier[actuator] * wiring->amplifiers + actuator];
 }
 
 /*
@@ -155,9 +159,9 @@ static double right_side(const wiring *wiring, size_t actuator)
 static double common_gain(const wiring *wiring)
 {
     double with_shape = 0, size = 0;
-    for (size_t row = 0; row < wiring->n; row++) {
+    for (size_t row = 0; row < wiring->amplifiers; row++) {
         with_shape += right_side(wiring, row);
-        for (size_t column = 0; column < wiring->n; column++)
+        for (size_t column = 0; column < wiring->amplifiers; column++)
             size += normal_entry(wiring, row, column);
     }
     return size > 0 ? with_shape / size : 1;
@@ -170,7 +174,7 @@ static double common_gain(const wiring *wiring)
  */
 static double find_gains(wiring *wiring)
 {
-    const size_t actuators = wiring->n;
+    const size_t actuators = wiring->amplifiers;
     const double common = common_gain(wiring),
                  pull = wiring->variance / (gain_spread * gain_spread * common * common);
     double left = wiring->squares, size = 0;
@@ -210,8 +214,8 @@ static bool find_swap(wiring *wiring, wiring_fault *fault)
 {
     const double before = find_gains(wiring);
     double least = before;
-    for (size_t first = 0; first < wiring->n; first++)
-        for (size_t second = first + 1; second < wiring->n; second++) {
+    for (size_t first = 0; first < wiring->amplifiers; first++)
+        for (size_t second = first + 1; second < wiring->amplifiers; second++) {
             exchange(wiring, first, second);
             const double left = find_gains(wiring);
             exchange(wiring, first, second);
@@ -231,9 +235,9 @@ static int ascending(const void *left, const void *right)
 
 static double median_gain(wiring *wiring)
 {
-    memcpy(wiring->work, wiring->gain, wiring->n * sizeof *wiring->work);
-    qsort(wiring->work, wiring->n, sizeof *wiring->work, ascending);
-    return wiring->work[wiring->n / 2];
+    memcpy(wiring->work, wiring->gain, wiring->amplifiers * sizeof *wiring->work);
+    qsort(wiring->work, wiring->amplifiers, sizeof *wiring->work, ascending);
+    return wiring->work[wiring->amplifiers / 2];
 }
 
 /*
@@ -242,7 +246,7 @@ static double median_gain(wiring *wiring)
  */
 static double gain_error(wiring *wiring, size_t actuator)
 {
-    memset(wiring->work, 0, wiring->n * sizeof *wiring->work);
+    memset(wiring->work, 0, wiring->amplifiers * sizeof *wiring->work);
     wiring->work[actuator] = 1;
     substitute(wiring, wiring->work);
     return sqrt(fmax(wiring->variance * wiring->work[actuator], 0));
@@ -256,7 +260,7 @@ static int find_gain_faults(wiring *wiring, wiring_fault *fault, int faults)
 {
     (void)find_gains(wiring);
     const double median = median_gain(wiring);
-    for (size_t actuator = 0; actuator < wiring->n && faults < WIRING_FAULTS; actuator++) {
+    for (size_t actuator = 0; actuator < wiring->amplifiers && faults < WIRING_FAULTS; actuator++) {
         const double gain = wiring->gain[actuator] / median;
         if (gain > dead_gain || gain_error(wiring, actuator) > dead_gain / 2 * fabs(median))
             continue;
@@ -301,12 +305,12 @@ int wiring_find(wiring_fault fault[WIRING_FAULTS], const pokes *pokes, const dou
         return -1;
     }
     fill_sums(&wiring, pokes, model);
-    while (faults < WIRING_FAULTS && wiring.n <= SWAP_ACTUATORS &&
+    while (faults < WIRING_FAULTS && wiring.amplifiers <= SWAP_ACTUATORS &&
            find_swap(&wiring, &fault[faults])) {
         exchange(&wiring, fault[faults].actuator, fault[faults].other);
         faults++;
     }
-    const double free_values = fmax(wiring.entries - (double)wiring.n, 1);
+    const double free_values = fmax(wiring.entries - (double)wiring.amplifiers, 1);
     wiring.variance = find_gains(&wiring) / free_values;
     faults = find_gain_faults(&wiring, fault, faults);
     wiring_close(&wiring);

@@ -161,17 +161,17 @@ static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, nod
  */
 enum { COEFFICIENTS = 5, EQUATIONS = 15 };
 typedef struct quadric {
-    double t[2][3], a[EQUATIONS], b[COEFFICIENTS]; /* members of the normal equations: t: unit
-                                                      vectors along u and v; a: packed lower
-                                                      triangle of the matrix; b: right-hand side,
-                                                      then the coefficients */
+    double tangent[2][3];     /* unit vectors along the two coordinates of the quadric */
+    double matrix[EQUATIONS]; /* packed lower triangle of the matrix of the normal equations */
+    double coefficient[COEFFICIENTS]; /* right-hand side of the normal equations, then the
+                                         coefficients of the quadric */
 } quadric;
 
 static void start_quadric(const double director[3], quadric *sum)
 {
     memset(sum, 0, sizeof *sum);
-    quad_default_axis(director, -1, sum->t[0]);
-    vector_cross(director, sum->t[0], sum->t[1]);
+    quad_default_axis(director, -1, sum->tangent[0]);
+    vector_cross(director, sum->tangent[0], sum->tangent[1]);
 }
 
 /*
@@ -183,14 +183,15 @@ static void add_neighbour(const quad_mesh *mesh, size_t node, size_t other, doub
 {
     double chord[3];
     minus(mesh->position[other], mesh->position[node], chord);
-    const double u = vector_dot(sum->t[0], chord) / size, v = vector_dot(sum->t[1], chord) / size;
+    const double u = vector_dot(sum->tangent[0], chord) / size,
+                 v = vector_dot(sum->tangent[1], chord) / size;
     const double w = vector_dot(mesh->director[node], chord) / size;
     const double row[COEFFICIENTS] = {u, v, u * u / 2, u * v, v * v / 2};
     const double weight = 1 / (u * u + v * v + w * w);
     for (int i = 0, k = 0; i < COEFFICIENTS; i++) {
-        sum->b[i] += weight * row[i] * w;
+        sum->coefficient[i] += weight * row[i] * w;
         for (int j = 0; j <= i; j++)
-            sum->a[k++] += weight * row[i] * row[j];
+            sum->matrix[k++] += weight * row[i] * row[j];
     }
 }
 
@@ -238,7 +239,8 @@ static void solve_quadric(const double factor[EQUATIONS], double solution[COEFFI
 static void turn_director(const quadric *sum, double director[3])
 {
     for (int i = 0; i < 3; i++)
-        director[i] -= sum->b[0] * sum->t[0][i] + sum->b[1] * sum->t[1][i];
+        director[i] -=
+            sum->coefficient[0] * sum->tangent[0][i] + sum->coefficient[1] * sum->tangent[1][i];
     vector_normalise(director);
 }
 
@@ -268,9 +270,9 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
                 add_neighbour(mesh, own, other, size[own], &sums[own]);
             }
     for (size_t node = 0; node < mesh->nodes; node++)
-        if (states[node] == INSIDE && factor_quadric(sums[node].a)) {
-            solve_quadric(sums[node].a, sums[node].b);
-            if (hypot(sums[node].b[0], sums[node].b[1]) < 0.5)
+        if (states[node] == INSIDE && factor_quadric(sums[node].matrix)) {
+            solve_quadric(sums[node].matrix, sums[node].coefficient);
+            if (hypot(sums[node].coefficient[0], sums[node].coefficient[1]) < 0.5)
                 turn_director(&sums[node], mesh->director[node]);
         }
 }
@@ -283,8 +285,9 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
  * exactly on planes, spheres and cylinders.
  */
 typedef struct slopes {
-    double t[2][3], a[3], b[2]; /* members of the normal equations: t: unit vectors t1 and t2; a:
-                                   entries 11, 12, 22 of the matrix; b: right-hand side */
+    double tangent[2][3]; /* unit vectors t1 and t2 along which the director may lean */
+    double matrix[3];     /* entries 11, 12, 22 of the matrix of the normal equations */
+    double right_side[2]; /* right-hand side of the normal equations */
 } slopes;
 
 static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *sum)
@@ -294,14 +297,14 @@ static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *
     if (!(vector_normalise(chord) > 0))
         return;
     for (int k = 0; k < 2; k++)
-        row[k] = vector_dot(sum->t[k], chord);
+        row[k] = vector_dot(sum->tangent[k], chord);
     const double rest =
         -vector_dot(mesh->director[node], chord) - vector_dot(mesh->director[other], chord);
-    sum->a[0] += row[0] * row[0];
-    sum->a[1] += row[0] * row[1];
-    sum->a[2] += row[1] * row[1];
-    sum->b[0] += row[0] * rest;
-    sum->b[1] += row[1] * rest;
+    sum->matrix[0] += row[0] * row[0];
+    sum->matrix[1] += row[0] * row[1];
+    sum->matrix[2] += row[1] * row[1];
+    sum->right_side[0] += row[0] * rest;
+    sum->right_side[1] += row[1] * rest;
 }
 
 /*
@@ -310,14 +313,16 @@ static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *
  */
 static bool solve_slopes(const slopes *sum, const double director[3], double out[3])
 {
-    const double trace = sum->a[0] + sum->a[2];
-    const double determinant = sum->a[0] * sum->a[2] - sum->a[1] * sum->a[1];
+    const double trace = sum->matrix[0] + sum->matrix[2];
+    const double determinant = sum->matrix[0] * sum->matrix[2] - sum->matrix[1] * sum->matrix[1];
     if (!(determinant > 0.01 * trace * trace))
         return false;
-    const double slope1 = (sum->b[0] * sum->a[2] - sum->b[1] * sum->a[1]) / determinant;
-    const double slope2 = (sum->b[1] * sum->a[0] - sum->b[0] * sum->a[1]) / determinant;
+    const double slope1 =
+        (sum->right_side[0] * sum->matrix[2] - sum->right_side[1] * sum->matrix[1]) / determinant;
+    const double slope2 =
+        (sum->right_side[1] * sum->matrix[0] - sum->right_side[0] * sum->matrix[1]) / determinant;
     for (int i = 0; i < 3; i++)
-        out[i] = director[i] + slope1 * sum->t[0][i] + slope2 * sum->t[1][i];
+        out[i] = director[i] + slope1 * sum->tangent[0][i] + slope2 * sum->tangent[1][i];
     vector_normalise(out);
     return hypot(slope1, slope2) < 1;
 }
@@ -330,8 +335,8 @@ static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *
 {
     for (size_t node = 0; node < mesh->nodes; node++) {
         memset(&sums[node], 0, sizeof *sums);
-        quad_default_axis(mesh->director[node], -1, sums[node].t[0]);
-        vector_cross(mesh->director[node], sums[node].t[0], sums[node].t[1]);
+        quad_default_axis(mesh->director[node], -1, sums[node].tangent[0]);
+        vector_cross(mesh->director[node], sums[node].tangent[0], sums[node].tangent[1]);
     }
     for (size_t element = 0; element < mesh->elements; element++)
         for (int corner = 0; corner < 4; corner++)
@@ -382,15 +387,15 @@ static void continue_directors(const quad_mesh *mesh, node_state *states, slopes
 /* ---- nodes that are not joined ------------------------------------------ */
 
 typedef struct placed {
-    double x;
+    double coordinate;
     uint32_t node;
 } placed;
 
 static int by_place(const void *left, const void *right)
 {
     const placed *first = left, *second = right;
-    if (first->x != second->x)
-        return first->x > second->x ? 1 : -1;
+    if (first->coordinate != second->coordinate)
+        return first->coordinate > second->coordinate ? 1 : -1;
     return (first->node > second->node) - (first->node < second->node);
 }
 
@@ -410,7 +415,7 @@ static void find_slit(const quad_mesh *mesh, const node_state *states, placed *l
             list[count++] = (placed){mesh->position[node][0], (uint32_t)node};
     qsort(list, count, sizeof *list, by_place);
     for (size_t i = 0; i < count; i++)
-        for (size_t j = i + 1; j < count && list[j].x - list[i].x <= near; j++) {
+        for (size_t j = i + 1; j < count && list[j].coordinate - list[i].coordinate <= near; j++) {
             double gap[3];
             minus(mesh->position[list[i].node], mesh->position[list[j].node], gap);
             if (vector_dot(gap, gap) > near * near)

@@ -50,7 +50,7 @@ int report_simulate(const report_job *job, const simulation *simulation,
 /* A named displacement field u [nodes][3] of the middle surface, in Cartesian components. */
 typedef struct report_field {
     const char *name;
-    const double *u;
+    const double *displacement;
 } report_field;
 
 /* Write a VTK file for ParaView: the mesh, with each of the fields as a vector at the nodes. */

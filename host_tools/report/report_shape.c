@@ -70,7 +70,7 @@ static void find_marks(const shape_page *shape, const voltages *result)
 /* Make the shape of a result, with its misfit, the shape that the page draws. */
 static void take_shape(shape_page *shape, const voltages *result)
 {
-    page_shape(&shape->page, result->u, result->shape, result->aligned_target);
+    page_shape(&shape->page, result->displacement, result->shape, result->aligned_target);
 }
 
 /*

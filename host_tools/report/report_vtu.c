@@ -116,7 +116,7 @@ int report_vtu(FILE *file, const mesh *mesh, const report_field *field, int fiel
     write_cells(file, mesh);
     fputs("</Cells>\n<PointData>\n", file);
     for (int k = 0; k < fields; k++)
-        write_vectors(file, mesh, field[k].name, field[k].u);
+        write_vectors(file, mesh, field[k].name, field[k].displacement);
     fputs("</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n", file);
     return ferror(file) ? -1 : 0;
 }

@@ -115,8 +115,8 @@ static int read_alpha(reader *reader, int node, void *to, const void *rule)
  * ones follow from transverse isotropy in the plane 12, as for a ceramic poled along 3.
  */
 typedef struct material_text {
-    scene_material m;
-    double e, nu, c[9];
+    scene_material material;
+    double modulus, nu, stiffness[9];
     scene_film film;
 } material_text;
 enum { C11, C22, C33, C12, C13, C23, C44, C55, C66 };
@@ -152,7 +152,7 @@ static void set_default(double *member, double value)
 
 static int elastic_isotropic(reader *reader, int node, material_text *text)
 {
-    scene_material *material = &text->m;
+    scene_material *material = &text->material;
     if (require(reader, node, isotropic_keys) != 0)
         return -1;
     if (text->nu >= 0.5 || text->nu <= -1)
@@ -160,9 +160,9 @@ static int elastic_isotropic(reader *reader, int node, material_text *text)
                           "'nu: %g' of %.60s leaves no positive definite stiffness; "
                           "use -1 < nu < 0.5, 0.4999 with element: improved for rubber",
                           text->nu, tree_name(reader->t, node));
-    material->e[0] = material->e[1] = material->e[2] = text->e;
+    material->e[0] = material->e[1] = material->e[2] = text->modulus;
     material->nu12 = material->nu13 = material->nu23 = text->nu;
-    material->g12 = material->g13 = material->g23 = text->e / (2 * (1 + text->nu));
+    material->g12 = material->g13 = material->g23 = text->modulus / (2 * (1 + text->nu));
     return 0;
 }
 
@@ -183,7 +183,7 @@ static int elastic_orthotropic(reader *reader, int node, material_text *text)
 {
     static const char *const needed[] = {"E1", "E2", "G12", "nu12", NULL};
     const int from_film = text->film.force > 0;
-    scene_material *material = &text->m;
+    scene_material *material = &text->material;
     if (require(reader, node, needed + from_film) != 0)
         return -1;
     set_default(&material->e[2], material->e[1]);
@@ -246,8 +246,8 @@ static int read_stiffness(reader *reader, int node, void *to, const void *rule)
  */
 static int elastic_stiffness(reader *reader, int node, material_text *text)
 {
-    const double *stiffness = text->c;
-    scene_material *material = &text->m;
+    const double *stiffness = text->stiffness;
+    scene_material *material = &text->material;
     const double minor = stiffness[C11] * stiffness[C22] - stiffness[C12] * stiffness[C12],
                  s33 = minor;
     const double s11 = stiffness[C22] * stiffness[C33] - stiffness[C23] * stiffness[C23],
@@ -275,7 +275,7 @@ static int elastic_stiffness(reader *reader, int node, material_text *text)
 /* Compute the material constants of a film from its data sheet. */
 static int take_film(reader *reader, int node, material_text *text)
 {
-    scene_material *material = &text->m;
+    scene_material *material = &text->material;
     const bool has_modulus = tree_find(reader->t, node, "E1") != 0;
     if (text->film.thickness <= 0)
         return 0;
@@ -316,8 +316,8 @@ static int check_material(reader *reader, int node, material_text *text)
                           tree_name(reader->t, node), strain_constant, stress_constant);
     if (take_film(reader, node, text) != 0)
         return -1;
-    text->m.has_d = strain_constant != NULL || text->film.thickness > 0;
-    text->m.has_e = stress_constant != NULL;
+    text->material.has_d = strain_constant != NULL || text->film.thickness > 0;
+    text->material.has_e = stress_constant != NULL;
     if (stiffness)
         return elastic_stiffness(reader, node, text);
     return orthotropic ? elastic_orthotropic(reader, node, text)
@@ -390,65 +390,68 @@ static const form poisson_form = {.type = FORM_NUMBER, .range = &poisson};
         key, read_real, offsetof(material_text, member), rule, 0, of, NULL, help                   \
     }
 static const field material_fields[] = {
-    NUMBER("E", e, &above_zero, OF_STRESS, "Young's modulus of an isotropic material."),
+    NUMBER("E", modulus, &above_zero, OF_STRESS, "Young's modulus of an isotropic material."),
     {"nu", read_real, offsetof(material_text, nu), .of = OF_NUMBER, .form = &poisson_form,
      .help = "Poisson's ratio of an isotropic material, between -1 and 0.5."},
-    {"stiffness", read_stiffness, offsetof(material_text, c), .form = &stiffness_form,
+    {"stiffness", read_stiffness, offsetof(material_text, stiffness), .form = &stiffness_form,
      .help = "Stiffness at constant field instead of moduli, by default isotropic in the plane 12 "
              "as of a ceramic poled along 3; the indices 4, 5, 6 are 23, 13, 12."},
-    NUMBER("E1", m.e[0], &above_zero, OF_STRESS, "Modulus along the fibres."),
-    NUMBER("E2", m.e[1], &above_zero, OF_STRESS, "Modulus across the fibres."),
-    NUMBER("E3", m.e[2], &above_zero, OF_STRESS, "Modulus through the thickness; default E2."),
-    NUMBER("G12", m.g12, &above_zero, OF_STRESS, "Shear modulus in the plane 12."),
-    NUMBER("G13", m.g13, &above_zero, OF_STRESS, "Shear modulus in the plane 13; default G12."),
-    NUMBER("G23", m.g23, &above_zero, OF_STRESS,
+    NUMBER("E1", material.e[0], &above_zero, OF_STRESS, "Modulus along the fibres."),
+    NUMBER("E2", material.e[1], &above_zero, OF_STRESS, "Modulus across the fibres."),
+    NUMBER("E3", material.e[2], &above_zero, OF_STRESS,
+           "Modulus through the thickness; default E2."),
+    NUMBER("G12", material.g12, &above_zero, OF_STRESS, "Shear modulus in the plane 12."),
+    NUMBER("G13", material.g13, &above_zero, OF_STRESS,
+           "Shear modulus in the plane 13; default G12."),
+    NUMBER("G23", material.g23, &above_zero, OF_STRESS,
            "Shear modulus in the plane 23; default E2/(2(1 + nu23))."),
-    NUMBER("nu12", m.nu12, NULL, OF_NUMBER, "Poisson's ratio -e2/e1 under a stress along 1."),
-    NUMBER("nu13", m.nu13, NULL, OF_NUMBER,
+    NUMBER("nu12", material.nu12, NULL, OF_NUMBER,
+           "Poisson's ratio -e2/e1 under a stress along 1."),
+    NUMBER("nu13", material.nu13, NULL, OF_NUMBER,
            "Poisson's ratio -e3/e1 under a stress along 1; default nu12."),
-    NUMBER("nu23", m.nu23, NULL, OF_NUMBER,
+    NUMBER("nu23", material.nu23, NULL, OF_NUMBER,
            "Poisson's ratio -e3/e2 under a stress along 2; default nu12."),
-    NUMBER("d31", m.d31, NULL, OF_STRAIN_CONSTANT,
+    NUMBER("d31", material.d31, NULL, OF_STRAIN_CONSTANT,
            "Piezoelectric strain constant: strain per field along the poling; default 0."),
-    NUMBER("d32", m.d32, NULL, OF_STRAIN_CONSTANT,
+    NUMBER("d32", material.d32, NULL, OF_STRAIN_CONSTANT,
            "Piezoelectric strain constant: strain per field along the poling; default 0."),
-    NUMBER("d33", m.d33, NULL, OF_STRAIN_CONSTANT,
+    NUMBER("d33", material.d33, NULL, OF_STRAIN_CONSTANT,
            "Piezoelectric strain constant: strain per field along the poling; default 0."),
-    NUMBER("d24", m.d24, NULL, OF_STRAIN_CONSTANT,
+    NUMBER("d24", material.d24, NULL, OF_STRAIN_CONSTANT,
            "Piezoelectric strain constant: strain per field along the poling; default 0."),
-    NUMBER("d15", m.d15, NULL, OF_STRAIN_CONSTANT,
+    NUMBER("d15", material.d15, NULL, OF_STRAIN_CONSTANT,
            "Piezoelectric strain constant: strain per field along the poling; default 0."),
     NUMBER(
-        "e31", m.piezo_e[0], NULL, OF_STRESS_CONSTANT,
+        "e31", material.piezo_e[0], NULL, OF_STRESS_CONSTANT,
         "Piezoelectric stress constant: charge per area and strain; instead of the d constants."),
     NUMBER(
-        "e32", m.piezo_e[1], NULL, OF_STRESS_CONSTANT,
+        "e32", material.piezo_e[1], NULL, OF_STRESS_CONSTANT,
         "Piezoelectric stress constant: charge per area and strain; instead of the d constants."),
     NUMBER(
-        "e33", m.piezo_e[2], NULL, OF_STRESS_CONSTANT,
+        "e33", material.piezo_e[2], NULL, OF_STRESS_CONSTANT,
         "Piezoelectric stress constant: charge per area and strain; instead of the d constants."),
     NUMBER(
-        "e24", m.piezo_e[3], NULL, OF_STRESS_CONSTANT,
+        "e24", material.piezo_e[3], NULL, OF_STRESS_CONSTANT,
         "Piezoelectric stress constant: charge per area and strain; instead of the d constants."),
     NUMBER(
-        "e15", m.piezo_e[4], NULL, OF_STRESS_CONSTANT,
+        "e15", material.piezo_e[4], NULL, OF_STRESS_CONSTANT,
         "Piezoelectric stress constant: charge per area and strain; instead of the d constants."),
-    NUMBER("permittivity", m.permittivity, &not_negative, OF_PERMITTIVITY,
+    NUMBER("permittivity", material.permittivity, &not_negative, OF_PERMITTIVITY,
            "Permittivity at constant strain; sensors need it."),
-    NUMBER("pyroelectric", m.pyroelectric, NULL, OF_PYROELECTRIC,
+    NUMBER("pyroelectric", material.pyroelectric, NULL, OF_PYROELECTRIC,
            "Pyroelectric constant along the poling, at constant strain."),
     {"film", read_film, offsetof(material_text, film), .form = &film_form,
      .help = "Data sheet of a thin actuator, such as a macro fibre composite, instead of the "
              "piezoelectric constants."},
-    {"poling", read_poling, offsetof(material_text, m.poling), .form = &poling_form,
+    {"poling", read_poling, offsetof(material_text, material.poling), .form = &poling_form,
      .help = "Direction of the poling along e3, 3 or -3; default 3."},
-    {"alpha", read_alpha, offsetof(material_text, m.alpha), .of = OF_EXPANSION, .form = &alpha_form,
-     .help = "Thermal expansion; one number, or three for the axes 1, 2, 3."},
-    NUMBER("density", m.density, &not_negative, OF_DENSITY,
+    {"alpha", read_alpha, offsetof(material_text, material.alpha), .of = OF_EXPANSION,
+     .form = &alpha_form, .help = "Thermal expansion; one number, or three for the axes 1, 2, 3."},
+    NUMBER("density", material.density, &not_negative, OF_DENSITY,
            "Mass per volume; needed for natural frequencies and for weight."),
-    NUMBER("field_limit", m.field_limit, &not_negative, OF_FIELD,
+    NUMBER("field_limit", material.field_limit, &not_negative, OF_FIELD,
            "Field that depolarises the material; voltages stay below it; 0: no limit."),
-    {"strength", read_strength, offsetof(material_text, m.strength), .form = &strength_form,
+    {"strength", read_strength, offsetof(material_text, material.strength), .form = &strength_form,
      .help = "Strengths of the material; pzs solve --stress prints the reserve factors."},
     {.key = NULL}};
 #undef NUMBER
@@ -466,7 +469,7 @@ const form materials_form = {.type = FORM_NAMED, .item = &material_form, .least 
 static int read_material(reader *reader, int node, scene_material *to)
 {
     material_text text;
-    scene_material *material = &text.m;
+    scene_material *material = &text.material;
     memset(&text, 0, sizeof text);
     material->e[2] = material->g13 = material->g23 = material->nu13 = material->nu23 = (double)NAN;
     material->poling = 3;
@@ -478,7 +481,7 @@ static int read_material(reader *reader, int node, scene_material *to)
     if (read_map(reader, node, material_fields, &text) != 0 ||
         check_material(reader, node, &text) != 0)
         return -1;
-    *to = text.m;
+    *to = text.material;
     return 0;
 }
 

@@ -18,7 +18,7 @@ typedef struct pairs_text {
 
 typedef struct surface_text {
     int type;
-    scene_surface s;
+    scene_surface surface;
     pairs_text points, tangents;
     double smoothing;
 } surface_text;
@@ -102,10 +102,10 @@ static int fit_meridian(reader *reader, int node, surface_text *text)
             reader->t, node,
             "'meridian' has %d points; give at least %d (4, or 2 with directions at its ends)",
             text->points.count, least);
-    text->s.meridian = spline_fit(
+    text->surface.meridian = spline_fit(
         text->points.count, (const double(*)[2])text->points.pair,
         text->tangents.count ? (const double(*)[2])text->tangents.pair : NULL, text->smoothing);
-    if (text->s.meridian)
+    if (text->surface.meridian)
         return 0;
     return tree_fault(
         reader->t, node,
@@ -121,11 +121,11 @@ static const range acute = {
     -90, 90, 1, "must lie between -90 and 90 degrees, ends left out; use polar for a flat ring"};
 
 #define NUMBER(key, range, of, help)                                                               \
-    {#key, read_real, offsetof(surface_text, s.key), &range, 0, of, NULL, help},
+    {#key, read_real, offsetof(surface_text, surface.key), &range, 0, of, NULL, help},
 static const field surface_fields[] = {
     {"type", read_choice, offsetof(surface_text, type), surface_types, 1,
      .help = "Type of the surface."},
-    SURFACE_NUMBERS(NUMBER){"axial", read_choice, offsetof(surface_text, s.axial), axes,
+    SURFACE_NUMBERS(NUMBER){"axial", read_choice, offsetof(surface_text, surface.axial), axes,
                             .help = "Coordinate along the axis of a cylinder or spiral."},
     {"meridian", read_meridian, offsetof(surface_text, points), .of = OF_LENGTH,
      .form = &meridian_form,
@@ -137,11 +137,14 @@ static const field surface_fields[] = {
     {"ends", read_ends, offsetof(surface_text, tangents), .of = OF_NUMBER, .form = &ends_form,
      .help = "not-a-knot (default: the two pieces at each end are one cubic), or the directions "
              "[[r', z'], [r', z']] at the first and last point."},
-    {"x", read_expr, offsetof(surface_text, s.formula[0]), .of = OF_NUMBER, .form = &formula_form,
+    {"x", read_expr, offsetof(surface_text, surface.formula[0]), .of = OF_NUMBER,
+     .form = &formula_form,
      .help = "Surface by formula: x of theta1 and theta2; theta1 if left out."},
-    {"y", read_expr, offsetof(surface_text, s.formula[1]), .of = OF_NUMBER, .form = &formula_form,
+    {"y", read_expr, offsetof(surface_text, surface.formula[1]), .of = OF_NUMBER,
+     .form = &formula_form,
      .help = "Surface by formula: y of theta1 and theta2; theta2 if left out."},
-    {"z", read_expr, offsetof(surface_text, s.formula[2]), .of = OF_NUMBER, .form = &formula_form,
+    {"z", read_expr, offsetof(surface_text, surface.formula[2]), .of = OF_NUMBER,
+     .form = &formula_form,
      .help = "Surface by formula: z of theta1 and theta2, of which x and y are other names."},
     {.key = NULL}};
 #undef NUMBER
@@ -164,7 +167,7 @@ static int read_surface_text(reader *reader, int node, surface_text *text)
 {
     if (read_map(reader, node, surface_fields, text) != 0)
         return -1;
-    text->s.type = (scene_surface_type)text->type;
+    text->surface.type = (scene_surface_type)text->type;
     if (check_type_case(reader, node, surface_cases, word_of(text->type)) != 0)
         return -1;
     return tree_find(reader->t, node, "meridian") ? fit_meridian(reader, node, text) : 0;
@@ -179,7 +182,7 @@ int read_surface(reader *reader, int node, void *to, const void *rule)
     memset(&text, 0, sizeof text);
     scene->at_surface = node_at(reader, node);
     status = read_surface_text(reader, node, &text);
-    scene->surface = text.s;
+    scene->surface = text.surface;
     free(text.points.pair);
     free(text.tangents.pair);
     return status;

@@ -168,7 +168,7 @@ typedef struct anchor {
 } anchor;
 
 typedef struct builder {
-    tree *t;
+    tree *tree;
     yaml_parser_t yaml;
     const char *text;
     size_t bytes;
@@ -213,11 +213,11 @@ static int syntax_fault(builder *builder)
     const yaml_parser_t *parser = &builder->yaml;
     const char *problem = parser->problem ? parser->problem : "the text cannot be read";
     if (parser->error == YAML_MEMORY_ERROR)
-        return tree_fault_at(builder->t, byte_at(builder, 0), "out of memory");
+        return tree_fault_at(builder->tree, byte_at(builder, 0), "out of memory");
     if (parser->error == YAML_READER_ERROR)
-        return tree_fault_at(builder->t, byte_at(builder, parser->problem_offset),
+        return tree_fault_at(builder->tree, byte_at(builder, parser->problem_offset),
                              "not text (%s); save the scene as UTF-8", problem);
-    return tree_fault_at(builder->t, mark_at(builder, parser->problem_mark),
+    return tree_fault_at(builder->tree, mark_at(builder, parser->problem_mark),
                          "not YAML: %s%s%s; check brackets, quotes and indentation",
                          parser->context ? parser->context : "", parser->context ? ", " : "",
                          problem);
@@ -284,18 +284,19 @@ static int take_alias(builder *builder, const char *name, scene_at at)
             break;
     if (i < 0)
         return tree_fault_at(
-                   builder->t, at,
+                   builder->tree, at,
                    "*%s stands for nothing; define it before with &%s, or quote an expression that "
                    "starts with *",
                    name, name),
                0;
     if (is_open(builder, builder->anchors[i].node))
-        return tree_fault_at(builder->t, at, "*%s contains itself; write its value out", name), 0;
-    if (builder->depth + height(builder->t, builder->anchors[i].node) > TREE_DEPTH)
-        return tree_fault_at(builder->t, at, "nested more than %d deep; a scene is flatter",
+        return tree_fault_at(builder->tree, at, "*%s contains itself; write its value out", name),
+               0;
+    if (builder->depth + height(builder->tree, builder->anchors[i].node) > TREE_DEPTH)
+        return tree_fault_at(builder->tree, at, "nested more than %d deep; a scene is flatter",
                              TREE_DEPTH),
                0;
-    return copy_tree(builder->t, builder->anchors[i].node);
+    return copy_tree(builder->tree, builder->anchors[i].node);
 }
 
 static int keep_anchor(builder *builder, const yaml_char_t *name, int node, scene_at at)
@@ -304,11 +305,11 @@ static int keep_anchor(builder *builder, const yaml_char_t *name, int node, scen
     if (!name)
         return 0;
     if (builder->anchor_count == TREE_ANCHORS)
-        return tree_fault_at(builder->t, at, "more than %d anchors; write the values out",
+        return tree_fault_at(builder->tree, at, "more than %d anchors; write the values out",
                              TREE_ANCHORS);
     kept->name = copy_text((const char *)name, strlen((const char *)name));
     if (!kept->name)
-        return tree_fault_at(builder->t, at, "out of memory");
+        return tree_fault_at(builder->tree, at, "out of memory");
     kept->node = node;
     builder->anchor_count++;
     return 0;
@@ -320,19 +321,20 @@ static int take_key(builder *builder, const yaml_event_t *event, scene_at at)
     const char *text;
     int twin;
     if (event->type != YAML_SCALAR_EVENT)
-        return tree_fault_at(builder->t, at, "a key must be a plain word");
+        return tree_fault_at(builder->tree, at, "a key must be a plain word");
     text = (const char *)event->data.scalar.value;
     if (strlen(text) != event->data.scalar.length)
-        return tree_fault_at(builder->t, at, "a NUL character in a key; remove it");
-    twin = tree_find(builder->t, map, text);
+        return tree_fault_at(builder->tree, at, "a NUL character in a key; remove it");
+    twin = tree_find(builder->tree, map, text);
     if (twin)
-        return tree_fault_at(builder->t, at, "'%.60s' is given twice (first on line %d); keep one",
-                             text, builder->t->node[twin].key_at.line);
-    if (builder->t->node[map].count >= TREE_KEYS)
-        return tree_fault_at(builder->t, at, "more than %d keys; a scene is smaller", TREE_KEYS);
+        return tree_fault_at(builder->tree, at,
+                             "'%.60s' is given twice (first on line %d); keep one", text,
+                             builder->tree->node[twin].key_at.line);
+    if (builder->tree->node[map].count >= TREE_KEYS)
+        return tree_fault_at(builder->tree, at, "more than %d keys; a scene is smaller", TREE_KEYS);
     builder->key[top] = copy_text(text, strlen(text));
     builder->key_at[top] = at;
-    return builder->key[top] ? 0 : tree_fault_at(builder->t, at, "out of memory");
+    return builder->key[top] ? 0 : tree_fault_at(builder->tree, at, "out of memory");
 }
 
 /*
@@ -347,10 +349,10 @@ static int place(builder *builder, int node)
         return 0;
     }
     if (!builder->key[top]) {
-        append(builder->t, builder->open[top], node);
+        append(builder->tree, builder->open[top], node);
         return 0;
     }
-    status = append_key(builder->t, builder->open[top], node, builder->key[top],
+    status = append_key(builder->tree, builder->open[top], node, builder->key[top],
                         strlen(builder->key[top]), builder->key_at[top]);
     free(builder->key[top]);
     builder->key[top] = NULL;
@@ -362,12 +364,12 @@ static int value_node(builder *builder, const yaml_event_t *event, scene_at at)
     if (event->type == YAML_ALIAS_EVENT)
         return take_alias(builder, (const char *)event->data.alias.anchor, at);
     if (event->type != YAML_SCALAR_EVENT)
-        return new_node(builder->t, event->type == YAML_MAPPING_START_EVENT ? TREE_MAP : TREE_LIST,
-                        at);
+        return new_node(builder->tree,
+                        event->type == YAML_MAPPING_START_EVENT ? TREE_MAP : TREE_LIST, at);
     if (memchr(event->data.scalar.value, 0, event->data.scalar.length))
-        return tree_fault_at(builder->t, at, "a NUL character; remove it"), 0;
-    return new_scalar(builder->t, (const char *)event->data.scalar.value, event->data.scalar.length,
-                      at);
+        return tree_fault_at(builder->tree, at, "a NUL character; remove it"), 0;
+    return new_scalar(builder->tree, (const char *)event->data.scalar.value,
+                      event->data.scalar.length, at);
 }
 
 static int take_value(builder *builder, const yaml_event_t *event, scene_at at)
@@ -387,7 +389,7 @@ static int take_value(builder *builder, const yaml_event_t *event, scene_at at)
     if (event->type != YAML_SEQUENCE_START_EVENT && event->type != YAML_MAPPING_START_EVENT)
         return 0;
     if (builder->depth == TREE_DEPTH)
-        return tree_fault_at(builder->t, at, "nested more than %d deep; a scene is flatter",
+        return tree_fault_at(builder->tree, at, "nested more than %d deep; a scene is flatter",
                              TREE_DEPTH);
     builder->open[builder->depth] = node;
     builder->key[builder->depth] = NULL;
@@ -401,7 +403,7 @@ static int take_event(builder *builder, const yaml_event_t *event)
     switch (event->type) {
     case YAML_DOCUMENT_START_EVENT:
         if (builder->documents++)
-            return tree_fault_at(builder->t, at,
+            return tree_fault_at(builder->tree, at,
                                  "a second document; a file holds one scene, remove '---'");
         return 0;
     case YAML_SEQUENCE_END_EVENT:
@@ -412,7 +414,7 @@ static int take_event(builder *builder, const yaml_event_t *event)
     case YAML_MAPPING_START_EVENT: break;
     default: return 0;
     }
-    if (builder->depth && builder->t->node[builder->open[builder->depth - 1]].kind == TREE_MAP &&
+    if (builder->depth && builder->tree->node[builder->open[builder->depth - 1]].kind == TREE_MAP &&
         !builder->key[builder->depth - 1])
         return take_key(builder, event, at);
     return take_value(builder, event, at);
@@ -441,7 +443,7 @@ static int build(tree *tree, const char *text, size_t bytes, int line)
     builder builder;
     int i, status;
     memset(&builder, 0, sizeof builder);
-    builder.t = tree;
+    builder.tree = tree;
     builder.text = text;
     builder.bytes = bytes;
     builder.line = line;

@@ -36,7 +36,7 @@ static bool is_unusable(const sensor_check *sensors, uint32_t i, pzs_real measur
     const pzs_real moved = RESOLUTION * number_absolute(difference - sensors->difference[i]) -
                            number_absolute(measured);
     if (moved > 0 && *most < 0)
-        *most = largest_size(sensors->expected, sensors->n);
+        *most = largest_size(sensors->expected, sensors->count);
     if (moved > 0 && moved > *most)
         sensors->repeats[i] =
             (uint8_t)(sensors->repeats[i] + (sensors->repeats[i] < SENSOR_STUCK_TICKS));
@@ -52,7 +52,7 @@ static bool is_unusable(const sensor_check *sensors, uint32_t i, pzs_real measur
  */
 static uint32_t skip_usable(const sensor_check *sensors, const pzs_real *measured, uint32_t i)
 {
-    const uint32_t count = sensors->n;
+    const uint32_t count = sensors->count;
     const pzs_real *expected = sensors->expected;
     pzs_real *last = sensors->last, *all = sensors->difference;
     uint8_t *repeats = sensors->repeats;
@@ -71,9 +71,9 @@ uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured,
 {
     pzs_real most = -1;
     uint32_t unusable = 0;
-    for (uint32_t i = 0; i < sensors->n; i++) {
+    for (uint32_t i = 0; i < sensors->count; i++) {
         i = skip_usable(sensors, measured, i);
-        if (i < sensors->n && is_unusable(sensors, i, measured[i], &most))
+        if (i < sensors->count && is_unusable(sensors, i, measured[i], &most))
             *where = unusable++ == 0 ? (int32_t)i : *where;
     }
     return unusable;

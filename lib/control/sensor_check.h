@@ -19,7 +19,7 @@
  * have one entry for each sensor.
  */
 typedef struct sensor_check {
-    uint32_t n;
+    uint32_t count;
     const pzs_real *expected; /* values that the model predicts (unit of each sensor) */
     pzs_real *last;           /* measurements of the last tick (unit of each sensor) */
     pzs_real *difference; /* measured minus expected value; a rejected measurement keeps its last

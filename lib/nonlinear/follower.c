@@ -27,7 +27,7 @@
  */
 enum { BY_DIRECTOR = 12, VARIABLES = 15 };
 typedef struct vector_slope {
-    pzs_real v[3], slope[3][VARIABLES];
+    pzs_real value[3], slope[3][VARIABLES];
 } vector_slope;
 
 /*
@@ -41,14 +41,14 @@ static void add_cross(pzs_real factor, const vector_slope *left, const vector_sl
                       vector_slope *sum)
 {
     pzs_real left_part[3], right_part[3];
-    pzs_face_cross(left->v, right->v, left_part);
+    pzs_face_cross(left->value, right->value, left_part);
     for (int i = 0; i < 3; i++)
-        sum->v[i] += factor * left_part[i];
+        sum->value[i] += factor * left_part[i];
     for (int j = 0; j < VARIABLES; j++) {
         const pzs_real dx[3] = {left->slope[0][j], left->slope[1][j], left->slope[2][j]};
         const pzs_real dy[3] = {right->slope[0][j], right->slope[1][j], right->slope[2][j]};
-        pzs_face_cross(dx, right->v, left_part);
-        pzs_face_cross(left->v, dy, right_part);
+        pzs_face_cross(dx, right->value, left_part);
+        pzs_face_cross(left->value, dy, right_part);
         for (int i = 0; i < 3; i++)
             sum->slope[i][j] += factor * (left_part[i] + right_part[i]);
     }
@@ -59,13 +59,13 @@ static void normalise(const vector_slope *normal, pzs_real size, vector_slope *v
 {
     const pzs_real inverse = size > 0 ? 1 / size : 0;
     for (int i = 0; i < 3; i++)
-        vector->v[i] *= inverse;
+        vector->value[i] *= inverse;
     for (int j = 0; j < VARIABLES; j++) {
-        const pzs_real relative =
-            inverse * (normal->v[0] * normal->slope[0][j] + normal->v[1] * normal->slope[1][j] +
-                       normal->v[2] * normal->slope[2][j]);
+        const pzs_real relative = inverse * (normal->value[0] * normal->slope[0][j] +
+                                             normal->value[1] * normal->slope[1][j] +
+                                             normal->value[2] * normal->slope[2][j]);
         for (int i = 0; i < 3; i++)
-            vector->slope[i][j] = inverse * (vector->slope[i][j] - relative * vector->v[i]);
+            vector->slope[i][j] = inverse * (vector->slope[i][j] - relative * vector->value[i]);
     }
 }
 
@@ -82,7 +82,7 @@ static void set_base(const pzs_element_type *type, pzs_real height, unsigned cor
         type->g_mean[corner][direction][2] + height * type->g_diff[corner][direction][2];
     memset(base, 0, sizeof *base);
     for (unsigned i = 0; i < 3; i++) {
-        base->v[i] = face_base[i] - lean * director->v[i];
+        base->value[i] = face_base[i] - lean * director->value[i];
         base->slope[i][BY_DIRECTOR + i] = -lean;
         for (unsigned j = 0; j < 3; j++) {
             base->slope[i][3 * corner + j] = type->s[corner][direction][i][j];
@@ -120,8 +120,9 @@ static void pressure_force(const pzs_follower *load, const pzs_structure *struct
     }
     if (!load->true_area) {
         const vector_slope unscaled = *normal;
-        const pzs_real size = PZS_SQRT(normal->v[0] * normal->v[0] + normal->v[1] * normal->v[1] +
-                                       normal->v[2] * normal->v[2]);
+        const pzs_real size =
+            PZS_SQRT(normal->value[0] * normal->value[0] + normal->value[1] * normal->value[1] +
+                     normal->value[2] * normal->value[2]);
         normalise(&unscaled, size, side);
         normalise(&unscaled, size, normal);
     }
@@ -137,7 +138,7 @@ static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real
 {
     for (unsigned i = 0; i < 6; i++) {
         const pzs_real factor = i < 3 ? part : part * z_load;
-        force[CORNER_DOF * loaded_corner + i] += factor * vector->v[i % 3];
+        force[CORNER_DOF * loaded_corner + i] += factor * vector->value[i % 3];
         for (unsigned j = 0; slope && factor != 0 && j < VARIABLES; j++) {
             const unsigned column = j < BY_DIRECTOR ? CORNER_DOF * (j / 3) + j % 3
                                                     : CORNER_DOF * corner + j - BY_DIRECTOR + 3;

@@ -578,7 +578,7 @@ static void test_published_voltages(void **state)
     assert_int_equal(analysis_influence(&r.analysis, error), 0);
     assert_int_equal(
         voltages_given(&r.analysis, "published", r.scene.compare[0].value, &result, error), 0);
-    scene_run_observe(&r, result.u);
+    scene_run_observe(&r, result.displacement);
     assert_true(fabs(result.error - .147) < 5e-4 + 1e-5);
     assert_true(fabs(fabs(scene_run_value(&r, 0)) - 1.628e-3) < 1e-6);
     voltages_free(&result);

@@ -165,13 +165,13 @@ static void test_hyperboloid(void **state)
     double away[4], none[2] = {0, 0};
     influence_run(&r, "hyperboloid-patches", "");
     assert_int_equal(voltages_given(&r.analysis, "none", none, &result, r.error), 0);
-    scene_run_observe(&r, result.u);
+    scene_run_observe(&r, result.displacement);
     for (int k = 0; k < 4; k++)
         away[k] = scene_run_value(&r, k);
     voltages_free(&result);
     for (int l = 0; l < 2; l++) {
         optimum(&r, within(limit[l]), &result);
-        scene_run_observe(&r, result.u);
+        scene_run_observe(&r, result.displacement);
         for (int k = 0; k < 4; k++)
             assert_true(fabs(away[k]) > 2.5 && fabs(scene_run_value(&r, k)) < 0.05 * fabs(away[k]));
         assert_true(result.relinearised > 1 && result.residual < 1e-6);
@@ -180,7 +180,7 @@ static void test_hyperboloid(void **state)
         voltages_free(&result);
     }
     assert_int_equal(voltages_linear(&r.analysis, within(1960), &result, r.error), 0);
-    scene_run_observe(&r, result.u);
+    scene_run_observe(&r, result.displacement);
     assert_true(fabs(scene_run_value(&r, 0)) > 0.15 * away[0]); /* the linear model does not know
                                                                    the way */
     voltages_free(&result);
