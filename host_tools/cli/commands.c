@@ -2,6 +2,7 @@
 /* Tables of the commands and options of pzs (commands.h). */
 #include "commands.h"
 #include <string.h>
+#include "../simulate/device.h"
 
 #define BIT(command) (1u << (command))
 #define ANALYSES                                                                                   \
@@ -17,8 +18,9 @@ static const char *const starts[] = {"plate",           "mirror",        "panel"
                                      "measured-matrix", "poke-voltages", "poke-shapes", NULL};
 static const char *const shells[] = {"bash", NULL};
 static const char *const images[] = {"control", "linear", "nonlinear", NULL};
-static const char *const boards[] = {"netduinoplus2", "mps2-an386", "mps2-an500",
-                                     "host-32",       "host-64",    NULL};
+#define NAME_OF(name, machine, bits, twin) name,
+#define NAME_IN_TEXT(name, machine, bits, twin) name ", "
+static const char *const boards[] = {DEVICE_BOARDS(NAME_OF) "host-32", "host-64", NULL};
 
 const command_entry command_table[COMMANDS] = {
     [COMMAND_LIST] = {"list",
@@ -265,9 +267,9 @@ const option_entry option_table[OPTIONS] = {
                     "not run), missed (by the estimate of "
                     "the shape), then the voltages that each amplifier gives"},
     [OPTION_DEVICE] = {"--device", NULL, "BOARD", ARGUMENT_CHOICE, boards, BIT(COMMAND_SIMULATE),
-                       "the firmware of netduinoplus2, mps2-an386 or mps2-an500, under QEMU, is "
-                       "the controller; every bit compared with "
-                       "the same C here. host-32, host-64: that C alone"},
+                       "the firmware of a board under QEMU is the controller, and every bit is "
+                       "compared with the same C here: " DEVICE_BOARDS(
+                           NAME_IN_TEXT) "or that C alone: host-32, host-64"},
     [OPTION_IMAGE] = {"--image", NULL, "IMAGE", ARGUMENT_CHOICE, images, BIT(COMMAND_TABLES),
                       "control (influence matrix), linear (element matrices) or nonlinear (and "
                       "the equilibrium solver at large rotation; "

@@ -30,10 +30,8 @@ enum {
     MOST_ARGUMENTS = 16
 };
 
-static const device_board boards[] = {{"netduinoplus2", "netduinoplus2", 32, "host-32"},
-                                      {"mps2-an386", "mps2-an386", 32, "host-32"},
-                                      {"mps2-an500", "mps2-an500", 64, "host-64"},
-                                      {"host-32", NULL, 32, NULL},
+#define BOARD(name, machine, bits, twin) {name, machine, bits, twin},
+static const device_board boards[] = {DEVICE_BOARDS(BOARD){"host-32", NULL, 32, NULL},
                                       {"host-64", NULL, 64, NULL}};
 
 const device_board *device_find(const char *name)

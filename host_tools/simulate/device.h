@@ -19,6 +19,16 @@ typedef struct device_board {
                          this board on this computer */
 } device_board;
 
+/*
+ * Table of the boards that QEMU emulates. A row holds the name of the board, QEMU's name of it, the
+ * bits of a floating-point number of its firmware, and its twin; the targets of firmware.mk have
+ * the same names.
+ */
+#define DEVICE_BOARDS(ROW)                                                                         \
+    ROW("netduinoplus2", "netduinoplus2", 32, "host-32")                                           \
+    ROW("mps2-an386", "mps2-an386", 32, "host-32")                                                 \
+    ROW("mps2-an500", "mps2-an500", 64, "host-64")
+
 /* Board with a given name, or NULL where there is none. The name may be NULL. */
 const device_board *device_find(const char *name);
 
