@@ -288,10 +288,10 @@ static int try_choice(trial *trial, int choice, damper_options *options, certifi
     loop->delay = trial->analysis->design.simulate.delay;
     if (!loop->is_stable)
         return 0;
-    return count_ages(trial, 1, 1, &loop->older, error) < 0 ||
-                   count_ages(trial, -1, loop->delay < 1 ? 0 : 1, &loop->newer, error) < 0
-               ? -1
-               : 0;
+    const int newest = loop->delay < 1 ? 0 : 1;
+    const bool is_counted = count_ages(trial, 1, 1, &loop->older, error) == 0 &&
+                            count_ages(trial, -1, newest, &loop->newer, error) == 0;
+    return is_counted ? 0 : -1;
 }
 
 /*

@@ -49,10 +49,10 @@ static void fail_electrodes(loop *loop, const scene_event *event, int tick)
 {
     for (int i = 0; i < event->amplifiers; i++) {
         electrode *electrode = &loop->electrode[event->amplifier[i]];
-        electrode->fault_voltage = event->type == EVENT_DEAD ? 0
-                                   : electrode->fault == ELECTRODE_GOOD
-                                       ? loop->output[event->amplifier[i]]
-                                       : electrode->fault_voltage;
+        if (event->type == EVENT_DEAD)
+            electrode->fault_voltage = 0;
+        else if (electrode->fault == ELECTRODE_GOOD)
+            electrode->fault_voltage = loop->output[event->amplifier[i]];
         electrode->failed_at = tick;
         electrode->fault = event->type == EVENT_DEAD ? ELECTRODE_DEAD : ELECTRODE_STUCK;
         electrode->announced_at = event->announced_after >= 0 ? tick + event->announced_after : -1;

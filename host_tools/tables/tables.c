@@ -123,15 +123,10 @@ static pzs_structure controlled(const analysis *analysis)
     return structure;
 }
 
-static void write_structure(emitter *emitter, const analysis *analysis, tables_image image)
+/* Write the mesh and the element stiffness matrices of the structure. */
+static void write_mesh(emitter *emitter, const mesh *mesh)
 {
-    const mesh *mesh = &analysis->design.mesh;
-    const int whole = image == TABLES_NONLINEAR || analysis->design.electrodes.count > 0;
-    const pzs_structure structure = whole ? analysis->design.structure : controlled(analysis);
     const size_t packed = SHELL_PACKED(4 * (size_t)mesh->dof_per_node);
-    const uint16_t counts[5] = {structure.nodes, structure.elements, structure.types,
-                                structure.dof_per_node, structure.free_dof};
-    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     write_elements(emitter, mesh);
     emit_shorts(emitter, "element_type", mesh->element_type, (size_t)mesh->elements,
                 "element type of each element");
@@ -142,6 +137,37 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
     emit_reals(emitter, "stiffness", mesh->stiffness, (size_t)mesh->types * packed,
                "stiffness matrix of each element type, packed lower triangle (N/m, N)");
     write_element_types(emitter, mesh);
+}
+
+/* Write the structure itself, after its arrays. */
+static void write_structure_struct(const emitter *emitter, const pzs_structure *structure)
+{
+    const char *prefix = emitter->prefix;
+    emit_begin(emitter, "structure", "structure", structure->scene, structure->crc);
+    fprintf(emitter->file,
+            " %u, %u, %u, %u, %u,\n    %s_element, %s_element_type, %s_node_dof, %s_first_column, "
+            "%s_stiffness, %s_element_types,\n",
+            structure->nodes, structure->elements, structure->types, structure->dof_per_node,
+            structure->free_dof, prefix, prefix, prefix, prefix, prefix, prefix);
+    name_rows(emitter, "input", structure->input.count);
+    name_rows(emitter, "output", structure->output.count);
+    name_rows(emitter, "spring", structure->spring.count);
+    if (structure->spring.count > 0)
+        fprintf(emitter->file, "    %s_spring_stiffness\n", prefix);
+    else
+        fputs("    NULL\n", emitter->file);
+    fputs("};\n\n", emitter->file);
+}
+
+static void write_structure(emitter *emitter, const analysis *analysis, tables_image image)
+{
+    const mesh *mesh = &analysis->design.mesh;
+    const int whole = image == TABLES_NONLINEAR || analysis->design.electrodes.count > 0;
+    const pzs_structure structure = whole ? analysis->design.structure : controlled(analysis);
+    const uint16_t counts[5] = {structure.nodes, structure.elements, structure.types,
+                                structure.dof_per_node, structure.free_dof};
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    write_mesh(emitter, mesh);
     write_rows(emitter, "input", &structure.input, structure.input.count,
                whole ? "nodal forces per unit of each amplifier, load and extra input"
                      : "nodal forces per volt of each amplifier");
@@ -158,21 +184,7 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
             "#define %s_MODEL_BYTES PZS_MODEL_BYTES(%d, PZS_BY_TILE(%zu, %zu, %zu))\n",
             emitter->upper, mesh->free_dof, emitter->upper, mesh->free_dof, padded_entries(mesh, 4),
             padded_entries(mesh, 8), padded_entries(mesh, 16));
-    emit_begin(emitter, "structure", "structure", structure.scene, structure.crc);
-    fprintf(emitter->file,
-            " %u, %u, %u, %u, %u,\n    %s_element, %s_element_type, %s_node_dof, %s_first_column, "
-            "%s_stiffness, %s_element_types,\n",
-            structure.nodes, structure.elements, structure.types, structure.dof_per_node,
-            structure.free_dof, emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
-            emitter->prefix, emitter->prefix);
-    name_rows(emitter, "input", structure.input.count);
-    name_rows(emitter, "output", structure.output.count);
-    name_rows(emitter, "spring", structure.spring.count);
-    if (structure.spring.count > 0)
-        fprintf(emitter->file, "    %s_spring_stiffness\n", emitter->prefix);
-    else
-        fputs("    NULL\n", emitter->file);
-    fputs("};\n\n", emitter->file);
+    write_structure_struct(emitter, &structure);
 }
 
 /* ---- electrodes ------------------------------------------------------- */
@@ -240,32 +252,26 @@ static void name_or_null(const emitter *emitter, int is_written, const char *nam
         snprintf(text, 128, "NULL");
 }
 
-static void write_problem(emitter *emitter, const analysis *analysis, tables_image image)
+/* Write the influence matrix and the Hessian of the voltage problem. */
+static void write_influence(emitter *emitter, const design *design)
 {
-    const design *design = &analysis->design;
     const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets;
-    const int influence = image == TABLES_CONTROL;
-    pzs_problem problem = design->problem;
-    if (!influence) {
-        problem.influence = NULL;
-        problem.hessian = NULL;
-    }
-    const uint16_t counts[2] = {problem.inputs, problem.outputs};
-    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    if (influence) {
-        emit_reals(
-            emitter, "influence", problem.influence, targets * amplifiers,
-            design->free_functions > 0
-                ? "influence matrix: displacement of each target node (row) per volt of each "
-                  "amplifier (column), without the free functions of the target"
-                : "influence matrix: displacement of each target node (row) per volt of each "
-                  "amplifier (column)");
-        if (problem.hessian)
-            emit_reals(
-                emitter, "hessian", problem.hessian, amplifiers * amplifiers,
-                "Hessian B'W^2 B of the voltage problem, with influence matrix B and weights W");
-    }
-    emit_reals(emitter, "weight", design->weight, targets,
+    emit_reals(emitter, "influence", design->problem.influence, targets * amplifiers,
+               design->free_functions > 0
+                   ? "influence matrix: displacement of each target node (row) per volt of each "
+                     "amplifier (column), without the free functions of the target"
+                   : "influence matrix: displacement of each target node (row) per volt of each "
+                     "amplifier (column)");
+    if (design->problem.hessian)
+        emit_reals(emitter, "hessian", design->problem.hessian, amplifiers * amplifiers,
+                   "Hessian B'W^2 B of the voltage problem, with influence matrix B and weights W");
+}
+
+/* Write the weights, limits and reference voltages of the voltage problem. */
+static void write_limits(emitter *emitter, const design *design)
+{
+    const size_t amplifiers = (size_t)design->amplifiers;
+    emit_reals(emitter, "weight", design->weight, (size_t)design->targets,
                "weight of each target node in the error of the shape");
     emit_limits(emitter, "lower", design->lower, amplifiers, 0,
                 "lowest voltage of each amplifier (V)");
@@ -275,26 +281,47 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
                 "step limit: largest change of each amplifier's voltage in one tick (V)");
     emit_reals(emitter, "reference_voltage", design->reference_voltage, amplifiers,
                "voltage to which the regularisation draws each amplifier (V)");
-    emitter->crc32 = emit_crc_reals(emitter->crc32, &problem.regularisation, 1);
-    emitter->crc32 = pzs_guard_crc(emitter->crc32, &problem.work_limit, sizeof problem.work_limit);
+}
+
+/* Write the structure of the voltage problem, after its arrays. */
+static void write_problem_struct(const emitter *emitter, const pzs_problem *problem)
+{
     char influence_name[128], hessian_name[128];
-    name_or_null(emitter, influence, "influence", influence_name);
-    name_or_null(emitter, problem.hessian != NULL, "hessian", hessian_name);
+    name_or_null(emitter, problem->influence != NULL, "influence", influence_name);
+    name_or_null(emitter, problem->hessian != NULL, "hessian", hessian_name);
     emit_comment(emitter, "voltage problem; its last member limits the optimiser's work in a tick "
                           "(multiply-adds; 0: default)");
-    emit_begin(emitter, "problem", "problem", problem.scene, pzs_problem_crc(&problem));
+    emit_begin(emitter, "problem", "problem", problem->scene, pzs_problem_crc(problem));
     fprintf(emitter->file,
-            " %zu, %zu,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, "
+            " %u, %u,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, "
             "%s_reference_voltage, PZS_R(%.17g),\n"
             "    %lluu,\n};\n\n",
-            amplifiers, targets, influence_name, hessian_name, emitter->prefix, emitter->prefix,
-            emitter->prefix, emitter->prefix, emitter->prefix, problem.regularisation,
-            (unsigned long long)problem.work_limit);
+            problem->inputs, problem->outputs, influence_name, hessian_name, emitter->prefix,
+            emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
+            problem->regularisation, (unsigned long long)problem->work_limit);
+}
+
+static void write_problem(emitter *emitter, const analysis *analysis, tables_image image)
+{
+    const design *design = &analysis->design;
+    pzs_problem problem = design->problem;
+    const uint16_t counts[2] = {problem.inputs, problem.outputs};
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    if (image == TABLES_CONTROL) {
+        write_influence(emitter, design);
+    } else {
+        problem.influence = NULL;
+        problem.hessian = NULL;
+    }
+    write_limits(emitter, design);
+    emitter->crc32 = emit_crc_reals(emitter->crc32, &problem.regularisation, 1);
+    emitter->crc32 = pzs_guard_crc(emitter->crc32, &problem.work_limit, sizeof problem.work_limit);
+    write_problem_struct(emitter, &problem);
     if (image == TABLES_NONLINEAR)
-        emit_reals(emitter, "target", design->target, targets,
+        emit_reals(emitter, "target", design->target, (size_t)design->targets,
                    "target displacement of each target node, the effect of the loads included");
     else
-        emit_reals(emitter, "target", design->wanted, targets,
+        emit_reals(emitter, "target", design->wanted, (size_t)design->targets,
                    "displacement of each target node that the voltages must cause");
 }
 
