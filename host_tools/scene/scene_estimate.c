@@ -7,27 +7,25 @@
 static int read_output_of(reader *reader, int node, void *to, const void *rule)
 {
     const scene *scene = reader->s;
-    char name[SCENE_NAME];
-    int i;
-    if (read_name(reader, node, name, rule) != 0)
+    int *index = to;
+    (void)rule;
+    if (read_index(reader, node, scene->output, scene->outputs, sizeof *scene->output,
+                   "there is no output '%s'; add it to outputs", index) != 0)
         return -1;
-    i = find_named(scene->output, scene->outputs, sizeof *scene->output, name);
-    if (i < 0)
-        return tree_fault(reader->t, node, "there is no output '%s'; add it to outputs", name);
-    if (scene->output[i].recovered == RECOVERED_STRESS)
+    const scene_output *output = &scene->output[*index];
+    if (output->recovered == RECOVERED_STRESS)
         return tree_fault(reader->t, node,
-                          "'%s' is a stress, which no sensor measures; use a strain", name);
-    if (scene->output[i].recovered == RECOVERED_STRAIN && scene->kinematics != KINEMATICS_LINEAR)
+                          "'%s' is a stress, which no sensor measures; use a strain", output->name);
+    if (output->recovered == RECOVERED_STRAIN && scene->kinematics != KINEMATICS_LINEAR)
         return tree_fault(reader->t, node,
                           "'%s' is a strain, which is linear in the displacement only with "
                           "kinematics: linear; remove this reading",
-                          name);
-    if (scene->output[i].contact != CONTACT_NONE)
-        return tree_fault(
-            reader->t, node,
-            "'%s' is of a contact; an estimate reads displacements, voltages and charges", name);
-    *(int *)to = i;
-    return 0;
+                          output->name);
+    if (output->contact == CONTACT_NONE)
+        return 0;
+    return tree_fault(reader->t, node,
+                      "'%s' is of a contact; an estimate reads displacements, voltages and charges",
+                      output->name);
 }
 
 static const range noisy = {0, HUGE_VAL, 1, "must be above 0; no sensor is exact"};
@@ -39,10 +37,16 @@ static const field reading_fields[] = {
      .help = "Standard deviation of the noise, in the unit of the output."},
     {.key = NULL}};
 
+static int read_reading(reader *reader, int node, void *item)
+{
+    scene_reading *reading = item;
+    reading->at = node_at(reader, node);
+    return read_map(reader, node, reading_fields, reading);
+}
+
 static int read_readings(reader *reader, int node, void *to, const void *rule)
 {
     scene_estimate *estimate = to;
-    int i, k = 0;
     (void)rule;
     estimate->reading =
         new_items(reader, node, TREE_LIST, sizeof *estimate->reading, &estimate->readings);
@@ -51,12 +55,8 @@ static int read_readings(reader *reader, int node, void *to, const void *rule)
     if (estimate->readings == 0)
         return tree_fault(reader->t, node,
                           "'readings' is empty; write [{output: name, noise: 1e-6}]");
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
-        estimate->reading[k].at = node_at(reader, i);
-        if (read_map(reader, i, reading_fields, &estimate->reading[k]) != 0)
-            return -1;
-    }
-    return 0;
+    return read_items(reader, node, estimate->reading, sizeof *estimate->reading, read_reading,
+                      NULL);
 }
 
 static const range part = {

@@ -397,6 +397,30 @@ void *new_items(reader *reader, int node, tree_kind kind, size_t size, int *coun
     return items;
 }
 
+int read_items(reader *reader, int node, void *items, size_t size, item_read *read, int *begun)
+{
+    char *item = items;
+    int unused = 0, *number = begun ? begun : &unused;
+    if (!items)
+        return -1;
+    for (int i = reader->t->node[node].first; i; i = reader->t->node[i].next, item += size) {
+        ++*number;
+        if (read(reader, i, item) != 0)
+            return -1;
+    }
+    return 0;
+}
+
+int read_index(reader *reader, int node, const void *items, int count, size_t size,
+               const char *missing, int *index)
+{
+    char name[SCENE_NAME];
+    if (read_name(reader, node, name, NULL) != 0)
+        return -1;
+    *index = find_named(items, count, size, name);
+    return *index < 0 ? tree_fault(reader->t, node, missing, name) : 0;
+}
+
 /* ---- forms ------------------------------------------------------------ */
 
 const form number_form = {.type = FORM_NUMBER};

@@ -167,6 +167,28 @@ int require_kind(reader *reader, int node, tree_kind kind);
  */
 void *new_items(reader *reader, int node, tree_kind kind, size_t size, int *count);
 
+/*
+ * Function that reads a YAML node into one zeroed item of a list. Returns 0, or -1 after writing
+ * the error message of the YAML tree.
+ */
+typedef int item_read(reader *reader, int node, void *item);
+
+/*
+ * Read the children of a YAML list or mapping, in order, into items from new_items.
+ *   items  in   items of `size` bytes; NULL where new_items has failed
+ *   begun  out  number of items that are read or being read; may be NULL
+ * Returns 0, or -1 where an item cannot be read or there are no items.
+ */
+int read_items(reader *reader, int node, void *items, size_t size, item_read *read, int *begun);
+
+/*
+ * Read the name of an item of the scene, and find its index in the array of these items.
+ *   missing  in  format of the error message where no item has the name; %s is the name
+ * Returns 0, or -1 after writing the error message of the YAML tree.
+ */
+int read_index(reader *reader, int node, const void *items, int count, size_t size,
+               const char *missing, int *index);
+
 int check_name(reader *reader, const char *name, scene_at at, char *to);
 
 #endif

@@ -168,21 +168,21 @@ static const form support_form = {
     .type = FORM_MAP, .fields = support_fields, .cases = support_cases};
 const form supports_form = {.type = FORM_LIST, .item = &support_form};
 
+static int read_support(reader *reader, int node, void *item)
+{
+    scene_support *support = item;
+    support->at = node_at(reader, node);
+    return read_map(reader, node, support_fields, support) != 0
+               ? -1
+               : require_place(reader, node, &support->where);
+}
+
 int read_supports(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    int i, k = 0;
     (void)rule;
     scene->support = new_items(reader, node, TREE_LIST, sizeof *scene->support, &scene->supports);
-    if (!scene->support)
-        return -1;
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
-        scene->support[k].at = node_at(reader, i);
-        if (read_map(reader, i, support_fields, &scene->support[k]) != 0 ||
-            require_place(reader, i, &scene->support[k].where) != 0)
-            return -1;
-    }
-    return 0;
+    return read_items(reader, node, scene->support, sizeof *scene->support, read_support, NULL);
 }
 
 /* ---- loads ---- */
@@ -501,8 +501,9 @@ static const form_case load_cases[] = {
 static const form load_form = {.type = FORM_MAP, .fields = load_fields, .cases = load_cases};
 const form loads_form = {.type = FORM_LIST, .item = &load_form};
 
-static int read_load(reader *reader, int node, scene_load *load)
+static int read_load(reader *reader, int node, void *item)
 {
+    scene_load *load = item;
     load_text text = {0};
     text.load = load;
     load->at = node_at(reader, node);
@@ -523,15 +524,9 @@ static int read_load(reader *reader, int node, scene_load *load)
 int read_loads(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    int i, k = 0;
     (void)rule;
     scene->load = new_items(reader, node, TREE_LIST, sizeof *scene->load, &scene->loads);
-    if (!scene->load)
-        return -1;
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
-        if (read_load(reader, i, &scene->load[k++]) != 0)
-            return -1;
-    return 0;
+    return read_items(reader, node, scene->load, sizeof *scene->load, read_load, NULL);
 }
 
 /* ---- contact ---- */

@@ -466,8 +466,9 @@ static const form material_form = {
     .type = FORM_MAP, .fields = material_fields, .cases = material_cases};
 const form materials_form = {.type = FORM_NAMED, .item = &material_form, .least = 1};
 
-static int read_material(reader *reader, int node, scene_material *to)
+static int read_material(reader *reader, int node, void *item)
 {
+    scene_material *to = item;
     material_text text;
     scene_material *material = &text.material;
     memset(&text, 0, sizeof text);
@@ -488,7 +489,6 @@ static int read_material(reader *reader, int node, scene_material *to)
 int read_materials(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    int i, k = 0;
     (void)rule;
     scene->material = new_items(reader, node, TREE_MAP, sizeof *scene->material, &scene->materials);
     if (!scene->material)
@@ -496,10 +496,7 @@ int read_materials(reader *reader, int node, void *to, const void *rule)
     if (scene->materials == 0)
         return tree_fault(reader->t, node,
                           "no materials; add one, as {steel: {E: 210e9, nu: 0.3}}");
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
-        if (read_material(reader, i, &scene->material[k++]) != 0)
-            return -1;
-    return 0;
+    return read_items(reader, node, scene->material, sizeof *scene->material, read_material, NULL);
 }
 
 /* ---- layers ---- */
@@ -543,8 +540,9 @@ static const field layer_fields[] = {
 static const form layer_form = {.type = FORM_MAP, .fields = layer_fields};
 const form layers_form = {.type = FORM_LIST, .item = &layer_form, .least = 1};
 
-static int read_layer(reader *reader, int node, scene_layer *layer)
+static int read_layer(reader *reader, int node, void *item)
 {
+    scene_layer *layer = item;
     layer->at = node_at(reader, node);
     if (read_map(reader, node, layer_fields, layer) != 0)
         return -1;
@@ -562,7 +560,6 @@ static int read_layer(reader *reader, int node, scene_layer *layer)
 int read_layers(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    int i, k = 0;
     (void)rule;
     scene->at_layers = node_at(reader, node);
     scene->layer = new_items(reader, node, TREE_LIST, sizeof *scene->layer, &scene->layers);
@@ -571,10 +568,7 @@ int read_layers(reader *reader, int node, void *to, const void *rule)
     if (scene->layers == 0)
         return tree_fault(reader->t, node,
                           "no layers; add one, as [{material: steel, thickness: 1e-3}]");
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
-        if (read_layer(reader, i, &scene->layer[k++]) != 0)
-            return -1;
-    return 0;
+    return read_items(reader, node, scene->layer, sizeof *scene->layer, read_layer, NULL);
 }
 
 static const choice middle[] = {{"middle", 1}, {NULL, 0}};
@@ -597,16 +591,9 @@ int read_reference(reader *reader, int node, void *to, const void *rule)
 static int read_layer_of(reader *reader, int node, void *to, const void *rule)
 {
     const scene *scene = reader->s;
-    char name[SCENE_NAME];
-    int i;
-    if (read_name(reader, node, name, rule) != 0)
-        return -1;
-    i = find_named(scene->layer, scene->layers, sizeof *scene->layer, name);
-    if (i < 0)
-        return tree_fault(reader->t, node,
-                          "there is no layer named '%s'; give one of the layers this name", name);
-    *(int *)to = i;
-    return 0;
+    (void)rule;
+    return read_index(reader, node, scene->layer, scene->layers, sizeof *scene->layer,
+                      "there is no layer named '%s'; give one of the layers this name", to);
 }
 
 static int read_grid(reader *reader, int node, void *to, const void *rule)
@@ -696,8 +683,9 @@ static int read_set_patch(reader *reader, int node, scene_patches *patches)
     return read_map(reader, node, patch_fields, patches);
 }
 
-static int read_patch(reader *reader, int node, scene_patches *patches)
+static int read_patch(reader *reader, int node, void *item)
 {
+    scene_patches *patches = item;
     const scene_line *line = reader->s->line;
     patches->at = node_at(reader, node);
     patches->grid[0] = patches->grid[1] = 1;
@@ -729,7 +717,6 @@ static int read_patch(reader *reader, int node, scene_patches *patches)
 int read_patches(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    int i, k = 0;
     (void)rule;
     scene->patches =
         new_items(reader, node, TREE_LIST, sizeof *scene->patches, &scene->patch_grids);
@@ -738,8 +725,5 @@ int read_patches(reader *reader, int node, void *to, const void *rule)
     if (scene->patch_grids > 1000)
         return tree_fault(reader->t, node, "%d items; join them into grids, at most 1000",
                           scene->patch_grids);
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
-        if (read_patch(reader, i, &scene->patches[k++]) != 0)
-            return -1;
-    return 0;
+    return read_items(reader, node, scene->patches, sizeof *scene->patches, read_patch, NULL);
 }

@@ -179,21 +179,20 @@ static int check_ends(reader *reader, int node, const scene_spring *spring)
     return 0;
 }
 
+static int read_spring(reader *reader, int node, void *item)
+{
+    scene_spring *spring = item;
+    spring->at = node_at(reader, node);
+    return read_map(reader, node, spring_fields, spring) != 0 ? -1
+                                                              : check_ends(reader, node, spring);
+}
+
 int read_springs(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    int k = 0;
     (void)rule;
     scene->spring = new_items(reader, node, TREE_LIST, sizeof *scene->spring, &scene->springs);
-    if (!scene->spring)
-        return -1;
-    for (int i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
-        scene->spring[k].at = node_at(reader, i);
-        if (read_map(reader, i, spring_fields, &scene->spring[k]) != 0 ||
-            check_ends(reader, i, &scene->spring[k]) != 0)
-            return -1;
-    }
-    return 0;
+    return read_items(reader, node, scene->spring, sizeof *scene->spring, read_spring, NULL);
 }
 
 /* ---- stacks ------------------------------------------------------------- */

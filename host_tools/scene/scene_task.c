@@ -47,16 +47,9 @@ int read_equilibrium(reader *reader, int node, void *to, const void *rule)
 static int read_patches_of(reader *reader, int node, void *to, const void *rule)
 {
     const scene *scene = reader->s;
-    char name[SCENE_NAME];
-    int i;
-    if (read_name(reader, node, name, rule) != 0)
-        return -1;
-    i = find_named(scene->patches, scene->patch_grids, sizeof *scene->patches, name);
-    if (i < 0)
-        return tree_fault(reader->t, node, "there are no patches named '%s'; add them to patches",
-                          name);
-    *(int *)to = i;
-    return 0;
+    (void)rule;
+    return read_index(reader, node, scene->patches, scene->patch_grids, sizeof *scene->patches,
+                      "there are no patches named '%s'; add them to patches", to);
 }
 
 static const char *driven_by(const scene_actuator *actuator, int actuators, int patches)
@@ -195,8 +188,9 @@ static const form actuator_form = {
     .type = FORM_MAP, .fields = actuator_fields, .cases = actuator_cases};
 const form actuators_form = {.type = FORM_LIST, .item = &actuator_form};
 
-static int read_actuator(reader *reader, int node, scene_actuator *actuator)
+static int read_actuator(reader *reader, int node, void *item)
 {
+    scene_actuator *actuator = item;
     actuator->at = node_at(reader, node);
     actuator->grid[0] = actuator->grid[1] = 1;
     if (read_map(reader, node, actuator_fields, actuator) != 0)
@@ -214,17 +208,11 @@ static int read_actuator(reader *reader, int node, scene_actuator *actuator)
 int read_actuators(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    int i, count;
+    int count;
     (void)rule;
     scene->actuator = new_items(reader, node, TREE_LIST, sizeof *scene->actuator, &count);
-    if (!scene->actuator)
-        return -1;
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
-        scene->actuators++;
-        if (read_actuator(reader, i, &scene->actuator[scene->actuators - 1]) != 0)
-            return -1;
-    }
-    return 0;
+    return read_items(reader, node, scene->actuator, sizeof *scene->actuator, read_actuator,
+                      &scene->actuators);
 }
 
 /* ---- sensors ---- */
@@ -247,8 +235,9 @@ static const field sensor_fields[] = {
 static const form sensor_form = {.type = FORM_MAP, .fields = sensor_fields};
 const form sensors_form = {.type = FORM_LIST, .item = &sensor_form};
 
-static int read_sensor(reader *reader, int node, scene_actuator *actuator)
+static int read_sensor(reader *reader, int node, void *item)
 {
+    scene_actuator *actuator = item;
     actuator->at = node_at(reader, node);
     actuator->open = true;
     if (read_map(reader, node, sensor_fields, actuator) != 0)
@@ -261,17 +250,11 @@ static int read_sensor(reader *reader, int node, scene_actuator *actuator)
 int read_sensors(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    int i, count;
+    int count;
     (void)rule;
     scene->sensor = new_items(reader, node, TREE_LIST, sizeof *scene->sensor, &count);
-    if (!scene->sensor)
-        return -1;
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
-        scene->sensors++;
-        if (read_sensor(reader, i, &scene->sensor[scene->sensors - 1]) != 0)
-            return -1;
-    }
-    return 0;
+    return read_items(reader, node, scene->sensor, sizeof *scene->sensor, read_sensor,
+                      &scene->sensors);
 }
 
 /* ---- limits ---- */
@@ -338,8 +321,9 @@ static const form_case each_cases[] = {{"actuator voltage|hold", NULL}, {NULL, N
 static const form each_item_form = {.type = FORM_MAP, .fields = each_fields, .cases = each_cases};
 static const form each_form = {.type = FORM_LIST, .item = &each_item_form};
 
-static int read_each_item(reader *reader, int node, scene_limit *limit)
+static int read_each_item(reader *reader, int node, void *item)
 {
+    scene_limit *limit = item;
     each_text text;
     memset(&text, 0, sizeof text);
     if (read_map(reader, node, each_fields, &text) != 0)
@@ -361,15 +345,9 @@ static int read_each_item(reader *reader, int node, scene_limit *limit)
 static int read_each(reader *reader, int node, void *to, const void *rule)
 {
     scene_limits *limits = to;
-    int i, k = 0;
     (void)rule;
     limits->each = new_items(reader, node, TREE_LIST, sizeof *limits->each, &limits->each_count);
-    if (!limits->each)
-        return -1;
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
-        if (read_each_item(reader, i, &limits->each[k++]) != 0)
-            return -1;
-    return 0;
+    return read_items(reader, node, limits->each, sizeof *limits->each, read_each_item, NULL);
 }
 
 /*
@@ -644,8 +622,9 @@ static const form_case output_cases[] = {
 static const form output_form = {.type = FORM_MAP, .fields = output_fields, .cases = output_cases};
 const form outputs_form = {.type = FORM_LIST, .item = &output_form};
 
-static int read_output(reader *reader, int node, scene_output *to)
+static int read_output(reader *reader, int node, void *item)
 {
+    scene_output *to = item;
     output_text text;
     memset(&text, 0, sizeof text);
     text.output.reference = text.output.angle = (double)NAN;
@@ -661,15 +640,9 @@ static int read_output(reader *reader, int node, scene_output *to)
 int read_outputs(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    int i, k = 0;
     (void)rule;
     scene->output = new_items(reader, node, TREE_LIST, sizeof *scene->output, &scene->outputs);
-    if (!scene->output)
-        return -1;
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
-        if (read_output(reader, i, &scene->output[k++]) != 0)
-            return -1;
-    return 0;
+    return read_items(reader, node, scene->output, sizeof *scene->output, read_output, NULL);
 }
 
 static const field mode_fields[] = {
@@ -682,29 +655,29 @@ static const field mode_fields[] = {
 static const form mode_form = {.type = FORM_MAP, .fields = mode_fields};
 static const form modes_form = {.type = FORM_LIST, .item = &mode_form};
 
+static int read_mode(reader *reader, int node, void *item)
+{
+    scene_mode *mode = item;
+    mode->at = node_at(reader, node);
+    return read_map(reader, node, mode_fields, mode);
+}
+
 static int read_modes(reader *reader, int node, void *to, const void *rule)
 {
     scene_target *target = &reader->s->target;
-    int i, k = 0;
     (void)to;
     (void)rule;
     target->mode = new_items(reader, node, TREE_LIST, sizeof *target->mode, &target->modes);
-    if (!target->mode)
-        return -1;
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
-        target->mode[k].at = node_at(reader, i);
-        if (read_map(reader, i, mode_fields, &target->mode[k]) != 0)
-            return -1;
-    }
-    return 0;
+    return read_items(reader, node, target->mode, sizeof *target->mode, read_mode, NULL);
 }
 
 /*
  * Read a function whose best fit is removed from the target: a word for a common function, or a
  * formula.
  */
-static int read_free_item(reader *reader, int node, scene_mode *to)
+static int read_free_item(reader *reader, int node, void *item)
 {
+    scene_mode *to = item;
     static const char *const word[3][2] = {{"piston", "1"}, {"tip", "x"}, {"tilt", "y"}};
     const char *why;
     int i, column;
@@ -726,7 +699,7 @@ static int read_free_item(reader *reader, int node, scene_mode *to)
 static int read_free(reader *reader, int node, void *to, const void *rule)
 {
     scene_target *target = &reader->s->target;
-    int i, count;
+    int count;
     (void)to;
     (void)rule;
     target->free = new_items(reader, node, TREE_LIST, sizeof *target->free, &count);
@@ -735,10 +708,8 @@ static int read_free(reader *reader, int node, void *to, const void *rule)
     if (count > SCENE_FREE)
         return tree_fault(reader->t, node, "%d free functions; at most %d are read", count,
                           SCENE_FREE);
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next)
-        if (read_free_item(reader, i, &target->free[target->frees++]) != 0)
-            return -1;
-    return 0;
+    return read_items(reader, node, target->free, sizeof *target->free, read_free_item,
+                      &target->frees);
 }
 
 static const choice target_weights[] = {{"equal", 0}, {"area", 1}, {NULL, 0}};
@@ -859,18 +830,17 @@ static const field compare_fields[] = {
 static const form compare_item_form = {.type = FORM_MAP, .fields = compare_fields};
 const form compare_form = {.type = FORM_LIST, .item = &compare_item_form};
 
+static int read_comparison(reader *reader, int node, void *item)
+{
+    scene_compare *compare = item;
+    compare->at = node_at(reader, node);
+    return read_map(reader, node, compare_fields, compare);
+}
+
 int read_compare(reader *reader, int node, void *to, const void *rule)
 {
     scene *scene = to;
-    int i, k = 0;
     (void)rule;
     scene->compare = new_items(reader, node, TREE_LIST, sizeof *scene->compare, &scene->compares);
-    if (!scene->compare)
-        return -1;
-    for (i = reader->t->node[node].first; i; i = reader->t->node[i].next, k++) {
-        scene->compare[k].at = node_at(reader, i);
-        if (read_map(reader, i, compare_fields, &scene->compare[k]) != 0)
-            return -1;
-    }
-    return 0;
+    return read_items(reader, node, scene->compare, sizeof *scene->compare, read_comparison, NULL);
 }
