@@ -314,17 +314,23 @@ void calibration_free(calibration *result)
     memset(result, 0, sizeof *result);
 }
 
+double calibration_predict(const pokes *pokes, const double *influence, size_t poke, size_t output)
+{
+    const double *voltage = pokes->voltage + poke * pokes->actuators;
+    const double *row = influence + output * pokes->actuators;
+    double sum = 0;
+    for (size_t k = 0; k < pokes->actuators; k++)
+        sum += voltage[k] * row[k];
+    return sum;
+}
+
 double calibration_size(const pokes *pokes, const double *model)
 {
     double measured = 0, predicted = 0;
     for (size_t poke = 0; poke < pokes->count; poke++)
         for (size_t i = 0; i < pokes->outputs; i++) {
-            double sum = 0;
-            for (size_t k = 0; k < pokes->actuators; k++)
-                sum +=
-                    pokes->voltage[poke * pokes->actuators + k] * model[i * pokes->actuators + k];
             measured += pow(pokes->shape[poke * pokes->outputs + i], 2);
-            predicted += sum * sum;
+            predicted += pow(calibration_predict(pokes, model, poke, i), 2);
         }
     return sqrt(measured / predicted);
 }

@@ -51,6 +51,12 @@ int calibrate(calibration *result, const pokes *pokes, const double *model, char
 void calibration_free(calibration *result);
 
 /*
+ * Displacement of one output that an influence matrix predicts for the voltages of one poke.
+ *   influence [outputs][actuators] in
+ */
+double calibration_predict(const pokes *pokes, const double *influence, size_t poke, size_t output);
+
+/*
  * Root mean square of the measured shapes relative to that of the shapes that a model predicts.
  *   model [outputs][actuators] in  influence matrix of the model
  * Returns infinity where the model predicts zeros.

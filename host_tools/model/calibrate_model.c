@@ -91,13 +91,8 @@ static int model_influence(const calibration_model *model, const scene *nominal,
 static void predict(const pokes *pokes, const double *influence, double *shape)
 {
     for (size_t poke = 0; poke < pokes->count; poke++)
-        for (size_t i = 0; i < pokes->outputs; i++) {
-            double sum = 0;
-            for (size_t k = 0; k < pokes->actuators; k++)
-                sum += pokes->voltage[poke * pokes->actuators + k] *
-                       influence[i * pokes->actuators + k];
-            shape[poke * pokes->outputs + i] = sum;
-        }
+        for (size_t i = 0; i < pokes->outputs; i++)
+            shape[poke * pokes->outputs + i] = calibration_predict(pokes, influence, poke, i);
 }
 
 /* ---- Gauss-Newton ----------------------------------------------------- */

@@ -131,18 +131,6 @@ static bool factor_hessian(gains *gains)
 }
 
 /*
- * Whether every reading of the scene's `estimate` section is a displacement, so that its values are
- * output rows of the structure.
- */
-static bool reads_displacements(const design *design)
-{
-    for (int i = 0; i < design->estimate.readings; i++)
-        if (design->output[design->estimate.reading[i].output].electric != ELECTRIC_NONE)
-            return false;
-    return true;
-}
-
-/*
  * Shape that the estimator computes from the noise-free readings in a mode shape.
  *   mode_shape [free_dof] in
  * The result is stored in gains->shape [targets].
@@ -212,7 +200,7 @@ static bool fill_gains(gains *gains)
                 vibration_static(gains->vibration, &gains->analysis->design,
                                  gains->vibration->rigid + (int)i, (int)gains->amplifier[j]);
     const int wanted = design->estimate.given && design->simulate.sight != SIGHT_MEASURED;
-    const int estimates = wanted && reads_displacements(design) &&
+    const int estimates = wanted && design_reads_displacements(design) &&
                           estimator_open(&estimator, gains->analysis, ignored) == 0;
     gains->assumes_measured = wanted && !estimates;
     for (size_t mode = 0; mode < gains->modes; mode++)

@@ -389,15 +389,6 @@ static int build(builder *builder, char *error)
     return 0;
 }
 
-/* Whether every reading of the scene's `estimate` section is a displacement. */
-static bool reads_displacements(const design *design)
-{
-    for (int i = 0; i < design->estimate.readings; i++)
-        if (design->output[design->estimate.reading[i].output].electric != ELECTRIC_NONE)
-            return false;
-    return true;
-}
-
 /*
  * Whether the tables can be made for a loop that needs a control tick that damps vibration; if not,
  * the member `reason` is filled.
@@ -405,7 +396,7 @@ static bool reads_displacements(const design *design)
 static bool is_possible(damper *damper, const analysis *analysis, const estimator *estimator)
 {
     const design *design = &analysis->design;
-    if (estimator && !reads_displacements(design))
+    if (estimator && !design_reads_displacements(design))
         snprintf(damper->reason, sizeof damper->reason,
                  "a reading of the estimate is electric, which the damper does not observe");
     else if (design->simulate.delay > PZS_DELAY_LIMIT)

@@ -529,6 +529,14 @@ int design_structure(design *design, char *error)
 
 /* ---- shapes ----------------------------------------------------------- */
 
+bool design_reads_displacements(const design *design)
+{
+    for (int i = 0; i < design->estimate.readings; i++)
+        if (design->output[design->estimate.reading[i].output].electric != ELECTRIC_NONE)
+            return false;
+    return true;
+}
+
 void design_applied(const design *design, double *voltage)
 {
     for (int k = 0; k < design->scene->actuators; k++) {

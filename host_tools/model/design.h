@@ -223,6 +223,12 @@ int design_target_values(const design *design, const expr *wanted, scene_at at, 
 int design_load_values(const mesh *mesh, const scene_load *load, double *value, char *error);
 
 /*
+ * Whether every reading of the scene's `estimate` section is a displacement, so that its values are
+ * output rows of the structure.
+ */
+bool design_reads_displacements(const design *design);
+
+/*
  * Applied voltages of the scene's actuators.
  *   voltage [amplifiers] out  (V)
  */

@@ -275,11 +275,8 @@ static int check_labels(const collection *collection, numbered *entry)
  */
 static int copy_set(const collection *collection, const quad_raw_set *from, quad_set *to)
 {
-    to->name = malloc(strlen(from->name) + 1);
-    to->index = calloc(from->count + 1, sizeof *to->index);
-    if (!to->name || !to->index)
+    if (!quad_set_begin(to, from->name, from->count))
         return refuse_memory(collection);
-    strcpy(to->name, from->name);
     for (size_t i = 0; i < from->count; i++) {
         uint32_t index;
         if (from->corners == 0) {

@@ -184,11 +184,8 @@ static const quad_side *find_side(const quad_side *list, size_t count, uint32_t 
 static int fill_edge_set(const quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw,
                          const quad_raw_set *from, const quad_side *list, quad_set *to)
 {
-    to->name = malloc(strlen(from->name) + 1);
-    to->index = calloc(from->count + 1, sizeof *to->index);
-    if (!to->name || !to->index)
+    if (!quad_set_begin(to, from->name, from->count))
         return refuse_memory(origin);
-    strcpy(to->name, from->name);
     for (size_t i = 0; i < from->count; i++) {
         const quad_raw_cell *cell = &raw->cell[from->item[i]];
         const quad_side *found =

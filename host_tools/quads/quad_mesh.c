@@ -39,6 +39,16 @@ static int ascending(const void *left, const void *right)
     return (*first > *second) - (*first < *second);
 }
 
+bool quad_set_begin(quad_set *set, const char *name, size_t count)
+{
+    set->name = malloc(strlen(name) + 1);
+    set->index = calloc(count + 1, sizeof *set->index);
+    if (!set->name || !set->index)
+        return false;
+    strcpy(set->name, name);
+    return true;
+}
+
 void quad_set_sort(quad_set *set)
 {
     size_t kept = 0;

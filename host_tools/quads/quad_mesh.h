@@ -64,6 +64,9 @@ void quad_mesh_free(quad_mesh *mesh);
 /* Sort the members of a set in ascending order and remove repetitions. */
 void quad_set_sort(quad_set *set);
 
+/* Give an empty set a name and memory for `count` members. Returns whether memory sufficed. */
+bool quad_set_begin(quad_set *set, const char *name, size_t count);
+
 /* Return the set with a given name among `count` sets, or NULL if there is none. */
 const quad_set *quad_set_find(const quad_set *set, size_t count, const char *name);
 

@@ -355,29 +355,39 @@ static int read_node_block(gmsh *gmsh)
 }
 
 /*
- * Read the head of a section $Nodes or $Elements of version 4.1: number of blocks, number of items,
- * lowest and highest number of an item (head [4] out). Returns 0, or -1 after writing the error
- * message of the mesh file.
+ * Function that reads the next block of a section. Returns 0, or -1 after writing the error message
+ * of the mesh file.
  */
-static int read_block_head(gmsh *gmsh, const char *what, int64_t head[4])
+typedef int read_block(gmsh *gmsh);
+
+/*
+ * Read a section of version 4.1 that consists of blocks: number of blocks, number of items, lowest
+ * and highest number of an item, then the blocks.
+ *   what   in  name of the items in messages
+ *   found  in  number of items that have been read, which grows with each block
+ * Returns 0, or -1 after writing the error message of the mesh file.
+ */
+static int read_blocks(gmsh *gmsh, const char *what, read_block *read, const size_t *found)
 {
+    int64_t head[4];
     for (int i = 0; i < 4; i++)
         if (quad_read_size(gmsh->file, "the head of a section", &head[i]) < 0)
             return -1;
-    return quad_check_count(gmsh->file, what, head[1], 8);
+    if (quad_check_count(gmsh->file, what, head[1], 8) < 0)
+        return -1;
+    for (int64_t i = 0; i < head[0]; i++)
+        if (read(gmsh) < 0)
+            return -1;
+    if ((int64_t)*found != head[1])
+        return quad_fault(gmsh->file, "%lld %s are announced, but the blocks hold %zu",
+                          (long long)head[1], what, *found);
+    return 0;
 }
 
 static int read_nodes_4(gmsh *gmsh)
 {
-    int64_t head[4];
-    if (read_block_head(gmsh, "nodes", head) < 0)
+    if (read_blocks(gmsh, "nodes", read_node_block, &gmsh->raw->nodes) < 0)
         return -1;
-    for (int64_t i = 0; i < head[0]; i++)
-        if (read_node_block(gmsh) < 0)
-            return -1;
-    if ((int64_t)gmsh->raw->nodes != head[1])
-        return quad_fault(gmsh->file, "%lld nodes are announced, but the blocks hold %zu",
-                          (long long)head[1], gmsh->raw->nodes);
     return end_section(gmsh, "$EndNodes");
 }
 
@@ -511,15 +521,8 @@ static int read_element_block_4(gmsh *gmsh)
 
 static int read_elements_4(gmsh *gmsh)
 {
-    int64_t head[4];
-    if (read_block_head(gmsh, "elements", head) < 0)
+    if (read_blocks(gmsh, "elements", read_element_block_4, &gmsh->raw->cells) < 0)
         return -1;
-    for (int64_t i = 0; i < head[0]; i++)
-        if (read_element_block_4(gmsh) < 0)
-            return -1;
-    if ((int64_t)gmsh->raw->cells != head[1])
-        return quad_fault(gmsh->file, "%lld elements are announced, but the blocks hold %zu",
-                          (long long)head[1], gmsh->raw->cells);
     return end_section(gmsh, "$EndElements");
 }
 

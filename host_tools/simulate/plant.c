@@ -86,9 +86,8 @@ static bool wants_inertia(plant *plant)
     const design *design = &plant->analysis.design;
     char names[SCENE_ERROR];
     const char *why = NULL;
-    for (int i = 0; i < design->estimate.readings && design->simulate.sight != SIGHT_MEASURED; i++)
-        if (design->output[design->estimate.reading[i].output].electric != ELECTRIC_NONE)
-            why = "a sensor is an electrode";
+    if (design->simulate.sight != SIGHT_MEASURED && !design_reads_displacements(design))
+        why = "a sensor is an electrode";
     if (design->contact.given)
         why = "the plant has a contact";
     if (!plant->analysis.source->has_structure)
