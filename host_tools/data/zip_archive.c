@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Output of a ZIP archive without compression (zip_archive.h). */
+/* Writer of ZIP archives without compression (zip_archive.h). */
 #include "zip_archive.h"
 #include <string.h>
 #include "../../lib/core/guard.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Output of a ZIP archive whose members are stored without compression, each with its CRC-32
+ * Writer of ZIP archives whose members are stored without compression, each with its CRC-32
  * checksum. Equal members give equal archives, because the archive contains no times.
  */
 #ifndef ZIP_ARCHIVE_H
@@ -12,7 +12,10 @@
 
 enum { ZIP_NAME = 96, ZIP_MOST = 256 };
 
-/* What the header of a member and the directory at the end of the archive state. */
+/*
+ * Facts about a member of a ZIP archive, which stand before the member and again in the directory
+ * at the end of the archive.
+ */
 typedef struct zip_member {
     char name[ZIP_NAME]; /* path of the member inside the archive */
     uint32_t crc, bytes, offset;
@@ -25,7 +28,7 @@ typedef struct zip_archive {
     uint64_t offset; /* number of bytes of the archive written so far */
 } zip_archive;
 
-/* A part of the contents of a member. */
+/* A block of memory that is a part of the contents of a member of a ZIP archive. */
 typedef struct zip_part {
     const void *data;
     size_t bytes;
@@ -34,12 +37,15 @@ typedef struct zip_part {
 void zip_begin(zip_archive *archive, FILE *file);
 
 /*
- * Write a member whose contents are the parts, one behind the other. Returns 0, or -1 if the
- * archive would have more than ZIP_MOST members or 4 GB, or the name is too long.
+ * Write a member of a ZIP archive.
+ *   name         in  path of the member inside the archive
+ *   part [parts] in  contents of the member, in this order
+ * Returns 0, or -1 if the archive would exceed ZIP_MOST members or 4 GB, or if the name is too
+ * long.
  */
 int zip_add(zip_archive *archive, const char *name, const zip_part *part, size_t parts);
 
-/* Write the directory at the end of the archive. Returns 0, or -1 if a write has failed. */
+/* Write the directory at the end of a ZIP archive. Returns 0, or -1 if a write has failed. */
 int zip_end(zip_archive *archive);
 
 #endif

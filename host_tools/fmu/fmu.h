@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Functional mock-up units (FMI 2.0 for Co-Simulation) of a scene: its plant as `pzs simulate` runs
- * it, or its controller as `pzs tables` writes it. An FMU is a ZIP archive with the description of
- * its variables, complete C sources and, if wanted, a shared library made from them.
+ * Export of a scene as a functional mock-up unit (FMU) by the standard FMI 2.0 for Co-Simulation:
+ * its plant as `pzs simulate` runs it, or its controller as `pzs tables` writes it. An FMU is a ZIP
+ * archive with the description of its variables, complete C sources and, if wanted, a shared
+ * library made from them.
  */
 #ifndef FMU_H
 #define FMU_H
@@ -14,25 +15,26 @@
 typedef enum fmu_kind { FMU_PLANT, FMU_CONTROLLER } fmu_kind;
 
 /*
- * Write the name of an FMU: a C identifier made from the name of the scene and the kind.
+ * Write the name of an FMU: a C identifier made from the name of the scene and the kind of the
+ * FMU.
  *   name [FMU_IDENTIFIER] out
  */
 enum { FMU_IDENTIFIER = SCENE_NAME + 16 };
 void fmu_identifier(const design *design, fmu_kind kind, char *name);
 
-/* Numbers of an FMU for a message to the user. */
+/* Facts about a written FMU, for a message to the user. */
 typedef struct fmu_summary {
-    int inputs, outputs; /* numbers of input and of output variables */
+    int inputs, outputs; /* number of input variables; number of output variables */
     int left_out;        /* number of events of the scene that the FMU does not contain */
-    double period;       /* tick period (s) */
+    double period;       /* period of a control tick, the length of each step of the FMU (s) */
 } fmu_summary;
 
 /*
  * Write an FMU. An equal scene gives equal bytes, unless a shared library is built.
- *   nominal in   analysis of the scene after analysis_influence; for a controller with everything
- *       that the tables of the control image need
- *   builds  in   true: compile the sources with the C compiler of this computer
- *   summary out  numbers of the FMU
+ *   nominal in   analysis of the scene after analysis_influence; for a controller after the
+ *       preparation of the tables for a firmware with the control image
+ *   builds  in   true: compile the sources of the FMU with the C compiler of this computer
+ *   summary out  facts about the FMU
  * Returns 0, or -1 with error filled.
  */
 int fmu_write(FILE *file, const analysis *nominal, fmu_kind kind, bool builds, fmu_summary *summary,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Functional mock-up units of a scene: the archive (fmu.h). */
+/* Export of a scene as a functional mock-up unit: the ZIP archive (fmu.h). */
 #define _POSIX_C_SOURCE 200809L
 #include "fmu.h"
 #include <stdlib.h>
@@ -21,25 +21,22 @@ void fmu_identifier(const design *design, fmu_kind kind, char *name)
 }
 
 /*
- * Set the mark by which description and library know each other: checksums of all sources and of
- * the generated ones.
+ * Compute the identifier by which modelDescription.xml and the shared library of an FMU recognise
+ * each other (GUID), from a checksum of all source files.
  */
-static void set_guid(fmu *fmu, int first_copied)
+static void set_guid(fmu *fmu)
 {
-    uint32_t crc[2] = {GUARD_CRC_START, GUARD_CRC_START};
-    for (int i = 0; i < fmu->files; i++) {
-        crc[0] = pzs_guard_crc(crc[0], fmu->file[i].text, fmu->file[i].bytes);
-        if (i >= first_copied)
-            crc[1] = pzs_guard_crc(crc[1], fmu->file[i].text, fmu->file[i].bytes);
-    }
-    snprintf(fmu->guid, sizeof fmu->guid, "{pzs-%08x-%08x}", (unsigned)~crc[0], (unsigned)~crc[1]);
+    uint32_t crc = GUARD_CRC_START;
+    for (int i = 0; i < fmu->files; i++)
+        crc = pzs_guard_crc(crc, fmu->file[i].text, fmu->file[i].bytes);
+    snprintf(fmu->guid, sizeof fmu->guid, "{%s-%08x}", fmu->identifier, (unsigned)~crc);
 }
 
 /* ---- archive ---------------------------------------------------------- */
 
 /*
- * Write a generated text as a member of the archive. Returns 0, or -1 where memory runs out or the
- * archive is full.
+ * Write a generated text as a member of the ZIP archive. Returns 0, or -1 where memory runs out or
+ * the archive is full.
  */
 static int add_text(const fmu *fmu, zip_archive *archive, const char *name,
                     void (*write)(const struct fmu *fmu, FILE *file))
@@ -57,7 +54,10 @@ static int add_text(const fmu *fmu, zip_archive *archive, const char *name,
     return failed ? -1 : 0;
 }
 
-/* Add the licence of the sources, where the folder of the sources has one. Returns 0, or -1. */
+/*
+ * Add the licence of the sources to the ZIP archive, if the source folder of the project has one.
+ * Returns 0, or -1.
+ */
 static int add_licence(zip_archive *archive)
 {
     char path[SHIPPED_PATH];
@@ -117,7 +117,7 @@ static void close_fmu(fmu *fmu)
     free(fmu);
 }
 
-/* Put together all variables and sources. Returns 0, or -1 with error filled. */
+/* Collect all variables and source files of an FMU. Returns 0, or -1 with error filled. */
 static int fill(fmu *fmu, fmu_summary *summary, char *error)
 {
     const design *design = fmu->design;
@@ -127,10 +127,9 @@ static int fill(fmu *fmu, fmu_summary *summary, char *error)
     if ((fmu->kind == FMU_PLANT ? fmu_fill_plant(fmu, summary, error)
                                 : fmu_fill_controller(fmu, error)) < 0)
         return -1;
-    const int generated = fmu->files;
     fmu_write_variables(fmu);
     fmu_identifier(fmu->design, fmu->kind, fmu->identifier);
-    set_guid(fmu, generated);
+    set_guid(fmu);
     fmu_write_about(fmu);
     return fmu->is_full ? scene_fault(design->limits.at, error, "out of memory") : 0;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Shared library of an FMU, compiled on this computer (fmu_parts.h). */
+/* Compilation of an FMU to a shared library on this computer (fmu_parts.h). */
 #include "fmu_parts.h"
 #include <string.h>
 #include "../simulate/device.h"
@@ -11,7 +11,7 @@ const char *const fmu_platform = "linux64";
 const char *const fmu_platform = NULL;
 #endif
 
-/* Write the sources into a folder. Returns whether all of them could be written. */
+/* Write the source files of an FMU into a folder. Returns whether all of them could be written. */
 static bool write_sources(const fmu *fmu, const char *folder)
 {
     bool is_good = true;
@@ -27,8 +27,8 @@ static bool write_sources(const fmu *fmu, const char *folder)
 }
 
 /*
- * Run the C compiler, which the environment variable CC names, in the folder of the sources.
- * Returns 0, or -1.
+ * Compile all C files of a folder to a shared library, with the C compiler that the environment
+ * variable CC names. Returns 0, or -1.
  */
 static int compile(const char *folder, const char *library)
 {

@@ -1,25 +1,28 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Controller of a scene as an FMU: variables, tables, sources (fmu_parts.h). */
+/* The controller of a scene as an FMU: variables, tables and source files (fmu_parts.h). */
 #include "fmu_parts.h"
 #include "../tables/loop_blocks.h"
 #include "../tables/tables.h"
 
-static const char *const sources[] = {"include/*.h",
-                                      "lib/core/*.[ch]",
-                                      "lib/control/*.[ch]",
+static const char *const sources[] = {"include/pzs*.h",
+                                      "lib/core/?*.[ch]",
+                                      "lib/control/?*.[ch]",
                                       "host_tools/fmu/component/fmi2.h",
                                       "host_tools/fmu/component/fmi2_functions.c",
                                       "host_tools/fmu/component/fmu_model.h",
                                       "host_tools/fmu/component/controller_model.c",
                                       NULL};
 
-/* Number of loads of the scene whose factors the controller is told. */
+/* Number of loads of the scene whose factors are announced to the controller in advance. */
 static int known_loads(const fmu *fmu)
 {
     return loop_feeds(fmu->design) ? fmu->design->loads : 0;
 }
 
-/* Append status, iterations and, for a supervised loop, command and mode. */
+/*
+ * Append the integer and text variables of a controller: status and iterations, and the command and
+ * mode of a supervisor if the scene has one.
+ */
 static void add_states(fmu *fmu)
 {
     const fmu_variable

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Files of an FMU (fmu_parts.h). */
+/* Source files of an FMU (fmu_parts.h). */
 #define _POSIX_C_SOURCE 200809L
 #include "fmu_parts.h"
 #include <glob.h>
@@ -38,7 +38,9 @@ static const char *file_name(const char *path)
     return slash ? slash + 1 : path;
 }
 
-/* Copy a line of C source; of an #include line with a path only the name of the file remains. */
+/*
+ * Copy a line of C source. In a line with #include, the folders before the file name are removed.
+ */
 static void copy_line(const char *line, FILE *to)
 {
     static const char include[] = "#include \"";

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Plant of a scene as an FMU: variables, tables, sources (fmu_parts.h). */
+/* The plant of a scene as an FMU: variables, tables and source files (fmu_parts.h). */
 #include "fmu_parts.h"
 #include <math.h>
 #include <stdlib.h>
@@ -28,7 +28,10 @@ static const char *const sources[] = {"include/pzs_base.h",
 
 /* ---- checks ----------------------------------------------------------- */
 
-/* Refuse a plant that does not fit into constant matrices. Returns 0, or -1 with error filled. */
+/*
+ * Refuse a plant whose response cannot be written as constant matrices: a nonlinear structure, or
+ * sensors of charge, voltage or contact. Returns 0, or -1 with error filled.
+ */
 static int check_plant(const fmu *fmu, const plant *plant, char *error)
 {
     const design *design = fmu->design;
@@ -47,7 +50,7 @@ static int check_plant(const fmu *fmu, const plant *plant, char *error)
     return imperfections_check(fmu->design, error);
 }
 
-/* Number of events of the scene that a tool cannot repeat by the inputs of the plant. */
+/* Number of events of the scene that a simulator cannot repeat through the inputs of the plant. */
 static int count_left_out(const scene_simulate *simulate)
 {
     int count = simulate->fault_chance > 0;
@@ -62,9 +65,9 @@ static int count_left_out(const scene_simulate *simulate)
 /* ---- variables -------------------------------------------------------- */
 
 /*
- * Value of a load before the first step: that of the events at tick 0, otherwise 1, or 0 for the
- * temperature change.
- *   load in  index of the load; the number of loads: the temperature change
+ * Value of a load factor before the first step: that of the events at tick 0, otherwise 1; or the
+ * temperature change before the first step, otherwise 0 (K).
+ *   load in  index of the load; the number of loads stands for the temperature change
  */
 static double first_load(const fmu *fmu, int load)
 {
@@ -110,14 +113,17 @@ static void add_variables(fmu *fmu, const plant *plant, const double *start)
 
 /* ---- tables ----------------------------------------------------------- */
 
-/* What the tables of a plant consist of: rows of its matrices, and noise. */
+/*
+ * Rows of the matrices of a plant: displacements of the target nodes and, if the scene estimates
+ * the shape from sensors, displacements at these sensors.
+ */
 typedef struct plant_rows {
-    int count, sensors, first_sensor; /* numbers of rows and of sensors, and row of the first sensor
-                                       */
-    int *row;                         /* [count] output row of the structure */
-    double *noise;                    /* [sensors] standard deviation of the noise */
-    double *influence;                /* [count][inputs] */
-    double *shape;                    /* [count][modes] */
+    int count, sensors, first_sensor; /* number of rows; number of sensors; index of the first row
+                                         that belongs to a sensor */
+    int *row;          /* [count] index of each row among the output rows of the structure */
+    double *noise;     /* [sensors] standard deviation of the noise of each sensor */
+    double *influence; /* [count][inputs] static displacement per unit of each input */
+    double *shape;     /* [count][modes] displacement per unit of each modal coordinate */
 } plant_rows;
 
 static void close_rows(plant_rows *rows)
@@ -128,7 +134,7 @@ static void close_rows(plant_rows *rows)
     free(rows->shape);
 }
 
-/* List the rows of the sensors of an estimate, behind those of the target nodes. */
+/* Append the rows of the sensors from which the shape is estimated. */
 static void list_sensors(plant_rows *rows, const plant *plant)
 {
     const scene_estimate *estimate = &plant->analysis.design.estimate;
@@ -142,7 +148,7 @@ static void list_sensors(plant_rows *rows, const plant *plant)
     }
 }
 
-/* Copy the rows of the influence matrix and of the mode shapes. */
+/* Copy the needed rows of the plant's influence matrix and of its mode shapes. */
 static void copy_rows(plant_rows *rows, const plant *plant)
 {
     const design *design = &plant->analysis.design;
@@ -191,7 +197,7 @@ static void write_sizes(const plant *plant, const plant_rows *rows, FILE *file)
             "#define PLANT_TARGETS %d\n#define PLANT_ROWS %d\n#define PLANT_FIRST_SENSOR %d\n"
             "#define PLANT_MODES %zu\n"
             "/* age of the readings (ticks) */\n#define PLANT_DELAY %d\n"
-            "/* resolution and dead band of the amplifiers (V) */\n"
+            "/* resolution of the amplifiers (V); dead band of the amplifiers (V) */\n"
             "#define PLANT_RESOLUTION %.17g\n#define PLANT_DEAD_BAND %.17g\n",
             design->amplifiers, design->loads, rows->sensors, design->targets, rows->count,
             rows->first_sensor, plant->modal.modes, simulate->delay, simulate->step,
@@ -246,7 +252,9 @@ static void write_arrays(emitter *emitter, const design *nominal, const plant_ro
             "    (double *)plant_response};\n");
 }
 
-/* Write the tables of the plant into a file of the FMU. Returns whether memory was available. */
+/*
+ * Write the tables of the plant as a C header into the FMU. Returns whether memory was available.
+ */
 static bool write_tables(fmu *fmu, const plant *plant)
 {
     const design *nominal = fmu->design, *design = &plant->analysis.design;
@@ -267,7 +275,10 @@ static bool write_tables(fmu *fmu, const plant *plant)
 
 /* ---- the FMU ---------------------------------------------------------- */
 
-/* Voltages of the controller before its first tick: the reference voltages within the limits. */
+/*
+ * Voltages of the controller before its first tick (V): the reference voltages, clamped to the
+ * voltage limits. Returns allocated memory, or NULL.
+ */
 static double *first_voltages(const design *design)
 {
     double *voltage = calloc((size_t)design->amplifiers + 1, sizeof *voltage);

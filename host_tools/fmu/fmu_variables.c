@@ -54,7 +54,10 @@ void fmu_add_amplifiers(fmu *fmu, fmu_variable kind, const char *group, const do
     }
 }
 
-/* Write the place of a target node or of a row of a measured matrix behind a description. */
+/*
+ * Append the coordinates of a target node, or of an output of a measured influence matrix, to the
+ * description of a variable.
+ */
 static void add_place(const design *design, int target, char about[FMU_NAME])
 {
     const scene_influence *influence = &design->measured;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Amplifier of a simulated plant: voltage limits, step limit, resolution and dead band. The
- * simulation and the plant that `pzs fmu` exports compile these functions alike.
+ * Amplifier of a simulated plant: voltage limits, step limit, resolution and dead band. `pzs
+ * simulate` and the plants that `pzs fmu` exports use these functions.
  */
 #ifndef AMPLIFIER_H
 #define AMPLIFIER_H

@@ -2,8 +2,8 @@
 /*
  * Imperfections between the controller and the structure: from the amplifiers' outputs to the
  * voltages that act on the ceramic, and from the true readings of the sensors to those that the
- * controller receives. Each imperfection is one row of a table in imperfections.c. The simulation
- * and the plant that `pzs fmu` exports compile these functions alike.
+ * controller receives. Each imperfection is one row of a table in imperfections.c. `pzs simulate`
+ * and the plants that `pzs fmu` exports use these functions.
  */
 #ifndef IMPERFECTIONS_H
 #define IMPERFECTIONS_H
@@ -49,15 +49,16 @@ typedef struct sensor {
 } sensor;
 
 /*
- * Constants of the imperfections of a plant. A value of 0 means that the plant does not have the
- * imperfection.
+ * Constants of the imperfections of a plant. A plant does not have an imperfection whose constant
+ * is 0.
  */
 typedef struct imperfection_tables {
     int amplifiers;
     const double *lower, *upper; /* [amplifiers] voltage limits of the amplifiers (V) */
     double hysteresis;           /* width of the hysteresis loop relative to the voltage range */
     double bandwidth;            /* corner frequency of the amplifiers' first-order lag (Hz) */
-    double creep;   /* increase of strain per decade of time relative to that of the voltage */
+    double creep;   /* creep of the ceramic: increase of strain per decade of time, as a fraction of
+                       the strain that the voltage causes */
     double drift;   /* largest drift of a sensor (unit of the reading per second) */
     double quantum; /* quantisation step of the readings (unit of the reading) */
     double outlier_chance; /* probability that a reading is an outlier */

@@ -19,8 +19,8 @@ double imperfections_hysteresis(const design *design);
 int imperfections_check(const design *design, char *error);
 
 /*
- * Constants of the imperfections of a scene. They refer to arrays of the design and of its scene,
- * which must outlive them.
+ * Return the constants of the imperfections of a scene. Their arrays are those of the design, which
+ * must outlive them.
  */
 imperfection_tables imperfections_of_scene(const design *design);
 

@@ -14,10 +14,10 @@
 
 typedef struct inertia {
     const modal *modal;
-    double gain;       /* factor of the static response to the inputs; 1: the response of `modal` */
-    double stretch;    /* factor of all natural frequencies; 1: the frequencies of `modal` */
-    double *memory;    /* allocation that holds the arrays deviation, velocity, input and
-                          propagator; NULL where they are in memory of the caller */
+    double gain;    /* factor of the static response to the inputs; 1: the response of `modal` */
+    double stretch; /* factor of all natural frequencies; 1: the frequencies of `modal` */
+    double *memory; /* allocation that holds the arrays deviation, velocity, input and propagator;
+                       NULL if the caller provides their memory */
     double *deviation; /* [modes] deviation of each modal coordinate from its equilibrium */
     double *velocity;  /* [modes] velocity of each modal coordinate divided by the angular frequency
                           of the mode */
@@ -27,19 +27,21 @@ typedef struct inertia {
     double interval;    /* time interval of the propagator (s); 0: not computed */
 } inertia;
 
-/* Number of reals in the memory of a vibrating structure. */
+/*
+ * Number of reals in the memory for the vibration of a structure with given numbers of modes and
+ * inputs.
+ */
 #define INERTIA_REALS(modes, inputs) (6 * (modes) + (inputs) + 1)
 
 /*
- * Start at rest under zero inputs, in the memory of the caller.
- *   memory [INERTIA_REALS(modes, inputs)] in  filled with zeros; not to be released before
- *       `inertia` is no longer used
+ * Start the vibration of a structure at rest under zero inputs, in the memory of the caller.
+ *   memory [INERTIA_REALS(modes, inputs)] in  zeros; the memory must outlive `inertia`
  */
 void inertia_place(inertia *inertia, const modal *modal, double *memory);
 
 /*
- * Start at rest under zero inputs, in allocated memory. Returns whether memory sufficed; call
- * inertia_close in either case.
+ * Start the vibration of a structure at rest under zero inputs, in allocated memory. Returns
+ * whether memory sufficed; call inertia_close in either case.
  */
 bool inertia_open(inertia *inertia, const modal *modal);
 void inertia_close(inertia *inertia);
@@ -51,8 +53,9 @@ void inertia_close(inertia *inertia);
 void inertia_rest(inertia *inertia, const double *input);
 
 /*
- * Apply an impulse of one input: the input has the value 1 during `seconds`, a time so short that
- * the displacements do not change meanwhile.
+ * Set the inputs to new values at one instant. The modal coordinates do not change, but their
+ * static equilibrium moves.
+ *   input [inputs] in
  */
 void inertia_jump(inertia *inertia, const double *input);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Other programs: start, end, exit status (program.h). */
+/* Start and run other programs (program.h). */
 #define _XOPEN_SOURCE 700
 #include "program.h"
 #include <fcntl.h>
@@ -17,8 +17,8 @@ int program_begin(const char *const *argument, int *to, int *from)
         return -1;
     const pid_t process = fork();
     if (process >= 0 && !to)
-        setpgid(process, process); /* called in parent and child, because either process may run
-                                      first */
+        setpgid(process, process); /* setpgid is called in parent and child, because either process
+                                      may run first. */
     if (process == 0) {
         if (to) {
             dup2(in[0], 0);

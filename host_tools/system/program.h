@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Other programs: start, end, exit status. */
+/* Start and run other programs. */
 #ifndef PROGRAM_H
 #define PROGRAM_H
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Controller of a scene as the model of an FMU: the control loop of the library with the tables of
- * `pzs tables`. A step is a tick of the loop: from the target and the readings that the tool sets
- * before the step, to the voltages that it gets after the step.
+ * The controller of a scene as the model in an FMU: the control loop of the library with the tables
+ * that `pzs tables` writes. Each step of the FMU runs one tick of the loop, with the target and the
+ * readings that the simulator has set before.
  */
 #include <stdio.h>
 #include <string.h>
@@ -10,14 +10,18 @@
 #include "fmu_model.h"
 #include "fmu_tables.h"
 
-enum { LOADS = CONTROLLER_KNOWN_LOADS }; /* number of loads that the tool announces */
+enum { LOADS = CONTROLLER_KNOWN_LOADS }; /* number of loads whose factors the simulator announces */
 
-/* Value references of the first variable of each kind. */
+/*
+ * Value reference of the first variable of each group of variables, separately for reals, integers
+ * and texts.
+ */
 enum {
     TARGET = 0,                            /* wanted displacements of the target nodes */
-    READING = TARGET + CONTROLLER_OUTPUTS, /* readings of the sensors; NaN: none */
-    NOW = READING + CONTROLLER_READINGS,   /* known load factors when the readings were taken */
-    NEXT = NOW + LOADS,                    /* known load factors under the next voltages */
+    READING = TARGET + CONTROLLER_OUTPUTS, /* readings of the sensors; NaN: the sensor gives nothing
+                                            */
+    NOW = READING + CONTROLLER_READINGS,   /* announced load factors at the time of the readings */
+    NEXT = NOW + LOADS,                    /* announced load factors under the next voltages */
     VOLTAGE = NEXT + LOADS,                /* voltages for the amplifiers (V) */
     REALS = VOLTAGE + CONTROLLER_INPUTS,   /* number of real variables */
     COMMAND = 0,                    /* command to the supervisor, in a supervised loop alone */
@@ -28,7 +32,9 @@ enum {
     STATUS_TEXT = 0                            /* status of the tick as a text */
 };
 
-/* Sizes of this file and of modelDescription.xml are equal, or this declaration does not compile.
+/*
+ * This declaration does not compile unless the numbers of variables agree with
+ * modelDescription.xml.
  */
 typedef char sizes_agree[REALS == FMU_REALS_USED && VOLTAGE == FMU_REAL_INPUTS &&
                                  MODE + 1 == FMU_INTEGERS_USED
@@ -37,8 +43,8 @@ typedef char sizes_agree[REALS == FMU_REALS_USED && VOLTAGE == FMU_REAL_INPUTS &
 
 typedef struct controller {
     pzs_loop loop;
-    pzs_real known[2][LOADS + 1]; /* known load factors when the readings were taken, and under the
-                                     next voltages */
+    pzs_real known[2][LOADS + 1]; /* announced load factors: at the time of the readings [0], under
+                                     the next voltages [1] */
     pzs_real work[CONTROLLER_LOOP_BYTES / sizeof(pzs_real) + 1];
 } controller;
 
@@ -59,7 +65,7 @@ static void publish(const controller *controller, pzs_status status, fmu_values 
         values->integer[MODE] = (fmi2Integer)supervisor->info.mode;
 }
 
-/* Pass the command of the tool to the supervisor, where the loop has one. */
+/* Pass the command of the simulator to the supervisor, if the control loop has one. */
 static void give_command(controller *controller, const fmu_values *values)
 {
     pzs_supervisor *supervisor = pzs_loop_find(&controller->loop, &pzs_supervisor_block);
@@ -67,7 +73,10 @@ static void give_command(controller *controller, const fmu_values *values)
         (void)pzs_supervisor_give(supervisor, (pzs_supervisor_command)values->integer[COMMAND]);
 }
 
-/* Describe an error of the loop: block, text, and index of the input or output concerned. */
+/*
+ * Describe an error of the control loop in the message of the FMU: block, text of the status, and
+ * index of the input or output concerned. Returns fmi2Error.
+ */
 static fmi2Status refuse(const controller *controller, pzs_status status, fmu_values *values)
 {
     const pzs_block_type *block = controller->loop.info.block;
@@ -111,5 +120,5 @@ fmi2Status fmu_model_step(void *memory, fmu_values *values)
     publish(controller, status, values);
     if (PZS_IS_ERROR(status) && status != PZS_E_LATCHED)
         return refuse(controller, status, values);
-    return fmi2OK; /* a latched supervisor keeps the park voltages, which are valid outputs */
+    return fmi2OK; /* After a latched stop the park voltages are valid outputs. */
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Types and functions of FMI 2.0 for Co-Simulation, in the names and the binary interface that the
- * standard of the Modelica Association prescribes (https://fmi-standard.org). The functions have no
- * prefix, as a shared library requires. A tool that links several FMUs statically defines
- * FMI2_FUNCTION_PREFIX, which is put before every function name.
+ * Types of FMI 2.0 for Co-Simulation, with the names and the binary interface of the standard
+ * (Modelica Association, https://fmi-standard.org). The functions of a shared library have the
+ * names of the standard. A program that links several FMUs statically defines the macro
+ * FMI2_FUNCTION_PREFIX, a text that is put before every function name.
  */
 #ifndef FMI2_H
 #define FMI2_H
@@ -35,7 +35,7 @@ typedef enum {
     fmi2Terminated
 } fmi2StatusKind;
 
-/* Functions of the importing tool, which an FMU may call. */
+/* Functions of the simulator that an FMU may call. */
 typedef struct {
     void (*logger)(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
                    fmi2String category, fmi2String message, ...);
@@ -61,7 +61,7 @@ typedef struct {
 #define FMI2_NAME(name) name
 #endif
 
-/* Head of the definition of a function of the standard, with its return type. */
+/* Beginning of the definition of a function of the standard: its return type and its name. */
 #define FMI2_FUNCTION(type, name) FMI2_EXPORT type FMI2_NAME(name)
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Functions of FMI 2.0 for Co-Simulation around one model (fmu_model.h). An instance has no memory
- * outside itself, so that a program may run several instances.
+ * Functions of FMI 2.0 for Co-Simulation around one model (fmu_model.h). All memory belongs to an
+ * instance, so that a program may run several instances of an FMU.
  */
 #include "fmu_model.h"
 #include <math.h>
@@ -12,17 +12,17 @@
 typedef enum instance_mode { INSTANTIATED, INITIALISING, STEPPING, TERMINATED } instance_mode;
 
 typedef struct instance {
-    fmi2CallbackFunctions tool; /* functions of the importing tool */
+    fmi2CallbackFunctions tool; /* functions of the simulator */
     char *name;                 /* name of the instance in messages */
     instance_mode mode;
-    double time; /* end of the last step (s) */
+    double time; /* simulated time at the end of the last step (s) */
     fmu_values values;
-    void *model; /* memory of the model, fmu_model_bytes() bytes */
+    void *model; /* memory of the model [fmu_model_bytes()] */
 } instance;
 
 /*
- * Copy of the state of an instance. The memory of the model contains pointers into itself, so a
- * copy can only be put back into the instance that it comes from.
+ * Copy of the state of an instance. The memory of the model contains pointers into itself, so the
+ * copy can be restored only in the instance from which it was taken.
  */
 typedef struct snapshot {
     const instance *owner;
@@ -32,7 +32,9 @@ typedef struct snapshot {
     void *model;
 } snapshot;
 
-/* Declaration of a function of the standard, which a strict compiler wants before its definition.
+/*
+ * Declare and begin to define a function of the standard. Strict compilers demand a declaration
+ * before the definition.
  */
 #define DEFINE(type, name, ...)                                                                    \
     FMI2_FUNCTION(type, name)(__VA_ARGS__);                                                        \
@@ -48,7 +50,9 @@ static fmi2Status report(const instance *of, fmi2Status status, const char *mess
     return status;
 }
 
-/* Report the status of the model with the message that the model has left. */
+/*
+ * Report a status of the model to the simulator, with the message of the model. Returns the status.
+ */
 static fmi2Status report_model(const instance *of, fmi2Status status)
 {
     return report(of, status, of->values.message);
@@ -64,8 +68,8 @@ static fmi2Status unsupported(fmi2Component component, const char *name)
 }
 
 /*
- * Check that an instance is in a given mode. Returns fmi2OK, or fmi2Error after a message with the
- * name of the function that was called too early or too late.
+ * Check that an instance is in a given mode. Returns fmi2OK, or fmi2Error after a message that
+ * names the function called too early or too late.
  */
 static fmi2Status demand(const instance *of, instance_mode mode, const char *function)
 {
@@ -96,7 +100,8 @@ DEFINE(const char *, fmi2GetVersion, void)
 DEFINE(fmi2Status, fmi2SetDebugLogging, fmi2Component component, fmi2Boolean on, size_t count,
        const fmi2String categories[])
 {
-    (void)on, (void)count, (void)categories; /* an FMU of pzs reports errors and warnings alone */
+    (void)on, (void)count, (void)categories; /* An FMU of pzs has no debug messages; it always
+                                                reports errors and warnings. */
     return component ? fmi2OK : fmi2Error;
 }
 
@@ -120,7 +125,7 @@ static void set_start(instance *of)
     of->time = 0;
 }
 
-/* Why an FMU cannot be instantiated, or NULL. */
+/* Return the reason why an FMU cannot be instantiated, or NULL. */
 static const char *refusal(fmi2Type type, fmi2String guid)
 {
     if (type != fmi2CoSimulation)
@@ -183,7 +188,7 @@ DEFINE(fmi2Status, fmi2EnterInitializationMode, fmi2Component component)
     return status;
 }
 
-/* Start the model from the present inputs, which also computes the outputs at the start. */
+/* Start the model with the present inputs, and compute its outputs at the start. */
 static fmi2Status start_model(instance *of)
 {
     return report_model(of, fmu_model_start(of->model, &of->values));
@@ -220,8 +225,8 @@ DEFINE(fmi2Status, fmi2Reset, fmi2Component component)
 /* ---- variables -------------------------------------------------------- */
 
 /*
- * Check value references. Returns fmi2OK, or fmi2Error after a message.
- *   limit in  number of variables of the type; all references must be below it
+ * Check the value references of variables. Returns fmi2OK, or fmi2Error after a message.
+ *   limit in  number of variables with valid references, which are 0 to limit - 1
  */
 static fmi2Status check_references(const instance *of, const fmi2ValueReference *reference,
                                    size_t count, size_t limit, const char *what)
@@ -240,8 +245,8 @@ static fmi2Status check_references(const instance *of, const fmi2ValueReference 
 }
 
 /*
- * Check the references of variables whose values a tool wants. During initialisation the outputs
- * are computed from the present inputs first.
+ * Check the value references of variables that the simulator reads. During initialisation, also
+ * compute the outputs from the present inputs.
  */
 static fmi2Status prepare_get(instance *of, const fmi2ValueReference *reference, size_t count,
                               size_t limit, const char *what)
@@ -339,7 +344,9 @@ DEFINE(fmi2Status, fmi2FreeFMUstate, fmi2Component component, fmi2FMUstate *stat
     return fmi2OK;
 }
 
-/* Allocate the memory of a copy. Returns NULL where memory runs out. */
+/*
+ * Allocate the memory for a copy of the state of an instance. Returns NULL where memory runs out.
+ */
 static snapshot *open_snapshot(const instance *of)
 {
     snapshot *copy = calloc(1, sizeof *copy);
@@ -449,7 +456,7 @@ fmi2Status fmu_check_finite(fmu_values *values, int first, int count)
 
 /* ---- steps ------------------------------------------------------------ */
 
-/* Largest relative deviation of the length of a step from the tick period. */
+/* Largest permitted relative difference between the length of a step and the tick period. */
 static const double period_tolerance = 1e-6;
 
 DEFINE(fmi2Status, fmi2DoStep, fmi2Component component, fmi2Real from, fmi2Real length,
@@ -481,7 +488,8 @@ DEFINE(fmi2Status, fmi2CancelStep, fmi2Component component)
 DEFINE(fmi2Status, fmi2GetStatus, fmi2Component component, const fmi2StatusKind kind,
        fmi2Status *value)
 {
-    (void)kind, (void)value; /* steps are never pending */
+    (void)kind, (void)value; /* Every step ends before fmi2DoStep returns, so no status is ever
+                                pending. */
     return unsupported(component, "fmi2GetStatus");
 }
 

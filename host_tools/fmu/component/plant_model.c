@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Plant of a scene as the model of an FMU: amplifiers, cables, ceramic, linear structure with or
- * without vibration, sensors. It runs the functions of `pzs simulate` in the order of a tick of
- * that simulation (simulate_loop.c), so that both give the same bits.
+ * The plant of a scene as the model in an FMU: amplifiers, cables, ceramic, linear structure with
+ * or without vibration, sensors. The model calls the functions of `pzs simulate` in the order in
+ * which that simulation calls them (simulate_loop.c), so that both give identical bits.
  *
- * At the end of each step the plant has its readings for the next tick of the controller. Loads
- * that a tool sets before a step act from the end of that step.
+ * After each step of the FMU the readings are those for the next tick of the controller. A load
+ * that the simulator sets before a step acts from the end of that step.
  */
 #include <math.h>
 #include <stdio.h>
@@ -18,34 +18,42 @@
 #include "fmu_model.h"
 #include "fmu_tables.h"
 
-/* Value references of the first variable of each kind. */
+/*
+ * Value reference of the first variable of each group of real variables, and of the seed among the
+ * integers.
+ */
 enum {
     VOLTAGE = 0,                       /* commands to the amplifiers (V) */
-    LOAD = VOLTAGE + PLANT_AMPLIFIERS, /* load factors, then the temperature change (K) */
+    LOAD = VOLTAGE + PLANT_AMPLIFIERS, /* load factors, followed by the temperature change (K) */
     READING = LOAD + PLANT_LOADS,      /* readings of the sensors */
     SHAPE = READING + PLANT_SENSORS,   /* true displacements of the target nodes */
     OUTPUT = SHAPE + PLANT_TARGETS,    /* output voltages of the amplifiers (V) */
     REALS = OUTPUT + PLANT_AMPLIFIERS, /* number of real variables */
     INPUTS = PLANT_AMPLIFIERS + PLANT_LOADS,
-    SEED = 0 /* value reference of the seed of the noise, an integer */
+    SEED = 0 /* seed of the noise */
 };
 
-/* Sizes of this file and of modelDescription.xml are equal, or this declaration does not compile.
+/*
+ * This declaration does not compile unless the numbers of variables agree with
+ * modelDescription.xml.
  */
 typedef char sizes_agree[REALS == FMU_REALS_USED && INPUTS == FMU_REAL_INPUTS ? 1 : -1];
 
 typedef struct plant {
     uint64_t random; /* state of the random number generator */
-    double time;     /* time since the start (s) */
+    double time;     /* simulated time since the start (s) */
     int tick;        /* number of steps since the start */
     electrode electrode[PLANT_AMPLIFIERS];
     sensor sensor[PLANT_SENSORS];
     double output[PLANT_AMPLIFIERS]; /* output voltages of the amplifiers (V) */
-    double input[INPUTS]; /* voltages that act on the ceramic (V), load factors, temperature (K) */
-    double rows[PLANT_ROWS];      /* displacements of the target nodes, then of the sensors */
-    double deviation[PLANT_ROWS]; /* deviation of these displacements from the equilibrium */
-    double history[(PLANT_DELAY + 1) * PLANT_SENSORS]; /* noise-free readings of the last ticks */
-    double reading[PLANT_SENSORS], sensed[PLANT_SENSORS]; /* latest readings with noise, and those
+    double input[INPUTS];    /* inputs of the structure: voltages that act on the ceramic (V), load
+                                factors, temperature change (K) */
+    double rows[PLANT_ROWS]; /* displacements of the target nodes, followed by those at the sensors
+                              */
+    double deviation[PLANT_ROWS]; /* deviation of the displacements from the static equilibrium */
+    double history[(PLANT_DELAY + 1) * PLANT_SENSORS]; /* ring buffer with the noise-free readings
+                                                          of the last ticks */
+    double reading[PLANT_SENSORS], sensed[PLANT_SENSORS]; /* latest readings with noise; readings
                                                              that the controller receives */
     modal modal;
     inertia inertia;
@@ -65,13 +73,18 @@ static imperfections imperfections_of(plant *plant)
                            PLANT_SENSORS,       &plant->random,   plant->time};
 }
 
-/* Let the vibration know that the inputs have jumped to their present values. */
+/*
+ * Move the static equilibrium to that of the present inputs; the displacements of the modes do not
+ * change at this instant.
+ */
 static void jump(plant *plant)
 {
     inertia_jump(&plant->inertia, plant->input);
 }
 
-/* Let a tick period pass under the present output voltages and loads. */
+/*
+ * Let a tick period pass under the present output voltages of the amplifiers and the present loads.
+ */
 static void elapse(plant *plant)
 {
     const int parts = imperfections_vary(&plant_imperfections) ? IMPERFECTION_PARTS : 1;
@@ -85,7 +98,10 @@ static void elapse(plant *plant)
     }
 }
 
-/* Set the load factors and compute the voltages that act on the ceramic at this instant. */
+/*
+ * Set the inputs of the structure at this instant: voltages that act on the ceramic, and the load
+ * factors from the simulator.
+ */
 static void set_inputs(plant *plant, const fmu_values *values)
 {
     const imperfections wiring = imperfections_of(plant);
@@ -94,7 +110,7 @@ static void set_inputs(plant *plant, const fmu_values *values)
     imperfections_actuate(&wiring, plant->output, 0, plant->input);
 }
 
-/* Compute the displacements under the present inputs, with the present vibration. */
+/* Compute the displacements under the present inputs, including the vibration. */
 static void compute_rows(plant *plant)
 {
     influence_sum(plant_influence, plant->input, PLANT_ROWS, INPUTS, plant->rows);
@@ -103,7 +119,9 @@ static void compute_rows(plant *plant)
         plant->rows[i] += plant->deviation[i];
 }
 
-/* Take the readings of this tick, which may be those of an earlier one. */
+/*
+ * Compute the readings that the controller receives at this tick, which are PLANT_DELAY ticks old.
+ */
 static void sense(plant *plant)
 {
     const int then = plant->tick > PLANT_DELAY ? plant->tick - PLANT_DELAY : 0;
@@ -123,7 +141,10 @@ static void publish(const plant *plant, fmu_values *values)
 
 /* ---- inputs ----------------------------------------------------------- */
 
-/* Warn of the first command that is beyond the voltage limits of its amplifier. */
+/*
+ * Check the commands against the voltage limits of the amplifiers. Returns fmi2OK, or fmi2Warning
+ * with a message on the first command beyond them.
+ */
 static fmi2Status check_commands(fmu_values *values)
 {
     for (int k = 0; k < PLANT_AMPLIFIERS; k++) {
@@ -150,7 +171,9 @@ static void drive_amplifiers(plant *plant, const fmu_values *values)
 
 /* ---- model ------------------------------------------------------------ */
 
-/* The amplifiers start at the commands, within the voltage limits. */
+/*
+ * Set the initial output voltages of the amplifiers: the commands, clamped to the voltage limits.
+ */
 static void start_amplifiers(plant *plant, const fmu_values *values)
 {
     for (int k = 0; k < PLANT_AMPLIFIERS; k++) {
