@@ -724,15 +724,25 @@ static int judge_loop(analysis *analysis, char *error)
         certificate->stable_rate);
 }
 
+/* Largest displacement of the target over the thickness of the structure. */
+static double target_amplitude(const design *design)
+{
+    double most = 0;
+    for (int i = 0; i < design->targets; i++)
+        most = fmax(most, fabs(design->target[i]));
+    return most / design->mesh.laminate.thickness;
+}
+
 /*
  * Add a warning where the control loop is stable, but not if the sensor readings are one tick older
- * than the scene states.
+ * than the scene states, or not on the shape of a large target.
  */
-static void warn_of_age(analysis *analysis)
+static void warn_of_loop(analysis *analysis)
 {
     const certificate_loop *loop = &analysis->certificate.loop;
     if (loop->is_made && loop->is_stable)
-        plausible_loop(&analysis->warnings, analysis->design.scene, loop->older);
+        plausible_loop(&analysis->warnings, analysis->design.scene, loop->older,
+                       target_amplitude(&analysis->design));
 }
 
 /*
@@ -749,7 +759,7 @@ static int judge_storms(analysis *analysis, char *error)
         return 0;
     if (certify_loop(analysis, error) < 0 || certify_margins(analysis, false, error) < 0)
         return -1;
-    warn_of_age(analysis);
+    warn_of_loop(analysis);
     if (!certificate->loop.is_made || certificate->loop.is_stable)
         return 0;
     certify_failure(certificate, text);
@@ -886,7 +896,7 @@ static int command_check(const options *options, analysis *analysis)
         return complain(error, OPTIONS_WRONG);
     if (certify_loop(analysis, error) < 0 || certify_margins(analysis, true, error) < 0)
         return complain(error, OPTIONS_WRONG);
-    warn_of_age(analysis);
+    warn_of_loop(analysis);
     progress_stop();
     (options->as_json ? print_check_json : print_check)(analysis);
     return 0;

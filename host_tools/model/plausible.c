@@ -130,6 +130,10 @@ static const struct rule {
      "readings one tick older can make the loop swing without end; measure the age, converters and "
      "filters included, and write the largest; with safety: {} the loop parks the voltages when it "
      "swings"},
+    {"loop_amplitude", SUBJECT_LOOP, measure_amplitude, 0, 4, "thicknesses",
+     "the loop is certified on the linear modes of the undeformed shape, and larger deformations "
+     "change them; run the loop on a plant that moves at large rotation, pzs simulate with "
+     "simulate.plant: {kinematics: nonlinear}"},
     {"strong_actuator", SUBJECT_SCENE, measure_strong_column, 0, 100, "",
      "a column of coordinates is no actuator: name it x, y or z; or measure the actuator again"},
     {"repeated_actuator", SUBJECT_SCENE, measure_repeated_column, 1e-4, HUGE_VAL, "",
@@ -252,9 +256,9 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
     apply_all(warnings, SUBJECT_PATH, &of);
 }
 
-void plausible_loop(plausible *warnings, const scene *scene, int older)
+void plausible_loop(plausible *warnings, const scene *scene, int older, double amplitude)
 {
-    const subject of = {.scene = scene, .name = "", .older = older};
+    const subject of = {.scene = scene, .name = "", .older = older, .amplitude = amplitude};
     apply_all(warnings, SUBJECT_LOOP, &of);
 }
 

@@ -79,10 +79,12 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
 
 /*
  * Warn where the control loop is stable with its vibration model, but not if the sensor readings
- * are one tick older than the scene states.
- *   older in  largest number of ticks by which the readings may be older than the scene states
+ * are one tick older than the scene states, or where the target displaces the structure by so many
+ * thicknesses that the linear vibration model may be wrong.
+ *   older     in  largest number of ticks by which the readings may be older than the scene states
+ *   amplitude in  largest displacement of the target over the thickness of the structure
  */
-void plausible_loop(plausible *warnings, const scene *scene, int older);
+void plausible_loop(plausible *warnings, const scene *scene, int older, double amplitude);
 
 /* Print plausibility warnings as a block of lines; print nothing where there are none. */
 void plausible_print(FILE *file, const plausible *warnings);

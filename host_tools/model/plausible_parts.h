@@ -23,6 +23,7 @@ typedef struct subject {
                                (analysis_path_difference) */
     unsigned negative_pivots; /* number of negative pivots of the tangent stiffness at the
                                  equilibrium */
+    double amplitude; /* largest displacement of the target over the thickness of the structure */
     int older; /* largest number of ticks by which the sensor readings may be older than the scene
                   states while the control loop stays stable */
 } subject;
@@ -87,10 +88,11 @@ measure measure_path, measure_stability;
 measure measure_target, measure_unreached, measure_idle, measure_dependent;
 
 /*
- * Function that measures by how many ticks the sensor readings of a stable control loop may be
- * older than stated (plausible_result.c).
+ * Functions that measure, for a stable control loop, by how many ticks the sensor readings may be
+ * older than stated, and how many thicknesses the target displaces the structure
+ * (plausible_result.c).
  */
-measure measure_age;
+measure measure_age, measure_amplitude;
 
 /* Convert a number of a scene to SI units; NAN where the units of the scene are unknown. */
 double plausible_si(const scene *scene, double value, const units_unit *unit);

@@ -209,6 +209,15 @@ int measure_idle(const subject *of, int k, measured *found)
 
 /* ---- certified loop --------------------------------------------------- */
 
+int measure_amplitude(const subject *of, int k, measured *found)
+{
+    found->value = of->amplitude;
+    found->at = of->scene->target.what.at;
+    snprintf(found->what, WHAT,
+             "largest displacement of the target of a loop that damps vibration");
+    return k == 0;
+}
+
 int measure_age(const subject *of, int k, measured *found)
 {
     found->value = of->older;

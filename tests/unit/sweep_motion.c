@@ -49,7 +49,9 @@ static const structure structures[] = {
      500},
     {"panel, 0.1 thicknesses", PANEL, ENDLESS "kinematics=nonlinear;", 1, 300},
     {"panel, 1 thickness", PANEL,
-     ENDLESS STRONG "kinematics=nonlinear;target.value=32e-3*theta1^2*theta2;", 1, 300},
+     ENDLESS STRONG "kinematics=nonlinear;target.value=35e-3*theta1^2*theta2;", 1, 300},
+    {"panel, 2 thicknesses", PANEL,
+     ENDLESS STRONG "kinematics=nonlinear;target.value=70e-3*theta1^2*theta2;", 1, 300},
 };
 
 /* Gain and natural frequencies of the plant relative to the model, and share of the step limit. */

@@ -119,7 +119,10 @@ static void test_text(void **state)
     assert_non_null(strstr(text, "ONE TICK OLDER"));
 }
 
-/* A loop that tolerates no older reading is warned of by name; one that tolerates a tick is not. */
+/*
+ * A loop that tolerates no older reading, or whose target displaces the structure by more than four
+ * thicknesses, is warned of by name; one that tolerates a tick and a smaller target is not.
+ */
 static void test_warning(void **state)
 {
     plausible warnings;
@@ -127,11 +130,14 @@ static void test_warning(void **state)
     (void)state;
     memset(&warnings, 0, sizeof warnings);
     assert_int_equal(scene_run_open(&run, PANEL, ""), 0);
-    plausible_loop(&warnings, &run.scene, 1);
+    plausible_loop(&warnings, &run.scene, 1, 3.9);
     assert_int_equal(warnings.count, 0);
-    plausible_loop(&warnings, &run.scene, 0);
+    plausible_loop(&warnings, &run.scene, 0, 3.9);
     assert_int_equal(warnings.count, 1);
     assert_string_equal(warnings.warning[0].rule, "readings_age");
+    plausible_loop(&warnings, &run.scene, 1, 4.1);
+    assert_int_equal(warnings.count, 2);
+    assert_string_equal(warnings.warning[1].rule, "loop_amplitude");
     scene_run_close(&run);
 }
 
