@@ -6,7 +6,7 @@
 #include "../model/stress_summary.h"
 #include "../text/words.h"
 
-/* Name of a layer, or "layer" and its number from 1 where the scene gives no name. */
+/* Return the name of a layer; without a name in the scene "layer" and its number from 1. */
 static const char *layer_name(const design *design, int layer, char text[SCENE_NAME])
 {
     if (design->layer[layer].name[0])
@@ -18,7 +18,8 @@ static const char *layer_name(const design *design, int layer, char text[SCENE_N
 
 /* ---- text ------------------------------------------------------------- */
 
-/* Print value and place of an extreme; a dash where there is none. */
+/* Print the value and the place of an extreme, or a dash in the place of the value if it is absent.
+ */
 static void print_extreme(const stress_field *field, const char *name, const stress_extreme *found,
                           const char *unit)
 {

@@ -5,7 +5,7 @@
 #include <string.h>
 #include "../../lib/model/shell.h"
 
-/* Number of intervals between the heights of an output: inner face, middle, outer face. */
+/* Number of equal intervals into which inner face, middle and outer face divide a layer. */
 enum { INTERVALS = 2 };
 
 /* ---- strains of an element ------------------------------------------------ */
@@ -57,7 +57,10 @@ void strain_of_element(const mesh *mesh, int element, const double *displacement
 
 /* ---- outputs ---------------------------------------------------------------- */
 
-/* Height of an output above the reference surface: in its layer, or in the package without one. */
+/*
+ * Return the height of an output above the reference surface (m): a height in its layer, or in the
+ * package of all layers where the output names no layer.
+ */
 static double height_of(const mesh *mesh, const scene_output *output)
 {
     const double *z = output->layer >= 0 ? mesh->laminate.ply[output->layer].z : mesh->laminate.z;
@@ -98,7 +101,10 @@ double strain_of_output(const mesh *mesh, const scene_output *output, int elemen
     return turned[output->recovered_component];
 }
 
-/* Add the strain of an output in one element, times a factor, to a dense row [free_dof]. */
+/*
+ * Add the strain of an output in one element, as a linear function of the dof, multiplied by a
+ * factor, to a dense row [free_dof].
+ */
 static void add_element(const mesh *mesh, const scene_output *output, int element, double factor,
                         double *dense)
 {

@@ -10,40 +10,44 @@
 #include "../mesh/mesh.h"
 
 /*
- * Strains of the constant mode 00 of an element at a displacement of its nodes.
+ * Compute the strains of the constant mode 00 of an element at a displacement of its nodes.
  *   displacement [4 dof_per_node] in
  *   strain       [10]             out  in the order of pzs_element_type.d
- * Linear strains are half the difference of the strains, which are quadratic in the displacement,
- * at a small multiple of the displacement and at its negative.
+ * The strains are quadratic in the displacement. Linear strains are half the difference of the
+ * strains at a small multiple of the displacement and at its negative.
  */
 void strain_of_element(const mesh *mesh, int element, const double *displacement, bool is_nonlinear,
                        double strain[10]);
 
 /*
- * Turn a stress about axis 3: components in axes turned by an angle (rad) against the present axes
- * (Voigt order 11 22 33 23 13 12). strain_turn does the same for engineering strains.
+ * Compute the components of a stress in axes that are turned about axis 3 by an angle (rad) against
+ * the axes of the given components (Voigt order 11 22 33 23 13 12). strain_turn does this for
+ * engineering strains.
  */
 void strain_turn_stress(const double stress[6], double angle, double turned[6]);
 void strain_turn(const double strain[6], double angle, double turned[6]);
 
 /*
- * Strain of an output, along the axis of its angle, in an element with the given ten strains
- * (strain [10] in).
+ * Return the strain of an output, along the direction of its angle, in an element that has the
+ * given ten strains (strain [10] in).
  */
 double strain_of_output(const mesh *mesh, const scene_output *output, int element,
                         const double strain[10]);
 
 /*
- * Whether an output of a strain or stress at a node takes its value from an element: the node is a
- * corner of the element, in which the layer of the output is present.
+ * Return whether an output of a strain or stress at a node takes its value from an element: the
+ * node is a corner of the element, and the layer of the output is present in the element.
  */
 bool strain_is_in(const mesh *mesh, const scene_output *output, int element, int node);
 
-/* Sum of the areas of the elements from which an output at a node takes its value. */
+/*
+ * Return the sum of the areas of the elements from which an output at a node takes its value (m2).
+ */
 double strain_area(const mesh *mesh, const scene_output *output, int node);
 
 /*
- * Add the strain of an output at a node, linear in the displacement, to a dense row [free_dof].
+ * Add the strain of an output at a node, as a linear function of the dof, to a dense row
+ * [free_dof].
  */
 void strain_row(const mesh *mesh, const scene_output *output, int node, double *dense);
 

@@ -8,30 +8,42 @@
 #include "strain.h"
 
 /*
- * SAMPLES: largest number of heights at which an element has stresses. PATTERNS: number of
- * gradients of forces and moments that are corrected: of the forces 11 and 22 and of the moments 11
- * and 22, each along its own direction.
+ * SAMPLES: largest number of heights at which an element has recovered stresses. PATTERNS: number
+ * of gradients of forces and moments whose sizes are corrected; they are the gradients of the
+ * forces 11 and 22 and of the moments 11 and 22 per length, each along its own direction.
  */
 enum { SAMPLES = LAMINATE_LAYERS * STRESS_HEIGHTS, PATTERNS = 4 };
 
-/* Directions of principal curvature at the centre of an element, and its neighbours. */
+/*
+ * Directions of principal curvature at the centre of an element, and the neighbours from which
+ * gradients along these directions are formed.
+ */
 typedef struct stencil {
     int element;
-    double axis[2][3]; /* unit vectors of the two directions */
-    double angle;      /* angle from shell axis 1 to direction 1 (rad) */
-    double k[2];       /* curvatures along the two directions (1/m) */
-    int count;         /* number of neighbours */
+    double axis[2][3]; /* unit vectors of the two directions of principal curvature */
+    double angle;      /* angle from shell axis 1 of the element to the first direction of principal
+                          curvature (rad) */
+    double k[2];       /* principal curvatures of the surface along their two directions (1/m) */
+    int count;         /* number of neighbouring elements */
     int neighbour[STRESS_NEIGHBOURS];
-    double turn[STRESS_NEIGHBOURS];      /* angle from direction 1 to the shell axis 1 of each
-                                            neighbour (rad) */
-    double weight[STRESS_NEIGHBOURS][2]; /* a gradient along both directions is the sum of these
-                                            weights times (value of the neighbour - own value) */
+    double turn[STRESS_NEIGHBOURS]; /* angle from the first direction of principal curvature to the
+                                       shell axis 1 of each neighbour (rad) */
+    double weight[STRESS_NEIGHBOURS][2]; /* the gradient of a quantity along both directions is the
+                                            sum, over the neighbours, of these weights times the
+                                            difference between the value at the neighbour and that
+                                            at the element (1/m) */
 } stencil;
 
-/* In-plane gradient of the stresses 11 22 12 along both directions, at each sample. */
+/*
+ * In-plane gradient of the stresses 11, 22 and 12 along both directions of principal curvature, at
+ * each sample height (Pa/m).
+ */
 typedef double gradient[SAMPLES][2][3];
 
-/* Values of s_13 and s_23, times c_1^2 c_2 and c_2^2 c_1, at each sample. */
+/*
+ * Transverse shear stresses at each sample height: s_13 times c_1^2 c_2 and s_23 times c_2^2 c_1,
+ * in which c_a = 1 + k_a z is the length at height z over that on the reference surface (Pa).
+ */
 typedef double profile[SAMPLES][2];
 
 /* ---- geometry --------------------------------------------------------------- */
@@ -43,8 +55,8 @@ static const laminate_place *place_of(const stress_field *field, int element)
 }
 
 /*
- * Components 11 22 12 of a stress in axes that are turned by an angle against those of its given
- * components.
+ * Compute the components 11, 22 and 12 of an in-plane stress in axes that are turned by an angle
+ * (rad) against the axes of the given components.
  */
 static void turn_plane(const double stress[3], double angle, double turned[3])
 {
@@ -56,7 +68,10 @@ static void turn_plane(const double stress[3], double angle, double turned[3])
     turned[2] = out[5];
 }
 
-/* Curvatures 11 22 12 of an element in the shell axes, those of the deformed shell if nonlinear. */
+/*
+ * Compute the curvatures 11, 22 and 12 of the surface of an element in the shell axes; for a
+ * nonlinear state those of the deformed surface.
+ */
 static void curvatures(const stress_field *field, int element, double k[3])
 {
     const laminate_place *place = place_of(field, element);
@@ -86,10 +101,14 @@ static void curvatures(const stress_field *field, int element, double k[3])
     }
 }
 
-/* Find the directions of principal curvature; a negligible twist leaves the shell axes. */
+/*
+ * Find the directions of principal curvature of an element. Where the twist of the surface is
+ * negligible, they are the shell axes.
+ */
 static void find_directions(const stress_field *field, stencil *stencil)
 {
-    const double negligible = 1e-4; /* twist of the surface times thickness */
+    const double negligible = 1e-4; /* largest negligible twist of the surface (1/m) times thickness
+                                       (m) */
     const stress_element *own = &field->element[stencil->element];
     double k[3], turned[3];
     curvatures(field, stencil->element, k);
@@ -104,7 +123,9 @@ static void find_directions(const stress_field *field, stencil *stencil)
     }
 }
 
-/* Weights of the neighbours in a least-squares gradient; along a single row it has one direction.
+/*
+ * Compute the weights of the neighbours in a least-squares gradient. Where all neighbours lie in
+ * one row, the gradient is that along the row.
  */
 static void find_weights(const stress_field *field, stencil *stencil)
 {
@@ -154,7 +175,10 @@ static stress_sample *samples_of(const stress_field *field, int element)
 
 /* ---- integration through the thickness ---------------------------------------- */
 
-/* Factors c_1 and c_2 of the lengths at a sample. */
+/*
+ * Compute the factors c_1 and c_2 of the lengths along the directions of principal curvature at the
+ * height of a sample, over those on the reference surface.
+ */
 static void stretches(const stress_field *field, const stencil *stencil, int sample, double c[2])
 {
     const double z = stress_height(field, sample / STRESS_HEIGHTS, sample % STRESS_HEIGHTS);
@@ -163,8 +187,9 @@ static void stretches(const stress_field *field, const stencil *stencil, int sam
 }
 
 /*
- * Integrate a rate over the thickness, from 0 at the inner face, exactly where the rate is
- * quadratic in each layer. The value is carried through absent layers unchanged.
+ * Integrate a rate over the thickness, from 0 at the inner face of the package. The integral is
+ * exact where the rate is quadratic within each layer. An absent layer leaves the integral
+ * unchanged. rate, sum [samples] in and out
  */
 static void integrate(const stress_field *field, int element, const double *rate, double *sum)
 {
@@ -181,7 +206,10 @@ static void integrate(const stress_field *field, int element, const double *rate
     }
 }
 
-/* Profile of the transverse shears that balances a gradient of the in-plane stresses. */
+/*
+ * Compute the profile of the transverse shear stresses that is in equilibrium with a gradient of
+ * the in-plane stresses and is 0 at the inner face.
+ */
 static void balance(const stress_field *field, const stencil *stencil, gradient slope, profile out)
 {
     const int samples = field->layers * STRESS_HEIGHTS;
@@ -200,8 +228,8 @@ static void balance(const stress_field *field, const stencil *stencil, gradient 
 }
 
 /*
- * What a profile leaves at the outer face (left[0], left[1]), and its shear resultants (left[2],
- * left[3]).
+ * Compute the two values of a profile of transverse shear stresses at the outer face of the package
+ * (left[0], left[1]) and its two shear resultants (left[2], left[3]; N/m).
  */
 static void resultants_of(const stress_field *field, const stencil *stencil, profile values,
                           double left[4])
@@ -246,7 +274,11 @@ static void fit_gradient(const stress_field *field, const stencil *stencil, grad
     }
 }
 
-/* Plane stresses 11 22 12 of a ply at height z under the strains and curvatures bent [6]. */
+/*
+ * Compute the in-plane stresses 11, 22 and 12 of a ply at height z, free of normal stress 33, under
+ * membrane strains and curvatures of the package. bent [6] in  strains 11 22 12, then curvatures 11
+ * 22 12
+ */
 static void plane_stress(const laminate_ply *ply, const double bent[6], double z, double stress[3])
 {
     static const int plane[3] = {0, 1, 5};
@@ -260,10 +292,9 @@ static void plane_stress(const laminate_ply *ply, const double bent[6], double z
 }
 
 /*
- * Gradient of the in-plane stresses that a unit gradient of a force or moment of the package causes
- * along its own direction.
- *   flex    [6][6] in  strains and curvatures per force and moment (laminate_flexure)
- *   pattern        in  0, 1: force 11, 22; 2, 3: moment 11, 22
+ * Compute the gradient of the in-plane stresses that belongs to a unit gradient of a force or a
+ * moment of the package along its own direction. flex [6][6] in  strains and curvatures of the
+ * package per force and moment pattern     in  0 or 1: force 11 or 22; 2 or 3: moment 11 or 22
  */
 static void unit_gradient(const stress_field *field, const stencil *stencil, double flex[6][6],
                           int pattern, gradient slope)
@@ -303,7 +334,10 @@ void stress_shear_resultants(const stress_field *field, int element, double shea
     }
 }
 
-/* Membrane strains and curvatures per force and moment of the plies of an element. */
+/*
+ * Compute the membrane strains and curvatures of an element's plies per unit of force and moment of
+ * the package. Returns 0, or -1 if the plies have no bending stiffness.
+ */
 static int flexure_of(const stress_field *field, int element, double flex[6][6])
 {
     const laminate *laminate = &field->state.design->mesh.laminate;
@@ -347,8 +381,9 @@ static int solve_system(double matrix[PATTERNS][PATTERNS + 1], double x[PATTERNS
 }
 
 /*
- * Add those gradients of forces and moments to a profile with which it vanishes at the outer face
- * and has the shear resultants of the element. Returns 0, or -1 if the plies cannot carry them.
+ * Add gradients of the two forces and of the two moments of the package to a profile of transverse
+ * shear stresses, of such sizes that the profile vanishes at the outer face and has the shear
+ * resultants of the element. Returns 0, or -1 if the plies cannot carry the shear.
  */
 static int correct(const stress_field *field, const stencil *stencil, profile values)
 {
@@ -408,14 +443,21 @@ static void fill_shear(const stress_field *field, int element)
 
 /* ---- normal stress -------------------------------------------------------------------- */
 
-/* Components of a vector in axes that are turned by an angle against those of its components. */
+/*
+ * Compute the components of an in-plane vector in axes that are turned by an angle (rad) against
+ * the axes of the given components.
+ */
 static void turn_vector(const double vector[2], double angle, double turned[2])
 {
     turned[0] = cos(angle) * vector[0] + sin(angle) * vector[1];
     turned[1] = cos(angle) * vector[1] - sin(angle) * vector[0];
 }
 
-/* Rate of c_1 c_2 s_33 along the thickness at each sample. */
+/*
+ * Compute the rate at which c_1 c_2 s_33 changes along the thickness at each sample height (Pa/m);
+ * s_33 is the normal stress 33, and c_a the length along direction a over that on the reference
+ * surface.
+ */
 static void normal_rate(const stress_field *field, const stencil *stencil, double *rate)
 {
     const stress_sample *own = samples_of(field, stencil->element);
@@ -436,7 +478,10 @@ static void normal_rate(const stress_field *field, const stencil *stencil, doubl
     }
 }
 
-/* Mean of values at the samples over the thickness of the plies that are present. */
+/*
+ * Compute the mean of values at the sample heights over the thickness of the plies that are present
+ * in an element.
+ */
 static double mean_of(const stress_field *field, int element, const double *value)
 {
     double sum = 0, size = 0;

@@ -13,8 +13,10 @@
 const char *const stress_height_name[STRESS_HEIGHTS] = {"inner", "middle", "outer"};
 const char *const stress_component_name[STRESS_COMPONENTS] = {"11", "22", "33", "23", "13", "12"};
 
-/* Positions of the mean and of the difference of the strain 33 among the strains of an element. */
-enum { MEAN_33 = 4, DIFFERENCE_33 = 5 };
+/*
+ * Index of the mean thickness strain 33 among the ten strains of an element (pzs_element_type.d).
+ */
+enum { MEAN_33 = 4 };
 
 static const laminate_place *place_of(const mesh *mesh, int element)
 {
@@ -35,7 +37,10 @@ double stress_height(const stress_field *field, int layer, int height)
 
 /* ---- axes --------------------------------------------------------------- */
 
-/* Unit vector along direction 1 (a = 0) or 2 (a = 1) of an element, from its corners. */
+/*
+ * Compute the unit vector along direction 1 (a = 0) or 2 (a = 1) of an element from the positions
+ * of its corners.
+ */
 static void chord_of(const mesh *mesh, int element, int a, double unit[3])
 {
     static const int sign[2][4] = {{-1, 1, 1, -1}, {-1, -1, 1, 1}};
@@ -48,8 +53,8 @@ static void chord_of(const mesh *mesh, int element, int a, double unit[3])
 }
 
 /*
- * Shell axes of an element of a general mesh. The base vectors of the element, which are unit
- * vectors along its directions, have known components in these axes (natural_base.h).
+ * Compute the shell axes of an element of a general mesh from its two directions, whose components
+ * in these axes are known (natural_base.h).
  */
 static void general_axes(const mesh *mesh, int element, double axis[3][3])
 {
@@ -66,8 +71,8 @@ static void general_axes(const mesh *mesh, int element, double axis[3][3])
 }
 
 /*
- * Shell axes of an element along lines of curvature: along its directions, which are made
- * orthogonal by equal and opposite turns.
+ * Compute the shell axes of an element along lines of curvature: its two directions, turned by
+ * equal and opposite small angles so that they are orthogonal.
  */
 static void line_axes(const mesh *mesh, int element, double axis[3][3])
 {
@@ -93,7 +98,10 @@ void stress_axes(const mesh *mesh, int element, double place[3], double axis[3][
     (place_of(mesh, element)->is_general ? general_axes : line_axes)(mesh, element, axis);
 }
 
-/* Gather the displacement of the four nodes of an element (local [4 dof_per_node] out). */
+/*
+ * Gather the displacement of the four nodes of an element from the displacement vector of the
+ * structure; constrained dof are 0 (local [4 dof_per_node] out).
+ */
 static void gather(const mesh *mesh, int element, const double *displacement, double *local)
 {
     for (int corner = 0; corner < 4; corner++) {
@@ -106,7 +114,10 @@ static void gather(const mesh *mesh, int element, const double *displacement, do
 
 /* ---- prescribed fields ------------------------------------------------------ */
 
-/* Add the voltages of the patches of one drive in an element to those of its layers. */
+/*
+ * Add the voltages that the patches of one drive have in an element to the voltages of its layers
+ * (voltage [layers] in/out, V).
+ */
 static void add_drive(const stress_field *field, int element, const scene_drive *drive,
                       const double *value, design_part *part, double *voltage)
 {
@@ -117,8 +128,10 @@ static void add_drive(const stress_field *field, int element, const scene_drive 
 }
 
 /*
- * Add the voltages of the electrodes of actuators or sensors in an element.
- *   value [electrodes] in  voltages of all electrodes of the list (V)
+ * Add the voltages that the electrodes of actuators or sensors have in an element to the voltages
+ * of its layers. value   [electrodes] in      voltages of the electrodes of all these actuators or
+ * sensors (V) part    [most_parts] work voltage [layers]     in/out  voltages of the layers of the
+ * element (V)
  */
 static void add_electrodes(const stress_field *field, int element, const scene_actuator *actuator,
                            int count, const double *value, design_part *part, double *voltage)
@@ -129,7 +142,10 @@ static void add_electrodes(const stress_field *field, int element, const scene_a
                       voltage);
 }
 
-/* Temperatures of the two faces of the package under all temperature inputs and loads. */
+/*
+ * Add the temperatures of the inner and of the outer face of the package under all temperature
+ * inputs and temperature loads (temperature [2] in/out, K).
+ */
 static void add_temperatures(const stress_state *state, double temperature[2])
 {
     const design *design = state->design;
@@ -146,7 +162,10 @@ static void add_temperatures(const stress_state *state, double temperature[2])
     }
 }
 
-/* Largest number of electrodes of one grid of patches that cover parts of one element. */
+/*
+ * Return the largest number of electrodes of one grid of patches that cover parts of the same
+ * element.
+ */
 static int most_parts(const design *design)
 {
     int most = 1;
@@ -176,7 +195,10 @@ static int fill_voltages(stress_field *field)
 
 /* ---- element states --------------------------------------------------------- */
 
-/* Add the prescribed resultants of one field, times a factor, to resultants times the area [10]. */
+/*
+ * Add the prescribed resultants of a field in an element, multiplied by a factor, to a sum of
+ * resultants times the area of the element (resultant [10] in/out).
+ */
 static void add_prescribed(const mesh *mesh, int element, const laminate_field *given,
                            double factor, double resultant[10])
 {
@@ -186,7 +208,10 @@ static void add_prescribed(const mesh *mesh, int element, const laminate_field *
         resultant[i] += factor * h0[i];
 }
 
-/* Thickness of the plies that are present, weighted with the area ratio at their heights. */
+/*
+ * Return the thickness of the plies that are present in an element, in which each height counts by
+ * its area over that of the reference surface (m).
+ */
 static double present_thickness(const mesh *mesh, int element)
 {
     const laminate_place *place = place_of(mesh, element);
@@ -203,7 +228,10 @@ static double present_thickness(const mesh *mesh, int element)
     return sum;
 }
 
-/* Stress resultants of an element: stiffness of mode 00 times the strains, and those prescribed. */
+/*
+ * Compute the stress resultants of an element: the stiffness of the strain mode 00 times the
+ * strains, plus the resultants that voltages and temperatures prescribe.
+ */
 static void fill_resultants(const stress_field *field, int element)
 {
     const mesh *mesh = &field->state.design->mesh;
@@ -243,7 +271,10 @@ static void fill_element(const stress_field *field, int element)
 
 /* ---- plies -------------------------------------------------------------------- */
 
-/* Prescribed stress of a layer at height z (Pa), shell axes, from its voltage and temperature. */
+/*
+ * Compute the stress that the voltage and the temperature of a layer prescribe at height z while
+ * the strains are zero, in the shell axes (stress [6] out, Pa).
+ */
 static void prescribed_stress(const stress_field *field, int element, int layer, double z,
                               double stress[6])
 {
@@ -259,7 +290,7 @@ static void prescribed_stress(const stress_field *field, int element, int layer,
         stress[i] = ply->stress_per_voltage[i] * voltage + ply->stress_per_kelvin[i] * kelvin;
 }
 
-/* Product of a symmetric 6 x 6 matrix and a vector, plus another vector. */
+/* Compute a symmetric 6 x 6 matrix times a vector, plus another vector (sum [6] out). */
 static void product_plus(const double matrix[6][6], const double vector[6], const double plus[6],
                          double sum[6])
 {
@@ -271,8 +302,9 @@ static void product_plus(const double matrix[6][6], const double vector[6], cons
 }
 
 /*
- * Strain and stress of a layer at height z in the shell axes, without the transverse shears. With
- * the element option lin33 the strain 33 follows from the normal stress that all plies share.
+ * Compute the strain and the stress of a layer at height z in the shell axes, with transverse shear
+ * strains of zero. With the element option lin33 the thickness strain 33 of the layer follows from
+ * the normal stress 33 that all plies share.
  */
 static void ply_state(const stress_field *field, int element, int layer, double z, double strain[6],
                       double stress[6])
@@ -326,8 +358,8 @@ static void fill_samples(const stress_field *field, int element)
 }
 
 /*
- * Electric displacement along e3 at the middle of a layer, from its strains in the shell axes
- * (laminate_ply states the signs).
+ * Return the electric displacement along e3 at the middle of a layer (C/m2), from the strain of the
+ * layer in the shell axes. The signs of the piezoelectric terms are stated at laminate_ply.
  */
 static double electric_displacement(const stress_field *field, int element, int layer, double z,
                                     const double strain[6])
@@ -347,7 +379,10 @@ static double electric_displacement(const stress_field *field, int element, int 
     return sum;
 }
 
-/* Transverse shear strains 23 and 13 of a layer from its transverse shear stresses. */
+/*
+ * Compute the transverse shear strains 23 and 13 of a layer from its transverse shear stresses 13
+ * and 23.
+ */
 static void shear_strains(const laminate_ply *ply, const double shear[2], double strain[6])
 {
     const double size = ply->c[3][3] * ply->c[4][4] - ply->c[3][4] * ply->c[4][3];
@@ -413,7 +448,7 @@ int stress_neighbours(const stress_field *field, int element, int list[STRESS_NE
     return count;
 }
 
-/* List the elements at each node. */
+/* List the elements at each node of the mesh in field->node_element, with field->node_start. */
 static void fill_node_elements(stress_field *field)
 {
     const mesh *mesh = &field->state.design->mesh;

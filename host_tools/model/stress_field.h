@@ -16,31 +16,38 @@
 #include <stdbool.h>
 #include "design.h"
 
-/* Heights in a layer at which stresses are recovered: its inner face, its middle, its outer face.
+/*
+ * Number of heights in a layer at which stresses are recovered: its inner face, its middle and its
+ * outer face.
  */
 enum { STRESS_HEIGHTS = 3 };
 extern const char *const stress_height_name[STRESS_HEIGHTS];
 
-/* Names of the six components of a stress or strain in the Voigt order: 11 22 33 23 13 12. */
+/*
+ * Number of components of a stress or strain, and their names in the Voigt order 11 22 33 23 13 12.
+ */
 enum { STRESS_COMPONENTS = 6 };
 extern const char *const stress_component_name[STRESS_COMPONENTS];
 
-/* Displacement of a solved structure, and the input values that belong to it. */
+/* Displacement of a solved structure, and the input values that belong to this displacement. */
 typedef struct stress_state {
     const design *design;
     const double *displacement; /* [free_dof] displacement vector of the structure */
     const double *input_value;  /* [inputs] voltages (V), load factors and temperatures (K) under
                                    which the displacement was computed */
-    bool is_nonlinear; /* true: Green-Lagrange strains; false: strains linear in the displacement */
+    bool is_nonlinear; /* true: strains are those of Green and Lagrange; false: strains are linear
+                          in the displacement */
 } stress_state;
 
-/* State of one element at its centre. */
+/* State of one element at its centre: place, axes, strains and resultants. */
 typedef struct stress_element {
     double place[3];   /* position of the centre on the reference surface (scene unit of length) */
-    double axis[3][3]; /* unit vectors of the shell axes 1, 2, 3, from which ply angles count */
+    double axis[3][3]; /* unit vectors of the shell axes 1, 2 and 3 as rows; ply angles count from
+                          axis 1 */
     double strain[10]; /* strains in the order of pzs_element_type.d (1) */
-    double resultant[10];  /* stress resultants conjugate to the strains, per area (N/m) */
-    double normal_stress;  /* normal stress 33 that all plies share (Pa) */
+    double resultant[10]; /* stress resultants conjugate to the ten strains, per area of the element
+                             (N/m) */
+    double normal_stress; /* normal stress 33 that all plies of the element share (Pa) */
     double temperature[2]; /* temperatures of the inner and of the outer face of the package (K) */
 } stress_element;
 
@@ -57,32 +64,36 @@ typedef struct stress_layer {
     double displacement; /* electric displacement along e3 at the middle of the layer (C/m2) */
 } stress_layer;
 
-/* In-plane stresses 11 22 12 in the shell axes, shears 13 23 and normal stress 33 at one height. */
+/*
+ * Stresses at one height of a layer in the shell axes: in-plane stresses 11 22 12, transverse shear
+ * stresses 13 23, normal stress 33 (Pa).
+ */
 typedef struct stress_sample {
     double plane[3], shear[2], normal;
 } stress_sample;
 
 /*
- * Recovered stresses of a structure. Neighbours of an element are those that share a node with it,
- * have the same plies under the same voltages, and lie in about the same plane; gradients and
- * averages at nodes are formed among neighbours alone.
+ * Recovered stresses of a structure. Neighbours of an element are elements that share a node with
+ * it, have equal plies under equal voltages, and lie in about the same plane. Gradients, and
+ * averages at nodes, are formed among neighbours alone.
  */
 typedef struct stress_field {
     stress_state state;
     int elements, layers;
     stress_element *element; /* [elements] state of each element at its centre */
-    double *voltage;         /* [elements][layers] voltage across each layer (V); an electrode that
-                                covers a part of an element counts by this part */
+    double *voltage; /* [elements][layers] voltage across each layer (V), multiplied by the part of
+                        the element that the electrode covers */
     stress_sample *sample; /* [elements][layers][STRESS_HEIGHTS] stresses in the shell axes; zero in
-                              layers that are absent in an element */
-    int *node_start;       /* [nodes + 1] first entry of each node in node_element */
-    int *node_element;     /* elements that have each node as a corner, one node after the other */
+                              layers that are absent in the element */
+    int *node_start;       /* [nodes + 1] index of the first entry of each node in node_element */
+    int *node_element; /* numbers of the elements that have each node as a corner, one node after
+                          the other */
 } stress_field;
 
 /*
- * Compute the states of the elements and their in-plane stresses; the transverse stresses of the
- * samples are not filled. The design and the arrays of the state must outlive the field. Returns 0,
- * or -1 if memory runs out; the field must be freed in both cases.
+ * Compute the states of all elements and the in-plane stresses of their layers; the transverse
+ * stresses of the samples are not filled. The design and the arrays of the state must outlive the
+ * field. Returns 0, or -1 if memory runs out; the field must be freed in both cases.
  */
 int stress_field_fill(stress_field *field, const stress_state *state);
 void stress_free(stress_field *field);
@@ -90,24 +101,36 @@ void stress_free(stress_field *field);
 /* Whether a layer is present in an element. */
 bool stress_is_present(const stress_field *field, int element, int layer);
 
-/* Results of a layer that is present at the centre of an element. */
+/*
+ * Compute the stresses, strains and electric quantities of a layer that is present in an element,
+ * at the centre of the element.
+ */
 void stress_layer_of(const stress_field *field, int element, int layer, stress_layer *result);
 
-/* Height of a point of a layer above the reference surface; `height` is 0 (inner face) to 2. */
+/*
+ * Return the height of a point of a layer above the reference surface (m); `height` is 0 at the
+ * inner face, 1 at the middle and 2 at the outer face of the layer.
+ */
 double stress_height(const stress_field *field, int layer, int height);
 
-/* Whether two elements that share a node are neighbours (see stress_field). */
+/*
+ * Return whether two elements that share a node are neighbours: they have equal plies under equal
+ * voltages, and no fold lies between them.
+ */
 bool stress_are_neighbours(const stress_field *field, int first, int second);
 
 /*
- * List the neighbours of an element, without the element itself.
- *   list [STRESS_NEIGHBOURS] out
- * Returns their number.
+ * List the neighbours of an element (as stress_are_neighbours tells), without the element itself.
+ *   list [STRESS_NEIGHBOURS] out  numbers of the neighbours
+ * Returns the number of neighbours.
  */
 enum { STRESS_NEIGHBOURS = 64 };
 int stress_neighbours(const stress_field *field, int element, int list[STRESS_NEIGHBOURS]);
 
-/* Position of the centre and shell axes (rows 1, 2, 3) of an element. */
+/*
+ * Compute the centre of an element, the mean of its corners, and its shell axes 1, 2 and 3 (rows of
+ * axis).
+ */
 void stress_axes(const mesh *mesh, int element, double place[3], double axis[3][3]);
 
 #endif

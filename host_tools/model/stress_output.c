@@ -4,7 +4,7 @@
 #include "strain.h"
 #include "stress_summary.h"
 
-/* Value of an output of a stress in one element. */
+/* Return the value of an output of a stress in one element. */
 static double stress_in(const stress_field *field, const scene_output *output, int element)
 {
     stress_layer layer;
@@ -14,7 +14,9 @@ static double stress_in(const stress_field *field, const scene_output *output, i
                                                            : stress_mises(stress);
 }
 
-/* Value of an output of a strain or stress at a node. */
+/*
+ * Return the value of an output of a strain or stress at a node, in the solved state of the field.
+ */
 static double value_at(const stress_field *field, const scene_output *output, int node)
 {
     const mesh *mesh = &field->state.design->mesh;

@@ -10,7 +10,7 @@ static double area_of(const stress_field *field, int element)
     return mesh->place[mesh->element_type[element]].area;
 }
 
-/* Set the point of an element at one of its nodes. */
+/* Set the number of the point that an element has at one of its nodes. */
 static void set_point(stress_points *points, const stress_field *field, int element, int node,
                       int point)
 {
@@ -20,7 +20,10 @@ static void set_point(stress_points *points, const stress_field *field, int elem
             points->corner[element][k] = point;
 }
 
-/* Point of an element at one of its nodes, or -1 if it has none yet. */
+/*
+ * Return the number of the point that an element has at one of its nodes, or -1 if the element has
+ * none there yet.
+ */
 static int point_of(const stress_points *points, const stress_field *field, int element, int node)
 {
     const uint16_t *corner = field->state.design->mesh.element[element];
@@ -30,7 +33,10 @@ static int point_of(const stress_points *points, const stress_field *field, int 
     return -1;
 }
 
-/* Give the elements at a node their points: one for each group of neighbours. */
+/*
+ * Give the elements at a node their points: one point for each group of elements that are
+ * neighbours of each other.
+ */
 static void split_node(stress_points *points, const stress_field *field, int node)
 {
     const int *list = field->node_element + field->node_start[node];

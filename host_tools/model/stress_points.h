@@ -16,12 +16,15 @@ typedef struct stress_points {
     double *area;     /* [count] sum of the areas of the elements of each point (m2) */
 } stress_points;
 
-/* Returns 0, or -1 if memory runs out; the points must be freed in both cases. */
+/*
+ * Find the points of all elements. Returns 0, or -1 if memory runs out; the points must be freed in
+ * both cases.
+ */
 int stress_points_make(stress_points *points, const stress_field *field);
 void stress_points_free(stress_points *points);
 
 /*
- * Average values of elements at the points.
+ * Average values of elements at the points, weighted with the areas of the elements.
  *   of_element [elements][components] in
  *   of_point   [count][components]    out
  */

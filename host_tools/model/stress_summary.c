@@ -56,7 +56,10 @@ bool stress_load(const stress_field *field, double *value)
     return has_strength;
 }
 
-/* Store a value if `order` times the value is above `order` times the one that is stored. */
+/*
+ * Store a value and its place if no value is stored yet, or if `order` times the value exceeds
+ * `order` times the stored one: order 1 keeps the largest value, order -1 the smallest.
+ */
 static void keep(stress_extreme *extreme, double order, double value, stress_extreme place)
 {
     if (extreme->element >= 0 && !(order * value > order * extreme->value))
@@ -65,7 +68,10 @@ static void keep(stress_extreme *extreme, double order, double value, stress_ext
     extreme->value = value;
 }
 
-/* Store the value of larger magnitude. */
+/*
+ * Store a value and its place if no value is stored yet, or if the magnitude of the value exceeds
+ * that of the stored one.
+ */
 static void keep_larger(stress_extreme *extreme, double value, stress_extreme place)
 {
     if (extreme->element < 0 || fabs(value) > fabs(extreme->value)) {

@@ -5,10 +5,10 @@
 
 #include "stress_field.h"
 
-/* A value and the place where it was found; element -1: there is no value. */
+/* A value and the place where it was found; the member `element` is -1 where there is no value. */
 typedef struct stress_extreme {
     double value;
-    int element, layer, height; /* height: 0 inner face, 1 middle, 2 outer face of the layer */
+    int element, layer, height; /* height in the layer: 0 inner face, 1 middle, 2 outer face */
 } stress_extreme;
 
 typedef struct stress_summary {

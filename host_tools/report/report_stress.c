@@ -6,7 +6,10 @@
 #include "../text/words.h"
 #include "report_page.h"
 
-/* Average the load on the elements at the nodes, weighted with areas (value [nodes] out). */
+/*
+ * Average values of the elements at the nodes, weighted with the areas of the elements (load
+ * [elements] in, value [nodes] out).
+ */
 static void average_load(const stress_field *field, const double *load, double *value)
 {
     const mesh *mesh = &field->state.design->mesh;
@@ -76,7 +79,7 @@ static void write_components(const page *page, const stress_summary *summary)
     put_table_end(page->file);
 }
 
-/* Value of an extreme, NAN where there is none. */
+/* Return the value of an extreme, or NAN where the summary has none. */
 static double value_of(const stress_extreme *found)
 {
     return found->element >= 0 ? found->value : (double)NAN;

@@ -14,9 +14,10 @@ typedef struct stress_file {
     stress_points points;
     report_array *array; /* [room] arrays of the file */
     int arrays, room;
-    char unit[WORDS_UNIT]; /* unit of stresses in parentheses, after a blank; empty without units */
+    char unit[WORDS_UNIT]; /* unit of stresses, in parentheses after a blank; empty if the scene
+                              names no units */
     char field_unit[WORDS_UNIT], flux_unit[WORDS_UNIT]; /* units of electric fields and of electric
-                                                           displacements, in this form */
+                                                           displacements, in parentheses */
     char line_unit[WORDS_UNIT]; /* units of the resultants: of forces, moments and shear forces */
     bool is_full;               /* true after an allocation of memory has failed */
 } stress_file;
@@ -48,7 +49,7 @@ static double *add_array(stress_file *out, bool of_cells, int components, const 
     return array->value;
 }
 
-/* Add the averages at the points of an array of the cells under its name. */
+/* Add an array of the points under the name of the last array: averages of its values in cells. */
 static void add_average(stress_file *out, const double *of_cells)
 {
     const report_array cells = out->array[out->arrays - 1];
@@ -57,7 +58,8 @@ static void add_average(stress_file *out, const double *of_cells)
         stress_points_average(&out->points, out->field, of_cells, cells.components, value);
 }
 
-/* Add stress (or strain) at one height of a layer, in cells and at points. */
+/* Add the stress or the strain at one height of a layer, in the cells and averaged at the points.
+ */
 static void add_height(stress_file *out, int layer, int height, bool is_strain)
 {
     const stress_field *field = out->field;

@@ -455,9 +455,27 @@ static int check_loads(const scene *scene, char *error)
 
 /* ---- kinematics ---- */
 
+/* Refuse strains as readings of a nonlinear plant, in which they are not linear. */
+static int check_readings(const scene *scene, char *error)
+{
+    const bool is_nonlinear =
+        scene->simulate.given && scene->simulate.kinematics != KINEMATICS_LINEAR;
+    for (int i = 0; i < scene->estimate.readings && is_nonlinear; i++) {
+        const scene_output *output = &scene->output[scene->estimate.reading[i].output];
+        if (output->recovered == RECOVERED_STRAIN)
+            return scene_fault(scene->estimate.reading[i].at, error,
+                               "'%s' is a strain, which a nonlinear plant cannot give as a "
+                               "reading; write plant: {kinematics: linear} in simulate",
+                               output->name);
+    }
+    return 0;
+}
+
 static int check_kinematics(const scene *scene, char *error)
 {
     int i;
+    if (check_readings(scene, error) != 0)
+        return -1;
     if (scene->kinematics != KINEMATICS_LINEAR)
         return 0;
     for (i = 0; i < scene->supports; i++)

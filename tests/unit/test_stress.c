@@ -10,6 +10,7 @@
 #include <string.h>
 #include <cmocka.h>
 #include "../../host_tools/mesh/laminate_shear.h"
+#include "../../host_tools/model/estimator.h"
 #include "../../host_tools/model/strain.h"
 #include "../../host_tools/model/stress.h"
 #include "../../host_tools/model/stress_equilibrium.h"
@@ -36,7 +37,7 @@ static void close_both(stress_field *field, scene_run *run)
     scene_run_close(run);
 }
 
-/* Solve a scene and recover its stresses. */
+/* Solve a scene with changes, and recover its stresses; close_both releases both. */
 static stress_field solved(scene_run *run, const char *name, const char *changes)
 {
     solve_run(run, name, changes);
@@ -181,8 +182,9 @@ static void test_tension(void **state)
 /* ---- piezoelectric strains ------------------------------------------------------ */
 
 /*
- * Law: a free homogeneous plate between two electrodes has the strains d E and no stress. The
- * residual of the solver, 1e-12 of the stress of the clamped plate, is the tolerance.
+ * Law: a free homogeneous plate between two electrodes has the strains d E, with d the
+ * piezoelectric constants and E the electric field, and no stress. The tolerance is 100 times the
+ * residual of the solver, 1e-12 of the stress of a clamped plate.
  */
 static void test_free_piezo(void **state)
 {
@@ -576,7 +578,56 @@ static void test_outputs(void **state)
     scene_run_close(&run);
 }
 
-/* Law: wrong outputs and strengths are refused with the reason and the cure. */
+/*
+ * Law: strain gauges are sensors like any other: with eleven of them the shape of a strip under
+ * unknown loads and voltage errors is estimated to 1 % of what these disturbances cause.
+ */
+static void test_gauges(void **state)
+{
+    (void)state;
+    scene_run run;
+    estimator estimator;
+    char error[SCENE_ERROR];
+    solve_run(&run, "tests/rigs/scenes/gauge-strip.yaml", "");
+    assert_int_equal(analysis_influence(&run.analysis, error), 0);
+    assert_int_equal(estimator_open(&estimator, &run.analysis, error), 0);
+    assert_int_equal(estimator.sensors, 11);
+    assert_true(estimator.disturbed > 0);
+    assert_true(estimator.remaining < 0.01 * estimator.disturbed);
+    estimator_close(&estimator);
+    scene_run_close(&run);
+}
+
+/*
+ * Law: a bimorph that voltages roll by more than 1 rad has the stresses of a straight one, E (z
+ * times curvature - free strain), in the turned directions. The Green-Lagrange strain of bending
+ * exceeds z times curvature by (z times curvature)^2/2, 0.4 % of the largest strain.
+ */
+static void test_roll(void **state)
+{
+    (void)state;
+    const double t = 0.5e-3, d = 23e-12, volt = 2e5, modulus = 2e9;
+    const double curvature = -3 * d * volt / (4 * t * t);
+    scene_run run;
+    stress_field field =
+        solved(&run, "tests/rigs/scenes/free-bimorph.yaml",
+               IMPROVED "materials.piezo={E: 2e9, nu: 0, d31: 23e-12};kinematics=nonlinear;"
+                        "actuators.v.applied=2e5;mesh.theta1.elements=12");
+    assert_true(fabs(curvature) * 0.1 > 1);
+    for (int i = 0; i < 6 * field.elements; i++) {
+        const int layer = i / 3 % 2, height = i % 3;
+        const double free_strain = d * (layer ? -1 : 1) * volt / (2 * t);
+        const double wanted =
+            modulus * (stress_height(&field, layer, height) * curvature - free_strain);
+        stress_layer found;
+        stress_layer_of(&field, i / 6, layer, &found);
+        if (fabs(found.at[height].stress[0] - wanted) > 0.005 * modulus * d * volt / (2 * t))
+            fail_msg("stress %g, should be %g", found.at[height].stress[0], wanted);
+    }
+    close_both(&field, &run);
+}
+
+/* Law: wrong outputs, readings and strengths are refused with the reason and the cure. */
 static void test_refusals(void **state)
 {
     (void)state;
@@ -595,6 +646,20 @@ static void test_refusals(void **state)
     };
     scene_run run;
     assert_refused("plate-50-patches", bad, sizeof bad / sizeof *bad);
+    const char *gauges = "tests/rigs/scenes/gauge-strip.yaml";
+    assert_int_equal(scene_run_open(&run, gauges,
+                                    "outputs.gauges={name: gauges, stress: 11, layer: "
+                                    "upper, at: nodes}"),
+                     -1);
+    assert_non_null(strstr(run.error, "is a stress, which no sensor measures"));
+    scene_run_close(&run);
+    assert_int_equal(scene_run_open(&run, gauges, "kinematics=nonlinear"), -1);
+    assert_non_null(strstr(run.error, "linear in the displacement only with kinematics: linear"));
+    scene_run_close(&run);
+    assert_int_equal(
+        scene_run_open(&run, gauges, "simulate={ticks: 9, plant: {kinematics: nonlinear}}"), -1);
+    assert_non_null(strstr(run.error, "which a nonlinear plant cannot give as a reading"));
+    scene_run_close(&run);
     const char *absent = with(gauge, "layers.1.patched=true;patches.0.theta1=[0.04, 0.06]");
     assert_int_equal(scene_run_open(&run, PLATE, absent), -1);
     if (!strstr(run.error, "layer 'upper' of output 'g' is absent at theta1 = 0.02"))
@@ -611,7 +676,8 @@ int main(void)
         cmocka_unit_test(test_rotation),   cmocka_unit_test(test_exact),
         cmocka_unit_test(test_order),      cmocka_unit_test(test_reserve),
         cmocka_unit_test(test_borders),    cmocka_unit_test(test_outputs),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_refusals),   cmocka_unit_test(test_gauges),
+        cmocka_unit_test(test_roll),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
