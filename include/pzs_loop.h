@@ -892,7 +892,9 @@ extern const pzs_block_type pzs_amplifier_block;
  * command of that size, is detected within 12 ticks plus the delay of the sensors: 2 for the
  * suspicion, 9 for the test and 1 to hold it. While more than an eighth of the outputs is not
  * measured, no electrode is observed. The detector assumes static shapes: on a structure that
- * vibrates, or with strong hysteresis, it suspects healthy electrodes.
+ * vibrates, or with strong hysteresis, it suspects healthy electrodes. Behind the vibration block,
+ * whose static shape changes slowly, the detector finds nothing; pzs_selftest_repeat then tests the
+ * electrodes.
  */
 #define PZS_DELAY_LIMIT 16 /* largest delay of the measurements that the blocks accept (ticks) */
 
@@ -1090,6 +1092,17 @@ typedef struct pzs_selftest {
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_selftest_accept(pzs_selftest *selftest);
+
+/*
+ * Repeat the test at the present voltages, for example once a day while the target stands still, or
+ * where an electrode is suspected. The loop is out of control during the test: the other amplifiers
+ * keep their voltages. If all is well, the loop continues afterwards. Otherwise the voltages stay
+ * as they are until pzs_selftest_accept. An amplifier that is held is not tested. The range of the
+ * present voltages to a limit must exceed the height of a pulse, in either direction.
+ *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ */
+pzs_status pzs_selftest_repeat(pzs_selftest *selftest);
 
 /*
  * The self-test as a block of the loop, in PZS_PHASE_COMMISSION, the first of a list. Tables:

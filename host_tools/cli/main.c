@@ -712,7 +712,11 @@ static int judge_loop(analysis *analysis, char *error)
     if (analysis->design.problem.inputs == 0)
         return 0;
     certificate_make(&analysis->certificate, analysis);
-    if (analysis->quasi_static || !certificate_refuses(certificate) || is_damped(analysis, reason))
+    if (analysis->quasi_static || !certificate_refuses(certificate))
+        return 0;
+    if (damper_allows_blocks(analysis, error) < 0)
+        return -1;
+    if (is_damped(analysis, reason))
         return 0;
     return scene_fault(
         design->simulate.at, error,

@@ -311,7 +311,8 @@ static void add_reading(pzs_selftest_state *state, uint32_t i, pzs_real reading,
 
 /*
  * End a window: its sums become the response to a pulse, or, in a window without a pulse, the
- * response to noise and vibration.
+ * response to noise and vibration. The noise of the sensors is measured in the last window alone,
+ * because high modes may still vibrate at the beginning.
  */
 static void end_window(pzs_selftest *selftest, uint32_t window)
 {
@@ -329,6 +330,8 @@ static void end_window(pzs_selftest *selftest, uint32_t window)
             state->null[i] = energy;
         state->even[i] = 0;
         state->odd[i] = 0;
+        if (window + 1u == inputs + WINDOWS_BEFORE)
+            state->noise[i] = 0;
     }
     state->pulse = 0;
 }
@@ -461,7 +464,7 @@ static void mark_sensors(pzs_selftest *selftest)
 {
     pzs_selftest_state *state = &selftest->state;
     const uint32_t sensors = state->tables->sensors;
-    const pzs_real count = 6 * (pzs_real)measuring_ticks(state->tables);
+    const pzs_real count = 6 * (pzs_real)state->tables->pulse_ticks;
     pzs_real sum = 0;
     for (uint32_t i = 0; i < sensors; i++) {
         state->noise[i] /= count;
@@ -821,27 +824,46 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
     return PZS_SELFTEST_BLOCK_BYTES(selftest->inputs, selftest->sensors);
 }
 
+/* Begin a test at the present voltages of the controller. */
+static void begin(pzs_selftest *selftest)
+{
+    pzs_selftest_state *state = &selftest->state;
+    const size_t inputs = state->tables->inputs, sensors = state->tables->sensors;
+    memset(state->response, 0, ((inputs + 7u) * sensors + inputs) * sizeof(pzs_real));
+    memset(state->amplifier, 0, (inputs + sensors) * sizeof(pzs_wiring));
+    memset(state->core, 0, sizeof state->core);
+    memcpy(state->start, state->control->state.voltage, inputs * sizeof(pzs_real));
+    for (size_t i = 0; i < sensors; i++)
+        state->last[i] = (pzs_real)NAN;
+    for (size_t k = 0; k < inputs + sensors; k++) {
+        state->amplifier[k].other = PZS_WIRING_NONE;
+        state->amplifier[k].similar = PZS_WIRING_NONE;
+    }
+    state->pulse = 0;
+    selftest->info.findings = 0;
+    selftest->info.gain = 1;
+    report(selftest);
+}
+
+pzs_status pzs_selftest_repeat(pzs_selftest *selftest)
+{
+    if (selftest == NULL)
+        return PZS_E_ARGUMENT;
+    if (selftest->state.control == NULL)
+        return PZS_E_STAGE;
+    begin(selftest);
+    return PZS_OK;
+}
+
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
-    const pzs_selftest_tables *selftest_tables = tables;
     pzs_selftest *selftest = self;
-    const pzs_status status = check(selftest_tables, signals, &signals->where);
+    const pzs_status status = check(tables, signals, &signals->where);
     if (status != PZS_OK)
         return status;
-    memset(selftest, 0,
-           PZS_SELFTEST_BLOCK_BYTES(selftest_tables->inputs, selftest_tables->sensors));
+    memset(selftest, 0, sizeof *selftest);
     place(selftest, signals);
-    memcpy(selftest->state.start, signals->control->state.voltage,
-           selftest_tables->inputs * sizeof(pzs_real));
-    for (uint32_t i = 0; i < selftest_tables->sensors; i++)
-        selftest->state.last[i] = (pzs_real)NAN;
-    for (uint32_t k = 0; k < (uint32_t)selftest_tables->inputs + selftest_tables->sensors; k++) {
-        selftest->state.amplifier[k].other = PZS_WIRING_NONE;
-        selftest->state.amplifier[k].similar = PZS_WIRING_NONE;
-    }
-    selftest->info.gain = 1;
-    copy_core(selftest);
-    report(selftest);
+    begin(selftest);
     return PZS_OK;
 }
 

@@ -470,6 +470,8 @@ check 'simulate: a plant with inertia, its modes and its vibration over time' $?
 run 0 simulate plate-closed-loop ${quick% --set simulate.events*} --set 'safety={}'; check 'safety: no false alarm in the shipped schedule of faults' $?
 # shellcheck disable=SC2086
 wired="$quick --set simulate.ticks=20"
+run 2 tables plate-closed-loop $quick --image control -o "$dir/none.h" --set 'simulate.events=[{at: 5, dead: [v_1_1], announced: detected}]' --set simulate.plant.inertia=true &&
+    says 'in a loop that damps vibration'; check 'a fault detector in a damped loop: exit 2' $?
 run 0 check plate-closed-loop $quick --set 'safety={selftest: {amplitude: 5, pulse_ticks: 20}}' && grep -q 'pulses of 5 V, 20 ticks each, 8[0-9][0-9] ticks' "$dir/out"
 check 'self-test: check prints its duration' $?
 run 0 simulate plate-closed-loop $wired --set 'safety={selftest: {amplitude: 5, pulse_ticks: 20}}' && grep -q 'self-test before the loop.*passed' "$dir/out"
