@@ -194,37 +194,34 @@ void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale)
 }
 
 /*
- * Add the absolute values of the entries of one panel to the sums of their rows and of their
- * columns; an entry on the diagonal counts once. The entries are read in the order of memory.
- *   sum [rows of the matrix] in/out  sums
+ * Add the absolute values of the entries in column k of a panel to the sums of their rows and of
+ * their column; an entry on the diagonal counts once.
+ *   entry [PZS_TILE]           in      the entries, of which those above the diagonal are not used
+ *   sum   [rows of the matrix] in/out  sums
  */
-static void add_panel_sums(const pzs_envelope *matrix, uint32_t panel, pzs_real *sum)
+static void add_sizes(const pzs_real *entry, uint32_t row, uint32_t past, uint32_t k, pzs_real *sum)
 {
-    const uint32_t row = panel * PZS_TILE, rows = smaller(PZS_TILE, matrix->n - row);
-    uint32_t k = leftmost_column(matrix, panel);
-    const pzs_real *entry = column(matrix, panel, k);
-
-    for (; k < row; k++, entry += PZS_TILE)
-        for (uint32_t i = 0; i < rows; i++) {
-            sum[row + i] += PZS_ABS(entry[i]);
-            sum[k] += PZS_ABS(entry[i]);
-        }
-    for (; k < row + rows; k++, entry += PZS_TILE) {
-        sum[k] += PZS_ABS(entry[k - row]);
-        for (uint32_t i = k - row + 1u; i < rows; i++) {
-            sum[row + i] += PZS_ABS(entry[i]);
-            sum[k] += PZS_ABS(entry[i]);
-        }
+    for (uint32_t i = k > row ? k : row; i < past; i++) {
+        const pzs_real size = PZS_ABS(entry[i - row]);
+        sum[i] += size;
+        if (i != k)
+            sum[k] += size;
     }
 }
 
+/* The entries are read in the order of memory, panel by panel and column by column. */
 pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 {
+    const pzs_real *entry = matrix->value;
     pzs_real norm = 0;
 
     memset(sum, 0, matrix->n * sizeof *sum);
-    for (uint32_t panel = 0; panel < panel_count(matrix->n); panel++)
-        add_panel_sums(matrix, panel, sum);
+    for (uint32_t row = 0; row < matrix->n; row += PZS_TILE) {
+        const uint32_t past = smaller(row + PZS_TILE, matrix->n);
+        for (uint32_t k = leftmost_column(matrix, row / PZS_TILE); k < row + PZS_TILE;
+             k++, entry += PZS_TILE)
+            add_sizes(entry, row, past, k, sum);
+    }
     for (uint32_t i = 0; i < matrix->n; i++) {
         if (!(sum[i] <= REAL_MOST))
             return sum[i];
@@ -340,15 +337,13 @@ static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t pa
 
     for (; panel < past; panel++) {
         const uint32_t own_first = leftmost_column(matrix, panel);
-        const uint32_t count = at - (own_first > first ? own_first : first);
         if (own_first > at)
             continue;
-        if (!pzs_linalg_has_wide()) {
-            eliminate(column(matrix, panel, at), lower, count);
-            continue;
-        }
-        pair[waiting++] = (wide_strip){column(matrix, panel, at), count};
-        if (waiting == 2u) {
+        pair[waiting].entry = column(matrix, panel, at);
+        pair[waiting].count = at - (own_first > first ? own_first : first);
+        if (!pzs_linalg_has_wide())
+            eliminate(pair[0].entry, lower, pair[0].count);
+        else if (++waiting == 2u) {
             pzs_linalg_wide(pair, lower);
             waiting = 0;
         }
@@ -358,25 +353,29 @@ static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t pa
 }
 
 /*
- * Eliminate the columns `left` to `right` - 1, both multiples of PZS_TILE, of the panels `panel` to
- * `past` - 1, whose diagonal tiles lie further right. Each strip of columns is eliminated from all
- * of these panels while the factors of its rows are in the cache.
+ * Return the first of the columns that are to be eliminated before a panel can be finished: those
+ * of the panel before it, and before the first panel of a group all columns left of the group.
  */
-static void eliminate_columns(const pzs_envelope *matrix, uint32_t left, uint32_t right,
-                              uint32_t panel, uint32_t past)
-{
-    for (uint32_t at = left; at < right; at += STRIP)
-        eliminate_strip(matrix, at, panel, past);
-}
-
-/* Eliminate all columns left of the first panel of a group, from the panels of the group. */
-static void eliminate_left(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
+static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {
     uint32_t left = panel * PZS_TILE;
 
-    for (uint32_t own = panel; own < past; own++)
-        left = smaller(left, leftmost_column(matrix, own));
-    eliminate_columns(matrix, left, panel * PZS_TILE, panel, past);
+    if (panel % GROUP != 0)
+        return left - PZS_TILE;
+    for (; panel < past; panel++)
+        left = smaller(left, leftmost_column(matrix, panel));
+    return left;
+}
+
+/*
+ * Eliminate the columns left of a panel from this panel and the next ones of its group, up to panel
+ * `past` - 1, as far as that has not been done for the panels before. Each strip of columns is
+ * eliminated from all of these panels while the factors of its rows are in the cache.
+ */
+static void eliminate_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
+{
+    for (uint32_t at = first_of_columns(matrix, panel, past); at < panel * PZS_TILE; at += STRIP)
+        eliminate_strip(matrix, at, panel, past);
 }
 
 linalg_inertia pzs_linalg_factor(pzs_envelope *matrix)
@@ -400,9 +399,9 @@ linalg_inertia pzs_linalg_factor(pzs_envelope *matrix)
             least[local] = tolerance * PZS_ABS(tile[local * PZS_TILE + local]);
             diagonal = larger(diagonal, PZS_ABS(tile[local * PZS_TILE + local]));
         }
-        if (panel % GROUP == 0)
-            eliminate_left(matrix, panel, past);
-        eliminate_diagonal(tile, column(matrix, panel, left), matrix->inverse + left, row - left);
+        eliminate_columns(matrix, panel, past);
+        eliminate_diagonal(tile, matrix->value + matrix->start[panel], matrix->inverse + left,
+                           row - left);
         usable = factor_tile(tile, least, matrix->inverse + row, rows);
         for (uint32_t local = 0; local < usable; local++) {
             pivot = larger(pivot, PZS_ABS(tile[local * PZS_TILE + local]));
@@ -411,8 +410,6 @@ linalg_inertia pzs_linalg_factor(pzs_envelope *matrix)
         }
         if (usable < rows)
             found.zero = (int32_t)(row + usable);
-        else
-            eliminate_columns(matrix, row, row + PZS_TILE, panel + 1u, past);
     }
     if (diagonal > 0)
         found.growth = pivot / diagonal;
