@@ -262,7 +262,7 @@ static int require_set(reader *reader, int node, const scene_where *where, bool 
                               : quad_set_find(mesh->edge_set, mesh->edge_sets, where->set);
     if (set && set->count > 0)
         return 0;
-    return tree_fault(reader->t, node, "set '%s' of the mesh file has no %s, which this load needs",
+    return tree_fault(reader->t, node, "set '%s' of the mesh has no %s, which this load needs",
                       where->set, of_elements ? "elements" : "edges");
 }
 

@@ -259,7 +259,7 @@ static int check_set(reader *reader, int node, const quad_set *set)
 {
     if (set->count > 0)
         return 0;
-    return tree_fault(reader->t, node, "set '%s' of the mesh file has no elements", set->name);
+    return tree_fault(reader->t, node, "set '%s' of the mesh has no elements", set->name);
 }
 
 /*

@@ -308,7 +308,7 @@ static int find_nodes(triads *triads, const scene_support *support)
     const bool needs_edges = support->fix & (FIX_SIMPLE | FIX_SYMMETRIC) &&
                              vector_dot(support->direction, support->direction) == 0;
     if (scene_mark_nodes(triads->scene, &support->where, triads->in_set) == 0)
-        return scene_fault(support->at, triads->error, "set '%s' of the mesh file has no nodes",
+        return scene_fault(support->at, triads->error, "set '%s' of the mesh has no nodes",
                            support->where.set);
     if (!needs_edges || find_normals(triads, support) > 0)
         return 0;

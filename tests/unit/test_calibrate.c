@@ -282,6 +282,22 @@ static void fit_model(calibration_model *model, const scene_run *nominal, const 
         fail_msg("%s", error);
 }
 
+/* Root mean square of the measured shapes over that of the shapes under the voltages of a matrix.
+ */
+static double size_over(const pokes *p, const double *influence, size_t stride)
+{
+    double measured = 0, predicted = 0;
+    for (size_t poke = 0; poke < p->count; poke++)
+        for (size_t i = 0; i < p->outputs; i++) {
+            double shape = 0;
+            for (size_t k = 0; k < p->actuators; k++)
+                shape += influence[i * stride + k] * p->voltage[poke * p->actuators + k];
+            predicted += shape * shape;
+            measured += pow(p->shape[poke * p->outputs + i], 2);
+        }
+    return sqrt(measured / predicted);
+}
+
 /*
  * Law: four random pokes of 25 actuators with 1e-3 of noise bring the error of the influence from
  * about 20 % to below 1 %, by the factors of the materials.
@@ -303,6 +319,9 @@ static void test_few_pokes(void **state)
     assert_int_equal(calibrate(&c, &acting, model.influence, error), 0);
     const double *b0 = nominal.analysis.influence;
     double apart = 0, size = 0;
+    const size_t stride = nominal.analysis.design.structure.input.count;
+    assert_near("size of the shapes", model.size, size_over(&e.pokes, b0, stride), 1e-9);
+    assert_true(!calibration_is_idle(&e.pokes, 0));
     for (size_t i = 0; i < e.pokes.outputs; i++)
         for (size_t k = 0; k < e.pokes.actuators; k++) {
             const double truth = e.truth[i * e.pokes.actuators + k];

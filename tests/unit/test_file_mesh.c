@@ -385,7 +385,7 @@ static const struct {
      "node 1 of the mesh file has another support whose direction is turned by 45.0 degrees"},
     {"mesh: {file: grid.msh}\nsupports: [{set: origin, fix: simple}]\n", "this set has no edges"},
     {"mesh: {file: grid.msh}\nloads: [{line: all, z: 1}]\n",
-     "set 'all' of the mesh file has no edges"},
+     "set 'all' of the mesh has no edges"},
     {"mesh: {file: grid.msh}\nloads: [{point: {set: low1}, z: 1}]\n", "set 'low1' has 4 nodes"},
     {"mesh: {file: grid.msh}\nloads: [{point: {x: 5, y: 0, z: 0}, z: 1}]\n",
      "(5, 0, 0) is not on the mesh; the nearest node is (1, 0, 0)"},
