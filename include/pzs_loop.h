@@ -1042,7 +1042,7 @@ typedef struct pzs_selftest_tables {
     const pzs_real *noise;   /* [sensors] largest plausible RMS noise of each sensor (unit of each
                                 sensor) */
     pzs_real gain_tolerance; /* largest plausible deviation of a gain from the mean gain of all
-                           amplifiers, relative to the latter, above 0 (1) */
+                                amplifiers, relative to the latter, above 0 (1) */
 } pzs_selftest_tables;
 
 #define PZS_LEAST_PULSE_TICKS 16u /* shortest duration of a pulse (ticks) */

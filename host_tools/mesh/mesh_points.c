@@ -13,8 +13,8 @@ static void fill(mesh *mesh)
         mesh->node_dof[node] = (uint16_t)node;
         for (int axis = 0; axis < 3; axis++) {
             mesh->point[node].position[axis] = influence->place ? influence->place[node][axis] : 0;
-            mesh->point[node].triad[axis][(axis + 2) % 3] = 1; /* the only dof of a node acts along
-                                                              e1, which is set to the z axis */
+            /* The only dof of a node acts along e1, which is set to the z axis. */
+            mesh->point[node].triad[axis][(axis + 2) % 3] = 1;
         }
         if (!influence->place)
             mesh->point[node].position[0] = node;

@@ -148,11 +148,11 @@ static double constrained_change(const arc_search *arc_search, double arc)
                         2 * scalar_product(arc_search, increment, residual) +
                         scalar_product(arc_search, residual, residual) - arc * arc;
     const double root = sqrt(half * half - load2 * rest);
-    const double along = scalar_product(arc_search, increment, load); /* scalar product of the
-                                                          increment and the change of displacement
-                                                          per unit of the load factor; its sign
-                                                          decides which of the two solutions turns
-                                                          the increment less */
+    /*
+     * Scalar product of the increment and the change of displacement per unit of the load factor;
+     * its sign decides which of the two solutions turns the increment less.
+     */
+    const double along = scalar_product(arc_search, increment, load);
     return (-half + (along < 0 ? -root : root)) / load2;
 }
 

@@ -41,10 +41,10 @@ static const double held_below = 1e10;
 static const double two_pi = 6.283185307179586;
 
 /*
- * State of the Lanczos search for the lowest modes. Column j of h holds the products of A times
- * basis vector j with the basis, where A = (K + shift M)^-1 M with stiffness matrix K and mass
- * matrix M, for the first `done` vectors. The rows from `done` on measure how far the span of these
- * vectors is from being invariant under A.
+ * State of the Lanczos search for the lowest modes. Column j of the projection holds the products
+ * of A times basis vector j with the basis, where A = (K + shift M)^-1 M with stiffness matrix K
+ * and mass matrix M, for the first `done` vectors. The rows from `done` on measure how far the span
+ * of these vectors is from being invariant under A.
  */
 typedef struct search {
     const design *design;
@@ -55,16 +55,15 @@ typedef struct search {
                       for vibration */
     size_t free_dof, room; /* number of free dof; number of basis vectors that the memory holds */
     double shift;
-    double *basis; /* [room][n] basis vectors, orthonormal in the scalar product of the mass matrix
-                    */
+    double *basis; /* [room][free_dof] basis vectors, orthonormal with the mass matrix */
     size_t made, done;
-    double *projection; /* [room][room] projection of the operator onto the basis; column j begins
-                  at h + j room */
-    double *next, *mass_next; /* [n] work vectors: the next basis vector, and its product with the
-                               * mass matrix
-                               */
-    double *ritz, *turn;      /* ritz [done][done]: Ritz values on the diagonal; turn [done][done]:
-                                 eigenvectors as columns */
+    double *projection;  /* [room][room] projection of the operator onto the basis; column j begins
+                            at projection + j room */
+    double *next;        /* [free_dof] work vector: the next basis vector */
+    double *mass_next;   /* [free_dof] work vector: product of the mass matrix and the next basis
+                            vector */
+    double *ritz, *turn; /* ritz [done][done]: Ritz values on the diagonal; turn [done][done]:
+                            eigenvectors as columns */
     size_t *order; /* [done] indices of the Ritz pairs (approximate eigenvalues with eigenvectors)
                       by decreasing Ritz value */
     uint64_t seed;
@@ -229,12 +228,10 @@ static void apply(search *search, const double *vector)
     search->solves++;
 }
 
-/* Append a random vector in which the lowest modes dominate to the basis. */
+/* Append a random vector, in which the lowest modes dominate, behind the last basis vector. */
 static void append_random(search *search)
 {
-    double *vector = search->basis + search->made * search->free_dof; /* random vector, in the
-                                                                  memory behind the last basis
-                                                                  vector */
+    double *vector = search->basis + search->made * search->free_dof;
     if (search->made == search->room)
         return;
     for (size_t k = 0; k < search->free_dof; k++)

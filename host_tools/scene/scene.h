@@ -82,25 +82,24 @@ typedef struct scene_equilibrium {
  */
 typedef struct scene_element {
     bool cartesian; /* true: strains from differences of the displacement vectors of an element's
-                      corners; false: strains from derivatives of displacement components in the
-                      local triad of the surface */
+                       corners; false: strains from derivatives of displacement components in the
+                       local triad of the surface */
     double tau; /* factor of the warping correction in the membrane shear strain of an element */
     double rho; /* factor of the bending flexibility that is added to the transverse shear
                    compliance of an element */
     bool hr, lin33; /* hr: true sets the stress resultants of those strains to 0 that the linear and
-                      bilinear modes of an element omit (Hellinger-Reissner), false sets these
-                      strains to 0; lin33: true condenses the linear part of the normal strain e33
-                      through the thickness */
+                       bilinear modes of an element omit (Hellinger-Reissner), false sets these
+                       strains to 0; lin33: true condenses the linear part of the normal strain e33
+                       through the thickness */
     bool metric;    /* true: strains take the exact variation of the surface metric through the
-                      thickness; false: metric of the reference surface */
+                       thickness; false: metric of the reference surface */
     bool exact_area; /* true: exact area of an element; false: area from the metric at the centre of
                         the element */
     int dof_per_node; /* number of dof of a node: 7, or 6 without the seventh, the displacement u3
                          of the middle surface relative to the mean of both faces */
     bool equilibrium_shear; /* true: transverse shear stiffness of a laminate from equilibrium of
-                              its layers; false: from a shear strain that is constant through the
-                              thickness
-                            */
+                               its layers; false: from a shear strain that is constant through the
+                               thickness */
 } scene_element;
 
 typedef struct scene_line { /* Mesh lines of one surface coordinate, theta1 or theta2. */
@@ -556,18 +555,18 @@ typedef struct scene_event {
     scene_event_type type;
     int tick; /* number of the tick at which the event takes place; events are in ascending order */
     double size; /* size of an event: factor of the target or of a load, temperature (K), or
-                      probability that a sensor is affected */
+                    probability that a sensor is affected */
     int ticks;   /* duration (ticks) of EVENT_NAN, EVENT_FROZEN, EVENT_LOST and of the event types
                     from EVENT_SINE on */
     int load;    /* index of the load that EVENT_LOAD, EVENT_IMPULSE and EVENT_SINE change */
     double frequency;  /* frequency (Hz) at which EVENT_SINE varies a load */
     bool feed_forward; /* EVENT_LOAD: whether the controller is given the factor of the load one
-                      tick in advance */
+                          tick in advance */
     int amplifiers, *amplifier; /* [amplifiers] numbers of the amplifiers that EVENT_DEAD,
                                    EVENT_STUCK or EVENT_ALIVE changes */
     int announced_after; /* ticks until the controller is informed of EVENT_DEAD or EVENT_STUCK;
-                 ANNOUNCED_NEVER: it is not informed; ANNOUNCED_DETECTED: it has to detect the fault
-               */
+                            ANNOUNCED_NEVER: the controller is not informed; ANNOUNCED_DETECTED: the
+                            controller has to detect the fault */
     expr *value;         /* formula of the new target of EVENT_VALUE */
     scene_at at;
 } scene_event;
@@ -705,7 +704,7 @@ typedef struct scene_safety {
                    itself */
     double amplitude;      /* height of the pulses of the self-test (V); 0: no self-test */
     double gain_tolerance; /* largest plausible deviation of an amplifier's gain from the mean gain
-                        of all amplifiers, relative to the latter, in the self-test */
+                              of all amplifiers, relative to the latter, in the self-test */
     int pulse_ticks; /* duration of a pulse of the self-test (ticks); 0: from the first mode */
 } scene_safety;
 

@@ -8,12 +8,13 @@
 typedef struct surface_point {
     double position[3]; /* coordinates x, y, z of the point in space (scene unit of length) */
     double triad[3][3]; /* unit vectors e1, e2, e3 = e1 x e2 as rows; e3 points to the outer side of
-                       the shell */
+                           the shell */
     double lame[2];     /* Lame parameters A1, A2: arc length per unit of theta1 and theta2 */
-    double curvature[2]; /* principal curvatures k1, k2 (1/length), defined by de3/dtheta_a = A_a
-                            k_a e_a */
-    double geodesic[2]; /* geodesic curvatures of the coordinate lines (1/length): (dA2/dtheta1)/(A1
-                    A2) and (dA1/dtheta2)/(A1 A2) */
+    double curvature[2]; /* principal curvatures k1, k2 (1/length), defined by de3/dtheta1 = A1 k1
+                            e1 and de3/dtheta2 = A2 k2 e2 with Lame parameters A1, A2 */
+    double geodesic[2];  /* geodesic curvatures of the coordinate lines (1/length):
+                            (dA2/dtheta1)/(A1 A2) and (dA1/dtheta2)/(A1 A2) with Lame parameters A1,
+                            A2 */
 } surface_point;
 
 #endif

@@ -177,7 +177,7 @@ bool imperfections_stroke(const imperfections *on, double *lowest, double *highe
     act_at_limit(on, copy, on->tables.lower, lowest);
     act_at_limit(on, copy, on->tables.upper, highest);
     for (int k = 0; k < on->tables.amplifiers; k++) { /* a reversed wire exchanges lowest and
-                                                          highest voltage */
+                                                         highest voltage */
         const double one = lowest[k], other = highest[k];
         lowest[k] = fmin(one, other);
         highest[k] = fmax(one, other);

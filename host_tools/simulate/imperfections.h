@@ -36,7 +36,7 @@ typedef struct electrode {
                                       controller; number of that in which the fault ends by itself;
                                       -1: never */
     bool is_held; /* true: the controller treats the electrode as held, because the fault was
-                    announced or detected */
+                     announced or detected */
 } electrode;
 
 /*

@@ -115,7 +115,7 @@ typedef struct loop {
     pzs_status status; /* status of the controller in the last tick */
     int iterations;
     bool twin_agrees; /* true: the board and its twin (the firmware's C code on this computer) gave
-                        bit-identical results in the last tick */
+                         bit-identical results in the last tick */
     int detected, falsely_detected, detection_ticks; /* number of electrodes that the fault detector
                                                         reported in the last tick; number of those
                                                         without a fault; longest time from a fault

@@ -16,13 +16,13 @@ typedef struct simulate_record {
     double error[LAWS][RECORD_BINS]; /* largest relative shape error within each bin of time, for
                                         each control law */
     double measurement_error[RECORD_BINS]; /* largest relative error of the shape that the
-                                   controller measures or estimates, within each bin of time; 0
-                                   without an estimator */
+                                              controller measures or estimates, within each bin of
+                                              time; 0 without an estimator */
     double vibration[RECORD_BINS]; /* largest relative distance of the controller's shape from the
                                       static equilibrium within each bin of time; 0 for a
                                       quasi-static plant */
     double *voltage; /* [RECORD_BINS][amplifiers] voltages of the controller at the last tick of
-                     each bin of time (V) */
+                        each bin of time (V) */
     double *lower, *upper; /* [amplifiers] voltage limits of the controller, to mark the bins of
                               time in which a limit is active (V) */
 } simulate_record;

@@ -185,7 +185,7 @@ typedef struct storm {
     double *target;                   /* [targets] target in the present tick */
     double *last_target; /* [targets] last target of the simulation: the target of the scene */
     double *best_shape;  /* [targets] best shape for the last target that the limits allow on the
-                      simulated  structure */
+                            simulated structure */
     double *shape;       /* [targets] shape of the structure in the present tick */
     double *part;        /* [targets] work vector for a part of the shape */
     double *sensed;      /* [sensors] readings that the control loop receives in the present tick */
