@@ -654,9 +654,9 @@ static int run_modes(const options *options)
 /* ---- tables, check, list ---------------------------------------------- */
 
 /* Make a C identifier from the given prefix or from the name of the scene. */
-static void table_prefix(const options *options, const scene *scene, char prefix[SCENE_NAME])
+static void table_prefix(const options *options, const char *name, char prefix[SCENE_NAME])
 {
-    snprintf(prefix, SCENE_NAME, "%s", options->prefix ? options->prefix : scene->name);
+    snprintf(prefix, SCENE_NAME, "%s", options->prefix ? options->prefix : name);
     for (char *letter = prefix; *letter; letter++)
         if (!((*letter >= 'a' && *letter <= 'z') || (*letter >= 'A' && *letter <= 'Z') ||
               *letter == '_' || (letter > prefix && *letter >= '0' && *letter <= '9')))
@@ -835,7 +835,7 @@ static int command_tables(const options *options, analysis *analysis)
     progress_stage("tables");
     if (prepare_tables(analysis, options->image, error) < 0)
         return complain(error, failed_code(analysis));
-    table_prefix(options, analysis->design.scene, prefix);
+    table_prefix(options, analysis->design.name, prefix);
     int status = outfile_begin(&output, output_path(options, prefix, ".h", path));
     if (status == 0)
         status = outfile_end(&output,

@@ -5,26 +5,10 @@
 #include "../quads/vector.h"
 #include "report_shell.h"
 
-/* Position in space of a displaced node. */
-static void node_place(const shell *shell, int node, double place[3])
-{
-    for (int i = 0; i < 3; i++)
-        place[i] = shell->mesh->point[node].position[i] +
-                   (shell->vector ? shell->factor * shell->vector[3 * node + i] : 0);
-}
-
-/* Pixel coordinates of a displaced node. */
-static void node_at(const shell *shell, int node, double at[2])
-{
-    double place[3];
-    node_place(shell, node, place);
-    view_project(&shell->view, place, at);
-}
-
 void shell_node(const shell *shell, int node, const char *style, double radius)
 {
     double at[2];
-    node_at(shell, node, at);
+    shell_at(shell, node, at);
     draw_disc(shell->file, style, at, radius);
 }
 
@@ -48,7 +32,7 @@ static void draw_load(const shell *shell, const scene_load *load)
     shell_component(&shell->mesh->point[node], load->component, along);
     const double right = sign * vector_dot(shell->view.axis[0], along);
     const double up = sign * vector_dot(shell->view.axis[1], along);
-    node_at(shell, node, tip);
+    shell_at(shell, node, tip);
     if (hypot(right, up) < 0.25)
         draw_disc(shell->file, "force", tip, 4);
     else
@@ -75,7 +59,7 @@ void shell_outputs(const shell *shell)
             continue;
         const int node = mesh_point_node(shell->mesh, where);
         shell_node(shell, node, "dot", 3.5);
-        node_at(shell, node, at);
+        shell_at(shell, node, at);
         const bool is_left = at[0] > shell->view.width * 0.65;
         put(shell->file, "<text class=\"tag%s\" x=\"%f\" y=\"%f\">%t</text>\n",
             is_left ? " end" : "", at[0] + (is_left ? -8 : 8), at[1] + 14 + 13 * (k % 3),
@@ -131,7 +115,7 @@ static void find_foot(const equilibrium *equilibrium, const shell *shell, double
 {
     double least = HUGE_VAL, place[3];
     for (int n = 0; n < shell->mesh->nodes; n++) {
-        node_place(shell, n, place);
+        shell_place(shell, n, place);
         const double gap = gap_at(equilibrium, place, normal);
         if (gap < least)
             memcpy(foot, place, sizeof place);

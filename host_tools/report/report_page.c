@@ -29,11 +29,12 @@ int page_open(page *page, const report_job *job, const analysis *analysis)
     return 0;
 }
 
-void page_close(page *page)
+int page_close(page *page, bool has_failed)
 {
     shell_close(&page->space);
     shell_close(&page->map);
     free(page->vector);
+    return has_failed || ferror(page->file) ? -1 : 0;
 }
 
 /* Write the command line, with quotes around words that are special to the shell. */

@@ -31,11 +31,11 @@ typedef struct page {
 } page;
 
 /*
- * Prepare a page. page_open returns 0, or -1 if memory runs out; page_close is called in both
- * cases.
+ * Prepare a page, and release it. page_open returns 0, or -1 if memory runs out. page_close is
+ * called in both cases, and returns -1 if the page has failed or cannot be written, else 0.
  */
 int page_open(page *page, const report_job *job, const analysis *analysis);
-void page_close(page *page);
+int page_close(page *page, bool has_failed);
 
 /*
  * Begin and end an HTML page. The beginning contains the name and the purpose of the scene, mesh

@@ -74,6 +74,17 @@ static void take_shape(shape_page *shape, const voltages *result)
 }
 
 /*
+ * Make a result, with its shape and its marks, the one that the page draws. Returns the colour
+ * scale of its misfit.
+ */
+static draw_scale take_result(shape_page *shape, const voltages *result)
+{
+    take_shape(shape, result);
+    find_marks(shape, result);
+    return (draw_scale){true, shape->page.misfit, shape->page.design->units.length};
+}
+
+/*
  * Choose the colour scales, the magnification of displacements and the view in space, which are the
  * same for all results.
  */
@@ -222,9 +233,7 @@ static void draw_voltages(const shape_page *shape, const voltages *result)
 static void draw_result(shape_page *shape, const voltages *result)
 {
     page *page = &shape->page;
-    take_shape(shape, result);
-    find_marks(shape, result);
-    const draw_scale own = {true, page->misfit, page->design->units.length};
+    const draw_scale own = take_result(shape, result);
     put(page->file,
         is_limited(result) ? "<article class=\"set\">\n<h3>%t, %l"
                            : "<article class=\"set\">\n<h3>%t",
@@ -278,9 +287,7 @@ static void write_picture(shape_page *shape)
     const double width = 760, height = fmax(page->space.view.height, 350) + 44;
     const voltages *result = main_result(shape);
     char title[160];
-    take_shape(shape, result);
-    find_marks(shape, result);
-    const draw_scale own = {true, page->misfit, page->design->units.length};
+    const draw_scale own = take_result(shape, result);
     snprintf(title, sizeof title,
              "%.60s: relative RMS error %.3g %%. Colour: misfit, lines: target", result->name,
              100 * result->error);
@@ -316,14 +323,13 @@ int report_shape(const report_job *job, const analysis *analysis, const voltages
                  int results, const modes *modes)
 {
     shape_page shape = {.result = result, .results = results};
-    const int failed = open_page(&shape, job, analysis);
+    const bool failed = open_page(&shape, job, analysis) < 0;
     if (!failed && job->is_svg)
         write_picture(&shape);
     else if (!failed)
         write_page(&shape, modes);
-    page_close(&shape.page);
     free(shape.plan);
     free(shape.mark);
     free(shape.limit);
-    return failed || ferror(job->file) ? -1 : 0;
+    return page_close(&shape.page, failed);
 }

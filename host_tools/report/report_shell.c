@@ -99,19 +99,17 @@ void shell_close(shell *shell)
     free(shell->side);
 }
 
-/* Coordinates of a point with its displacement. */
-static void place_of(const shell *shell, int point, double place[3])
+void shell_place(const shell *shell, int point, double place[3])
 {
     const double *vector = shell->vector ? shell->vector + 3 * shell->node[point] : NULL;
     for (int i = 0; i < 3; i++)
         place[i] = shell->place[point][i] + (vector ? shell->factor * vector[i] : 0);
 }
 
-/* Pixel coordinates of a point with its displacement. */
-static void point_at(const shell *shell, int point, double at[2])
+void shell_at(const shell *shell, int point, double at[2])
 {
     double place[3];
-    place_of(shell, point, place);
+    shell_place(shell, point, place);
     view_project(&shell->view, place, at);
 }
 
@@ -119,7 +117,7 @@ void shell_include(shell *shell)
 {
     for (int k = 0; k < shell->points; k++) {
         double place[3];
-        place_of(shell, k, place);
+        shell_place(shell, k, place);
         view_include(&shell->view, place);
         view_include(&shell->view, shell->place[k]);
     }
@@ -140,7 +138,7 @@ void shell_inside(const shell *shell, int cell, const double share[2], double at
     corner_weights(share, weight);
     at[0] = at[1] = 0;
     for (int r = 0; r < 4; r++) {
-        point_at(shell, shell->cell[cell][r], corner);
+        shell_at(shell, shell->cell[cell][r], corner);
         for (int i = 0; i < 2; i++)
             at[i] += weight[r] * corner[i];
     }
@@ -190,8 +188,8 @@ void shell_edges(const shell *shell, const char *style)
         if ((k > 0 && quad_side_is_same(&side[k], &side[k - 1])) ||
             (k + 1 < sides && quad_side_is_same(&side[k], &side[k + 1])))
             continue;
-        point_at(shell, (int)side[k].low, from);
-        point_at(shell, (int)side[k].high, to);
+        shell_at(shell, (int)side[k].low, from);
+        shell_at(shell, (int)side[k].high, to);
         draw_line(shell->file, from, to);
     }
     draw_path_end(shell->file);
@@ -212,7 +210,7 @@ static void sort_cells(const shell *shell)
         shell->order[k] = (shell_depth){0, k};
         for (int r = 0; r < 4; r++) {
             double place[3];
-            place_of(shell, shell->cell[k][r], place);
+            shell_place(shell, shell->cell[k][r], place);
             shell->order[k].depth += vector_dot(shell->view.axis[2], place);
         }
     }
@@ -288,7 +286,7 @@ static void draw_points(const shell *shell, const double *value, const draw_scal
     for (int k = 0; k < shell->points; k += 1 + shell->points / MOST_DOTS) {
         const double own = value[shell->node[k]];
         double at[2];
-        point_at(shell, k, at);
+        shell_at(shell, k, at);
         if (isfinite(own))
             draw_disc(shell->file, draw_colour(scale, own), at, fmin(fmax(radius, 1.5), 11));
     }

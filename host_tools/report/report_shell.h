@@ -51,6 +51,13 @@ typedef struct shell {
 int shell_open(shell *shell, FILE *file, const design *design, bool is_map);
 void shell_close(shell *shell);
 
+/*
+ * Coordinates, and pixel coordinates, of a point with its displacement. In space the points are the
+ * nodes of the mesh.
+ */
+void shell_place(const shell *shell, int point, double place[3]);
+void shell_at(const shell *shell, int point, double at[2]);
+
 /* Include the undeformed mesh and the displaced mesh in the view in space. */
 void shell_include(shell *shell);
 

@@ -321,10 +321,9 @@ int report_simulate(const report_job *job, const simulation *simulation,
                           .time = {0, record->ticks, LEFT, RIGHT, false, "%n", {1, ""}},
                           .bin = {0, record->bins, LEFT, RIGHT, false, "%n", {1, ""}}};
     self.aim = calloc((size_t)simulation->nominal->design.targets + 1, sizeof *self.aim);
-    const int failed = page_open(&self.page, job, simulation->nominal) < 0 || !self.aim;
+    const bool failed = page_open(&self.page, job, simulation->nominal) < 0 || !self.aim;
     if (!failed)
         (job->is_svg ? write_picture : write_page)(&self);
-    page_close(&self.page);
     free(self.aim);
-    return failed || ferror(job->file) ? -1 : 0;
+    return page_close(&self.page, failed);
 }

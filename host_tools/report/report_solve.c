@@ -267,12 +267,11 @@ int report_solve(const report_job *job, const analysis *analysis, const double *
                  const double *output, const stress_field *stress)
 {
     solve_page solve = {.output = output, .stress = stress};
-    const int failed = page_open(&solve.page, job, analysis);
+    const bool failed = page_open(&solve.page, job, analysis) < 0;
     if (!failed) {
         page_displace(&solve.page, u);
         fit_deformed(&solve);
         (job->is_svg ? write_picture : write_page)(&solve);
     }
-    page_close(&solve.page);
-    return failed || ferror(job->file) ? -1 : 0;
+    return page_close(&solve.page, failed);
 }
