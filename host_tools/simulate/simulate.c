@@ -481,7 +481,7 @@ static void count_tick(const loop *loop, simulate_count *count)
     count->iterations += loop->iterations;
     count->iterations_most =
         loop->iterations > count->iterations_most ? loop->iterations : count->iterations_most;
-    count->status[loop->status <= PZS_W_OUTPUT ? loop->status : 0]++;
+    count->status[PZS_IS_ERROR(loop->status) ? PZS_OK : loop->status]++;
 }
 
 /*
@@ -554,7 +554,7 @@ int simulate_run(simulation *simulation, simulate_law law, simulate_tick_callbac
 long simulate_ran(const simulate_count *count)
 {
     long run = 0;
-    for (int k = 0; k <= PZS_W_OUTPUT; k++)
+    for (int k = 0; k < SIMULATE_STATUSES; k++)
         run += count->status[k];
     return run;
 }

@@ -90,6 +90,9 @@ typedef struct simulate_phase {
                         if all amplifiers moved to their upper limits (V) */
 } simulate_phase;
 
+/* Number of status values below the first error: PZS_OK and all warnings. */
+enum { SIMULATE_STATUSES = PZS_E_ARGUMENT };
+
 /* Sums over all ticks of one control law. */
 typedef struct simulate_count {
     long beyond_limits; /* number of voltages, commanded by the controller or put out by the
@@ -97,7 +100,8 @@ typedef struct simulate_count {
     long not_finite;    /* number of commanded or output voltages that are not finite */
     long iterations;    /* number of iterations of the optimiser in all ticks */
     int iterations_most;
-    long status[PZS_W_OUTPUT + 1]; /* number of ticks with each status of the controller */
+    long status[SIMULATE_STATUSES]; /* number of ticks with each warning of the controller; ticks
+                                       without a warning at index 0 */
     long missed_ticks;
     long detected, falsely_detected; /* number of electrodes that the fault detector reported;
                                         number of those without a fault */
