@@ -130,10 +130,13 @@ static const struct rule {
      "readings one tick older can make the loop swing without end; measure the age, converters and "
      "filters included, and write the largest; with safety: {} the loop parks the voltages when it "
      "swings"},
-    {"loop_amplitude", SUBJECT_LOOP, measure_amplitude, 0, 4, "thicknesses",
+    {"loop_amplitude", SUBJECT_LOOP, measure_amplitude, 0, 1.01, "thicknesses",
+     "the loop is certified on a linear structure about the undeformed shape, and larger "
+     "deformations change its response and its modes; write kinematics: nonlinear, "
+     "simulate: {influence: target}, and simulate it"},
+    {"loop_amplitude_at_target", SUBJECT_LOOP, measure_amplitude_at_target, 0, 3.01, "thicknesses",
      "the loop is certified on the linear modes of the undeformed shape, and larger deformations "
-     "change them; run the loop on a plant that moves at large rotation, pzs simulate with "
-     "simulate.plant: {kinematics: nonlinear}"},
+     "change them; simulate the loop with kinematics: nonlinear"},
     {"strong_actuator", SUBJECT_SCENE, measure_strong_column, 0, 100, "",
      "a column of coordinates is no actuator: name it x, y or z; or measure the actuator again"},
     {"repeated_actuator", SUBJECT_SCENE, measure_repeated_column, 1e-4, HUGE_VAL, "",

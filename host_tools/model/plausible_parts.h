@@ -92,7 +92,7 @@ measure measure_target, measure_unreached, measure_idle, measure_dependent;
  * older than stated, and how many thicknesses the target displaces the structure
  * (plausible_result.c).
  */
-measure measure_age, measure_amplitude;
+measure measure_age, measure_amplitude, measure_amplitude_at_target;
 
 /* Convert a number of a scene to SI units; NAN where the units of the scene are unknown. */
 double plausible_si(const scene *scene, double value, const units_unit *unit);

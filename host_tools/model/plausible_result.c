@@ -209,13 +209,27 @@ int measure_idle(const subject *of, int k, measured *found)
 
 /* ---- certified loop --------------------------------------------------- */
 
-int measure_amplitude(const subject *of, int k, measured *found)
+/*
+ * Displacement of the target in thicknesses, for a loop with the influence matrix of the undeformed
+ * shape or with that of the shape at the target; NAN for the other kind.
+ */
+static int measure_target_amplitude(const subject *of, int k, bool at_target, measured *found)
 {
-    found->value = of->amplitude;
+    found->value = of->scene->simulate.at_target == at_target ? of->amplitude : (double)NAN;
     found->at = of->scene->target.what.at;
     snprintf(found->what, WHAT,
              "largest displacement of the target of a loop that damps vibration");
     return k == 0;
+}
+
+int measure_amplitude(const subject *of, int k, measured *found)
+{
+    return measure_target_amplitude(of, k, false, found);
+}
+
+int measure_amplitude_at_target(const subject *of, int k, measured *found)
+{
+    return measure_target_amplitude(of, k, true, found);
 }
 
 int measure_age(const subject *of, int k, measured *found)

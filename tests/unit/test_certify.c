@@ -120,8 +120,8 @@ static void test_text(void **state)
 }
 
 /*
- * A loop that tolerates no older reading, or whose target displaces the structure by more than four
- * thicknesses, is warned of by name; one that tolerates a tick and a smaller target is not.
+ * A loop that tolerates no older reading, or whose target displaces the structure by more than one
+ * thickness, is warned of by name; one that tolerates a tick and a smaller target is not.
  */
 static void test_warning(void **state)
 {
@@ -130,12 +130,12 @@ static void test_warning(void **state)
     (void)state;
     memset(&warnings, 0, sizeof warnings);
     assert_int_equal(scene_run_open(&run, PANEL, ""), 0);
-    plausible_loop(&warnings, &run.scene, 1, 3.9);
+    plausible_loop(&warnings, &run.scene, 1, 0.99);
     assert_int_equal(warnings.count, 0);
-    plausible_loop(&warnings, &run.scene, 0, 3.9);
+    plausible_loop(&warnings, &run.scene, 0, 0.99);
     assert_int_equal(warnings.count, 1);
     assert_string_equal(warnings.warning[0].rule, "readings_age");
-    plausible_loop(&warnings, &run.scene, 1, 4.1);
+    plausible_loop(&warnings, &run.scene, 1, 1.1);
     assert_int_equal(warnings.count, 2);
     assert_string_equal(warnings.warning[1].rule, "loop_amplitude");
     scene_run_close(&run);
