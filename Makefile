@@ -264,7 +264,7 @@ hard: $(B)/64/host.a $(B)/64/libpiezoshape.a
 	    -o $(B)/hard && $(B)/hard
 
 # 20,000 mutated scenes, 20,000 mutated mesh files and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched,
-# a million flipped bits, a million ticks of random faults under the supervisor, 4,000 self-tests with and without a fault.
+# a million flipped bits, a million ticks of random faults under the supervisor, 4,000 self-tests with and without a fault, FMUs with sanitizers.
 check-long: setup-test
 	@$(MAKE) --no-print-directory -s -j2 all san unit
 	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_scene.c $(B)/san64/host.a $(B)/san64/libpiezoshape.a \
@@ -296,6 +296,7 @@ check-long: setup-test
 	    -o $(B)/long-vibration && $(B)/long-vibration || exit 1; done
 	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_quads.c tests/rigs/mesh_writer.c $(B)/san64/host.a \
 	    -lcmocka $(HOST_LIBS) -o $(B)/long-quads && $(B)/long-quads
+	FMU_FLAGS='$(SANITIZE)' FMU_PRELOAD="$$(gcc -print-file-name=libasan.so)" B=$(B) sh tests/cli/fmu.sh
 	$(B)/test/sweep-64 full
 	$(B)/test/storms-64 full
 	@$(MAKE) --no-print-directory -s $(B)/test/motion_storms-64

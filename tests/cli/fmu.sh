@@ -2,12 +2,18 @@
 # SPDX-License-Identifier: BSD-2-Clause
 # FMUs of plant and controller: coupled they have the bits of pzs simulate; order of calls, states, bad input; what pzs
 # refuses; and, where FMPY names a Python with FMPy (python3 by default), what FMPy says, compiles and computes.
+#   FMU_FLAGS    flags of the compiler for the FMUs
+#   FMU_PRELOAD  library that Python loads first: libasan.so for FMUs with sanitizers
 set -u
 cd "$(dirname "$0")/../.."
 . tests/cli/common.sh
 FMPY=${FMPY:-python3}
-python=/usr/bin/python3
-export CFLAGS='-O0 -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wno-unused-variable -Werror'
+export CFLAGS="${FMU_FLAGS:--O0} -pedantic -Wall -Wextra -Wconversion -Wdouble-promotion -Wno-unused-variable -Werror"
+
+# loop ARGUMENTS: tests/cli/fmu_loop.py, with what it says in $dir/said
+loop() {
+    LD_PRELOAD=${FMU_PRELOAD:-} ASAN_OPTIONS=detect_leaks=0 /usr/bin/python3 tests/cli/fmu_loop.py "$@" >"$dir/said" 2>&1
+}
 
 # export_both NAME OPTIONS...: $dir/NAME-plant.fmu and $dir/NAME-controller.fmu with libraries
 export_both() {
@@ -23,7 +29,7 @@ coupled() {
     shift 3
     set -- "$@" --set "simulate.events=$events"
     export_both "$name" "$@" && "$PZS" simulate "$@" --csv "$dir/$name.csv" >"$dir/said" 2>&1 &&
-        "$python" tests/cli/fmu_loop.py coupled "$dir/$name-plant.fmu" "$dir/$name-controller.fmu" "$dir/$name.csv" "$events" "$delay" >"$dir/said" 2>&1
+        loop coupled "$dir/$name-plant.fmu" "$dir/$name-controller.fmu" "$dir/$name.csv" "$events" "$delay"
 }
 
 # refuses TEXT ARGUMENTS...: pzs fmu ends with exit code 2 and one line that holds the text, and leaves no file
@@ -51,11 +57,11 @@ check 'a quasi-static plant, few sensors, a known load' $?
 "$PZS" new measured >"$dir/measured.yaml" && "$PZS" new measured-matrix >"$dir/measured-matrix.csv" &&
     coupled measured '[{at: 50, target: -0.5}]' 0 "$dir/measured.yaml"
 check 'a measured mirror' $?
-"$python" tests/cli/fmu_loop.py faults "$dir/vibrating-plant.fmu" "$dir/vibrating-controller.fmu" >"$dir/said" 2>&1
+loop faults "$dir/vibrating-plant.fmu" "$dir/vibrating-controller.fmu"
 check 'order of calls, states, instances, bad input' $?
 "$PZS" fmu "$dir/measured.yaml" --controller --build --set simulate.sensors.delay=1 --set 'safety={park: -5, ramp_ticks: 20}' -o "$dir/late.fmu" >"$dir/said" 2>&1 &&
     "$PZS" fmu "$dir/measured.yaml" --plant --build --set 'simulate.plant={gain: 1.2, hysteresis: 0}' --set simulate.sensors.noise=0 -o "$dir/calm.fmu" >"$dir/said" 2>&1 &&
-    "$python" tests/cli/fmu_loop.py together "$dir/calm.fmu" "$dir/late.fmu" "$dir/measured-controller.fmu" -5 >"$dir/said" 2>&1
+    loop together "$dir/calm.fmu" "$dir/late.fmu" "$dir/measured-controller.fmu" -5
 check 'both at once: the controller knows of the late tick; commands to the supervisor' $?
 
 # ---- the archive -----------------------------------------------------------
@@ -65,7 +71,7 @@ check 'both at once: the controller knows of the late tick; commands to the supe
 check 'an equal scene gives equal bytes' $?
 grep -q 'left out.*: 1$' "$dir/exported"
 check 'events that are left out are counted' $?
-unzip_text() { "$python" -c "import sys,zipfile; sys.stdout.write(zipfile.ZipFile(sys.argv[1]).read(sys.argv[2]).decode())" "$@"; }
+unzip_text() { /usr/bin/python3 -c "import sys,zipfile; sys.stdout.write(zipfile.ZipFile(sys.argv[1]).read(sys.argv[2]).decode())" "$@"; }
 unzip_text "$dir/one.fmu" modelDescription.xml >"$dir/xml" && grep -q 'name="voltage.e1"' "$dir/xml" && grep -q '<Unit name="mm"><BaseUnit m="1" factor="1e-3"/>' "$dir/xml" &&
     grep -q '<Unit name="V"><BaseUnit kg="1" m="2" s="-3" A="-1"/>' "$dir/xml" && unzip_text "$dir/one.fmu" documentation/licenses/license.txt | cmp -s - LICENSE
 check 'names and units of the scene, and the licence' $?
