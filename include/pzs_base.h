@@ -111,6 +111,12 @@ typedef enum pzs_status {
                      working memory was damaged */
     PZS_W_SELFTEST, /* the self-test moves one amplifier after the other; the loop is not yet in
                        control */
+    /*
+     * input info.where was held, or the controller was started, at voltages from which the limit
+     * rows (limits of sums of voltages) allow only a gradual way: the voltages go to the safe
+     * voltages of the limit rows in several steps, or stay if that way is not allowed either
+     */
+    PZS_W_LIMIT_ROWS,
 
     /* Errors have values from 64 on: the outputs of the function are untouched. */
     PZS_E_ARGUMENT = 64, /* a pointer is NULL, or a size, an index or a setting is out of range */

@@ -39,6 +39,31 @@ extern "C" {
 
 /* ---- tables ----------------------------------------------------------- */
 
+struct pzs_limit_row_calls;
+
+/*
+ * Limits of weighted sums of voltages, beside the limits of each voltage: the largest difference of
+ * two neighbours, for example. Limit row k demands
+ *   lower_k <= sum over the entries of row k of (value * voltage of input dof) <= upper_k.
+ * Voltages keep the limit rows to the last bit: the controller aims at rows that are narrower by
+ * the rounding error of their sums. A program whose problem has no limit rows does not link them.
+ */
+typedef struct pzs_limit_rows {
+    const struct pzs_limit_row_calls *call; /* always &pzs_limit_rows_calls */
+    pzs_rows sums; /* coefficients of the limit rows: `count` rows whose columns `dof` are inputs,
+                      each at most once in a row (1) */
+    const pzs_real *lower; /* [sums.count] lowest value of each sum, or -infinity (V) */
+    const pzs_real *upper; /* [sums.count] highest value of each sum, or infinity; above the lowest
+                              value by more than twice the rounding error of the sum (V) */
+    const pzs_real *safe;  /* [inputs] voltages inside all voltage limits and limit rows, to which
+                              the controller can always return (V) */
+} pzs_limit_rows;
+
+/* Functions of the limit rows, to which the member `call` of their tables points. */
+extern const struct pzs_limit_row_calls pzs_limit_rows_calls;
+
+#define PZS_LIMIT_ROW_LIMIT 8192 /* largest number of limit rows of a voltage problem */
+
 /*
  * The voltage problem: influence matrix, weights and limits. All arrays are const and may stay in
  * flash.
@@ -63,6 +88,8 @@ typedef struct pzs_problem {
                                 objective (m2/V2) */
     uint64_t work_limit;     /* initial value of the work limit in pzs_control_settings
                                 (multiply-adds); 0: PZS_WORK_LIMIT */
+    const pzs_limit_rows *limit_rows; /* limits of sums of voltages; NULL: none. Their inputs need
+                                         finite voltage limits */
 } pzs_problem;
 
 /*
@@ -114,6 +141,14 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 #define PZS_WORK_LIMIT(inputs)                                                                     \
     (40u * PZS_ROUND_WORK(inputs) + (8u * (uint64_t)(inputs) + 100u) * PZS_ITERATION_WORK(inputs))
 
+/*
+ * PZS_LIMIT_ROW_WORK_LEAST and PZS_LIMIT_ROW_WORK_LIMIT take the place of PZS_WORK_LEAST and
+ * PZS_WORK_LIMIT for a problem with limit rows.
+ */
+#define PZS_LIMIT_ROW_WORK_LEAST(inputs, rows)                                                     \
+    (PZS_WORK_LEAST((inputs) + (rows)) + 6u * PZS_PRODUCT_WORK((inputs) + (rows)))
+#define PZS_LIMIT_ROW_WORK_LIMIT(inputs, rows) PZS_WORK_LIMIT((inputs) + (rows))
+
 /* Upper bound of the multiply-adds of pzs_tick, for a work_limit of at least PZS_WORK_LEAST. */
 #define PZS_STEP_WORK(inputs, outputs, work_limit)                                                 \
     ((uint64_t)(work_limit) + 3u * (uint64_t)(inputs) * (outputs) +                                \
@@ -157,6 +192,19 @@ typedef struct pzs_control {
      (size_t)(inputs) + (size_t)(outputs))
 
 /*
+ * Memory that limit rows need in addition to PZS_CONTROL_BYTES, or to the memory of a block that
+ * holds a controller (bytes).
+ */
+#define PZS_LIMIT_ROW_VECTORS (10u + PZS_PENDING)
+#define PZS_LIMIT_ROW_BYTES(inputs, rows)                                                          \
+    (sizeof(pzs_row_solver) + 16u +                                                                \
+     sizeof(pzs_real) * ((size_t)(inputs) + (size_t)(rows) + PZS_LIMIT_ROW_VECTORS) *              \
+         PZS_CONTROL_WIDTH((size_t)(inputs) + (size_t)(rows)))
+
+/* Return the size of the workspace of a controller, limit rows included (bytes). */
+size_t pzs_control_bytes(const pzs_problem *problem);
+
+/*
  * Check a voltage problem and initialise a controller in the workspace. The voltages start at the
  * reference voltages, clamped to the limits.
  *   problem                     in  must outlive the controller
@@ -164,9 +212,11 @@ typedef struct pzs_control {
  *                                   step; NULL: that of the problem
  *   work                        in  memory of the caller, aligned for pzs_real; the controller uses
  *                                   it from now on
- *   bytes                       in  size of the workspace, at least PZS_CONTROL_BYTES
+ *   bytes                       in  size of the workspace, at least PZS_CONTROL_BYTES, with
+ *                                   limit rows also PZS_LIMIT_ROW_BYTES
  * Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE, PZS_E_LIMITS (also for a
- * negative step limit), PZS_E_NONFINITE. After an error the controller cannot be used, even if it
+ * negative step limit; for limit row k, info.where is the number of inputs plus k),
+ * PZS_E_NONFINITE. After an error the controller cannot be used, even if it
  * was valid before.
  */
 pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
@@ -190,7 +240,8 @@ pzs_status pzs_control_start(pzs_control *control, const pzs_real *voltage);
  * PZS_W_SENSOR: a measurement that is not finite, or that stays constant although its output should
  * move, keeps its last disturbance. PZS_W_HELD: no measurement is usable or the target is not
  * finite, and the voltages are held inside the limits in force. PZS_W_ITERATIONS and
- * PZS_W_STEP_LIMIT take precedence over PZS_W_SENSOR. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ * PZS_W_STEP_LIMIT take precedence over PZS_W_SENSOR; so does PZS_W_LIMIT_ROWS. Errors:
+ * PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real *measured);
 
@@ -212,7 +263,10 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error);
  * pzs_hold fixes one input at a voltage (V), clamped to the limits of the tables: for example 0 V
  * for a dead electrode, or the last voltage for a stuck one. pzs_release frees the input again. The
  * next step or tick applies a held voltage at once, even beyond the step limit (warning
- * PZS_W_STEP_LIMIT). Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
+ * PZS_W_STEP_LIMIT). With limit rows, an input that is held away from its last voltage goes there
+ * together with all others, on the straight way to the voltages `safe` of the limit rows, within
+ * step limits and limit rows (warning PZS_W_LIMIT_ROWS). Errors: PZS_E_ARGUMENT, PZS_E_STAGE,
+ * PZS_E_NONFINITE.
  */
 pzs_status pzs_hold(pzs_control *control, uint16_t input, pzs_real voltage);
 pzs_status pzs_release(pzs_control *control, uint16_t input);
@@ -226,6 +280,7 @@ typedef struct pzs_report {
     pzs_real kkt_violation; /* largest violation of the optimality (KKT) conditions, relative to the
                                largest entry of the gradient at zero voltage (1) */
     uint16_t active_limits; /* number of inputs whose voltage is at a limit */
+    uint16_t active_rows;   /* number of limit rows whose multiplier is not zero: they bind */
 } pzs_report;
 
 /*

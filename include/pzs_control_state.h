@@ -29,7 +29,8 @@ struct pzs_block;
 typedef struct pzs_exchange {
     uint32_t input;
     pzs_real sign;  /* sign of the pivot, the diagonal entry before the exchange: +1 or -1 */
-    pzs_real scale; /* 1 / square root of the absolute value of the pivot */
+    pzs_real scale; /* 1 / square root of the absolute value of the pivot, negative for a limit row
+                     */
     pzs_real pivot; /* diagonal entry of the matrix that belongs to the exchanged input, after the
                        exchange */
 } pzs_exchange;
@@ -122,6 +123,28 @@ typedef struct pzs_optimiser {
     bool is_optimal;
 } pzs_optimiser;
 
+/*
+ * Optimiser for a voltage problem with limit rows (limits of sums of voltages). Its vectors have
+ * one entry for each input, followed by one for each limit row.
+ */
+typedef struct pzs_row_solver {
+    pzs_optimiser extended; /* tableau, active set and vectors of inputs and limit rows together */
+    pzs_real *margin; /* [width] distance by which each limit row is narrowed, so that rounding
+                         errors of its sum stay inside its limits; for an input the largest of
+                         these distances (V) */
+    pzs_real predicted_decrease; /* decrease of half the objective by the whole step (m2) */
+    pzs_real gap; /* upper bound of half the objective above its minimum, if no multiplier has the
+                     wrong sign (m2) */
+    pzs_real last_violation; /* KKT violation at the start of the last round (m2/V) */
+    pzs_real largest_size;   /* largest pivot of a moving quantity since the tableau was computed
+                                (V2/m2) */
+    pzs_real least_rounding; /* rounding-error bound of the KKT violation at the start of the step
+                                (m2/V); 0: not computed */
+    uint32_t failures;       /* number of rounds in this step that did not lower the objective */
+    bool is_least_index; /* the last iteration has not moved any voltage: the next ones choose the
+                            smallest index, which excludes cycles */
+} pzs_row_solver;
+
 /* One array of constant tables, as a part of their checksum; an absent array has 0 bytes. */
 typedef struct pzs_table_part {
     const void *data;
@@ -187,6 +210,7 @@ typedef struct pzs_control_state {
     uint16_t scrub_row; /* index of the row of the Hessian that the next tick checks for damage
                            against the voltage problem */
     void *work;         /* workspace that was passed to pzs_control_init */
+    pzs_row_solver *row_solver; /* optimiser for limit rows; NULL: the problem has no limit rows */
     uint8_t stage;
 } pzs_control_state;
 

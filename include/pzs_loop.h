@@ -268,6 +268,8 @@ void *pzs_loop_find(const pzs_loop *loop, const pzs_block_type *type);
 extern const pzs_block_type pzs_step_block;
 #define PZS_STEP_BLOCK_BYTES(inputs, outputs)                                                      \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_control)) + PZS_CONTROL_BYTES(inputs, outputs))
+#define PZS_STEP_BLOCK_ROW_BYTES(inputs, outputs, rows)                                            \
+    PZS_ALIGNED(PZS_STEP_BLOCK_BYTES(inputs, outputs) + PZS_LIMIT_ROW_BYTES(inputs, rows))
 
 /* ---- estimator: the shape from a few sensors (lib/control/estimate.c) -- */
 
@@ -840,9 +842,10 @@ typedef struct pzs_compensator {
  * wrong memory is forgotten after the next large change of voltage.
  *
  * Memory of the effect block, returned by pzs_loop_find: pzs_compensator. Errors of its
- * initialisation: PZS_E_ARGUMENT (also for tables of other sizes), PZS_E_FORMAT, PZS_E_CRC,
- * PZS_E_STAGE (no inverse block in the list), PZS_E_LIMITS (input info.where has an infinite
- * voltage limit, or parameters outside the ranges that pzs_hysteresis states).
+ * initialisation: PZS_E_ARGUMENT (also for tables of other sizes, and for a problem with limit
+ * rows, which limit voltages and not effects), PZS_E_FORMAT, PZS_E_CRC, PZS_E_STAGE (no inverse
+ * block in the list), PZS_E_LIMITS (input info.where has an infinite voltage limit, or parameters
+ * outside the ranges that pzs_hysteresis states).
  */
 extern const pzs_block_type pzs_effect_block, pzs_inverse_block;
 #define PZS_EFFECT_BLOCK_BYTES(inputs, plays, creeps)                                              \
@@ -948,7 +951,8 @@ typedef struct pzs_fault_detector {
  * be corrected for the delay: the shape measured `delay` ticks ago, plus the shape predicted for
  * the present voltages, minus the shape predicted for the voltages at the time of the measurement.
  * In both predictions an electrode that is held has the voltage at which it is held. Errors:
- * PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_NONFINITE.
+ * PZS_E_ARGUMENT (also for a problem with limit rows, which a test signal could violate),
+ * PZS_E_STAGE, PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_NONFINITE.
  */
 pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *control,
                                    uint16_t delay, void *work, size_t bytes);

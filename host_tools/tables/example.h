@@ -65,7 +65,7 @@ static const pzs_real example_reference_voltage[4] = {
 static const pzs_problem example_problem = {
     4u, 0xed02dedfu, PZS_BY_BITS(0x1111b1aau, 0x9b042519u), 4, 9,
     example_influence, example_hessian, example_weight, example_lower, example_upper, example_step_limit, example_reference_voltage, PZS_R(0),
-    0u,
+    0u, NULL,
 };
 
 /* displacement of each target node that the voltages must cause */

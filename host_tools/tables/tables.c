@@ -295,7 +295,7 @@ static void write_problem_struct(const emitter *emitter, const pzs_problem *prob
     fprintf(emitter->file,
             " %u, %u,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, "
             "%s_reference_voltage, PZS_R(%.17g),\n"
-            "    %lluu,\n};\n\n",
+            "    %lluu, NULL,\n};\n\n",
             problem->inputs, problem->outputs, influence_name, hessian_name, emitter->prefix,
             emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
             problem->regularisation, (unsigned long long)problem->work_limit);

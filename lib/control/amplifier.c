@@ -6,7 +6,8 @@
  * result lies between the two, inside voltage limits and step limits, and integral action changes
  * the voltage once it has summed up to one step. No step is taken that the next tick would take
  * back, as rounding to the nearest step would do where the structure responds more than the model.
- * Voltage limits in force take precedence over whole steps.
+ * Voltage limits in force take precedence over whole steps. Where whole steps violate a limit row,
+ * the amplifiers of this row keep their present voltages for this tick.
  *
  * A damped tick (vibration.c) demands small changes from the present voltages again and again, each
  * of which may be less than a step. What the amplifier does not give of them is carried over to the
@@ -15,6 +16,7 @@
 #include <string.h>
 #include "pzs_loop.h"
 #include "control.h"
+#include "limit_rows.h"
 #include "../core/numbers.h"
 
 /*
@@ -56,6 +58,21 @@ static pzs_real voltage_with_carry(const pzs_control *control, uint32_t j, pzs_r
     return number_clamp(carried, control->state.lower[j], control->state.upper[j]);
 }
 
+/*
+ * Return the amplifiers of a violated limit row to their present voltages, which violate none.
+ *   present [inputs] in      voltages before the change (V)
+ *   given   [inputs] in/out  voltages after whole steps (V)
+ */
+static void keep_rows(pzs_control *control, const pzs_real *present, pzs_real *given)
+{
+    const pzs_problem *problem = control->state.problem;
+    if (problem->limit_rows == NULL)
+        return;
+    problem->limit_rows->call->take_back(problem, present, given);
+    for (uint32_t j = 0; j < problem->inputs; j++)
+        control->state.voltage[j] = given[j];
+}
+
 pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pzs_real dead_band)
 {
     if (control == NULL || given == NULL || !(step >= 0) || !(dead_band >= 0))
@@ -63,6 +80,7 @@ pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pz
     if (control->state.stage != CONTROL_READY)
         return PZS_E_STAGE;
     const pzs_problem *problem = control->state.problem;
+    pzs_real *before = control->state.optimiser.scratch;
     for (uint32_t j = 0; j < problem->inputs; j++) {
         const pzs_real voltage = control->state.voltage[j];
         const pzs_real present = number_is_finite(given[j])
@@ -72,12 +90,14 @@ pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pz
         const pzs_real stepped = number_absolute(wanted - present) <= dead_band
                                      ? present
                                      : last_step(wanted, present, step);
+        before[j] = present;
         given[j] = number_clamp(stepped, control->state.lower[j], control->state.upper[j]);
         if (control->state.carry != NULL)
             control->state.carry[j] =
                 number_clamp(wanted - given[j], -(step + dead_band), step + dead_band);
         control->state.voltage[j] = given[j];
     }
+    keep_rows(control, before, given);
     pzs_control_moved(control);
     return PZS_OK;
 }

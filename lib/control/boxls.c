@@ -712,12 +712,11 @@ static void find_way_and_slope(pzs_real *restrict way, pzs_real *restrict slope,
 }
 
 /*
- * Whether a round of iterations lowered the objective. Since the objective is quadratic, its change
- * is proportional to (voltages - start voltages) times the sum of the gradients at both ends. The
- * rounding error of this product must be below target_energy, the scale of the objective, or far
- * below the decrease.
+ * Since the objective is quadratic, its change is proportional to (voltages - start voltages) times
+ * the sum of the gradients at both ends. The rounding error of this product must be below
+ * target_energy, the scale of the objective, or far below the decrease.
  */
-static bool has_decreased(const pzs_optimiser *optimiser)
+bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser)
 {
     find_way_and_slope(optimiser->scratch, optimiser->direction, optimiser->voltage,
                        optimiser->start_voltage, optimiser->gradient, optimiser->start_gradient,
@@ -816,7 +815,7 @@ static void conclude_round(pzs_optimiser *optimiser, bool moved)
         optimiser->checked_next = 0;
     }
     if (!moved || (optimiser->is_optimal && optimiser->kkt_violation <= rounding) ||
-        has_decreased(optimiser)) {
+        pzs_boxls_has_decreased(optimiser)) {
         optimiser->is_predicted = optimiser->is_predicted && !moved;
         return;
     }

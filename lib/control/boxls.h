@@ -60,6 +60,12 @@ bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser);
 void pzs_boxls_optimise(pzs_optimiser *optimiser);
 
 /*
+ * Return whether a round of iterations lowered the objective: from start_voltage and start_gradient
+ * to voltage and gradient. The arrays scratch and direction are overwritten.
+ */
+bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser);
+
+/*
  * Return the largest KKT violation of given voltages [width] with a given gradient [width] (m2/V).
  * The array scratch is overwritten.
  */

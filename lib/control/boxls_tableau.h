@@ -45,6 +45,13 @@ void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict ro
  */
 void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
 
+/*
+ * As pzs_tableau_exchange, in a tableau that holds limit rows besides inputs.
+ *   side in  1 for an input; -1 for a limit row, whose pivots have the opposite signs
+ */
+void pzs_tableau_exchange_side(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row,
+                               pzs_real side);
+
 /* Apply the collected pivot exchanges to the tableau. */
 void pzs_tableau_apply(pzs_optimiser *optimiser);
 

@@ -24,6 +24,7 @@
 #include "../core/guard.h"
 #include "../core/numbers.h"
 #include "../core/product.h"
+#include "limit_rows.h"
 #include "sensor_check.h"
 #include "step_bounds.h"
 
@@ -173,8 +174,31 @@ static const pzs_real *expected_measurements(const pzs_control *control)
 /* Return the largest number of multiply-adds of the optimiser in a voltage step. */
 static uint64_t work_limit(const pzs_control *control)
 {
-    const uint64_t least = PZS_WORK_LEAST(control->state.problem->inputs);
+    const pzs_problem *problem = control->state.problem;
+    const uint32_t rows = limit_row_count(problem);
+    const uint64_t least = rows > 0 ? PZS_LIMIT_ROW_WORK_LEAST(problem->inputs, rows)
+                                    : PZS_WORK_LEAST(problem->inputs);
     return control->settings.work_limit > least ? control->settings.work_limit : least;
+}
+
+/* Optimise the voltages inside their bounds and, if the problem has them, its limit rows. */
+static void optimise_within(pzs_optimiser *optimiser, pzs_control *control)
+{
+    const pzs_limit_rows *rows = control->state.problem->limit_rows;
+    if (rows != NULL)
+        rows->call->optimise(control);
+    else
+        pzs_boxls_optimise(optimiser);
+}
+
+/*
+ * Bring voltages inside the limit rows, if the problem has them. Returns whether they are inside;
+ * if not, *where is an input that is on its way to its limits.
+ */
+static bool enter_rows(pzs_control *control, int32_t *where)
+{
+    const pzs_limit_rows *rows = control->state.problem->limit_rows;
+    return rows == NULL || rows->call->bring_inside(control, where);
 }
 
 /*
@@ -185,7 +209,7 @@ static void optimise(pzs_optimiser *optimiser, pzs_control *control, const pzs_r
                      const pzs_real *shown)
 {
     const uint64_t products = 2u * (uint64_t)control->state.problem->outputs * optimiser->inputs;
-    pzs_boxls_optimise(optimiser);
+    optimise_within(optimiser, control);
     if (!pzs_boxls_needs_new_base(optimiser) ||
         !optimiser_affords(optimiser, products + PZS_ROUND_WORK(optimiser->inputs)))
         return;
@@ -194,7 +218,7 @@ static void optimise(pzs_optimiser *optimiser, pzs_control *control, const pzs_r
     (void)project_target(optimiser, control, wanted,
                          shown == control->state.predicted ? shown
                                                            : expected_measurements(control));
-    pzs_boxls_optimise(optimiser);
+    optimise_within(optimiser, control);
 }
 
 /*
@@ -225,11 +249,8 @@ static pzs_real largest_free_gradient(const pzs_optimiser *optimiser)
     return largest;
 }
 
-/*
- * Report the results of a voltage step. `clash` is the first input whose step limit and voltage
- * limits do not overlap, or -1.
- */
-static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *control, int32_t clash)
+/* Store the work and the iterations of a voltage step. */
+static void note_work(const pzs_optimiser *optimiser, pzs_control *control)
 {
     control->state.behind = PZS_BEHIND_PREDICTION;
     control->info.work = optimiser->work;
@@ -239,6 +260,15 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
     control->info.iterations_most = control->info.iterations > control->info.iterations_most
                                         ? control->info.iterations
                                         : control->info.iterations_most;
+}
+
+/*
+ * Report the results of a voltage step. `clash` is the first input whose step limit and voltage
+ * limits do not overlap, or -1.
+ */
+static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *control, int32_t clash)
+{
+    note_work(optimiser, control);
     if (!optimiser->is_optimal)
         return finish(control, PZS_W_ITERATIONS, -1);
     return finish(control, clash < 0 ? PZS_OK : PZS_W_STEP_LIMIT, clash);
@@ -282,9 +312,14 @@ static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs
         missed = damp_target(optimiser, control, damping, missed);
     const int32_t clash = start_step(optimiser, control);
     set_work_limits(optimiser, control, missed);
+    int32_t where = -1;
+    if (!enter_rows(control, &where)) {
+        note_work(optimiser, control);
+        return finish(control, PZS_W_LIMIT_ROWS, where);
+    }
     if (damping != NULL) {
         optimiser->target_rounding += DAMPED_TOLERANCE * largest_free_gradient(optimiser);
-        pzs_boxls_optimise(optimiser);
+        optimise_within(optimiser, control);
     } else {
         optimise(optimiser, control, wanted, shown);
     }
@@ -332,9 +367,14 @@ void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damp
 /* Keep the last voltages, clamped to the limits now in force. */
 static pzs_status hold_voltages(pzs_optimiser *optimiser, pzs_control *control, int32_t where)
 {
+    int32_t outside;
     (void)start_step(optimiser, control);
-    if (pzs_boxls_enforce_limits(optimiser))
+    if (control->state.problem->limit_rows != NULL) {
+        (void)enter_rows(control, &outside);
         rebase(optimiser, control);
+    } else if (pzs_boxls_enforce_limits(optimiser)) {
+        rebase(optimiser, control);
+    }
     return finish(control, PZS_W_HELD, where);
 }
 
@@ -417,7 +457,8 @@ static pzs_status check(const pzs_problem *problem, const pzs_real *influence, i
     if (problem->format != PZS_TABLE_FORMAT)
         return PZS_E_FORMAT;
     if (missing || problem->inputs == 0 || problem->inputs > PZS_INPUT_LIMIT ||
-        problem->outputs == 0 || !(problem->regularisation >= 0))
+        problem->outputs == 0 || !(problem->regularisation >= 0) ||
+        (problem->limit_rows != NULL && problem->limit_rows->call == NULL))
         return PZS_E_ARGUMENT;
     if (pzs_problem_crc(problem) != problem->crc)
         return PZS_E_CRC;
@@ -425,7 +466,10 @@ static pzs_status check(const pzs_problem *problem, const pzs_real *influence, i
     if (*where >= 0)
         return PZS_E_LIMITS;
     *where = bad_number(problem, influence);
-    return *where >= 0 || !number_is_finite(problem->regularisation) ? PZS_E_NONFINITE : PZS_OK;
+    if (*where >= 0 || !number_is_finite(problem->regularisation))
+        return PZS_E_NONFINITE;
+    return problem->limit_rows != NULL ? problem->limit_rows->call->check_rows(problem, where)
+                                       : PZS_OK;
 }
 
 void pzs_control_place(pzs_control *control, void *work)
@@ -459,6 +503,17 @@ void pzs_control_place(pzs_control *control, void *work)
     control->info.disturbance = control->state.disturbance;
     control->info.lower = control->state.lower;
     control->info.upper = control->state.upper;
+    control->state.row_solver = NULL;
+    if (control->state.problem->limit_rows != NULL)
+        control->state.problem->limit_rows->call->arrange(
+            control, (uint8_t *)work + PZS_CONTROL_BYTES(inputs, outputs));
+}
+
+size_t pzs_control_bytes(const pzs_problem *problem)
+{
+    const uint32_t rows = limit_row_count(problem);
+    return PZS_CONTROL_BYTES(problem->inputs, problem->outputs) +
+           (rows > 0 ? PZS_LIMIT_ROW_BYTES(problem->inputs, rows) : 0);
 }
 
 void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k)
@@ -513,8 +568,13 @@ static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
     pzs_control_find_step_limits(control);
     set_initial_bounds(optimiser, control);
     pzs_control_set_constants(control);
-    rebase(optimiser, control);
     optimiser->work_limit = UINT64_MAX;
+    if (problem->limit_rows != NULL) {
+        const pzs_limit_rows *rows = problem->limit_rows;
+        (void)rows->call->scale_back(problem, rows->safe, optimiser->voltage);
+        rows->call->prepare(control);
+    }
+    rebase(optimiser, control);
     pzs_tableau_reset(optimiser);
     (void)pzs_tableau_rebuild(optimiser);
 }
@@ -528,13 +588,15 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
     if (problem == NULL || work == NULL)
         return PZS_E_ARGUMENT;
     const pzs_real *use = influence != NULL ? influence : problem->influence;
-    const size_t need = PZS_CONTROL_BYTES(problem->inputs, problem->outputs);
+    const size_t need = pzs_control_bytes(problem);
+    const uint32_t rows = limit_row_count(problem);
+    const uint64_t work_limit = rows > 0 ? PZS_LIMIT_ROW_WORK_LIMIT(problem->inputs, rows)
+                                         : PZS_WORK_LIMIT(problem->inputs);
     *control = (pzs_control){.state.problem = problem,
                              .state.influence = use,
                              .info.where = -1,
-                             .settings.work_limit = problem->work_limit > 0
-                                                        ? problem->work_limit
-                                                        : PZS_WORK_LIMIT(problem->inputs)};
+                             .settings.work_limit =
+                                 problem->work_limit > 0 ? problem->work_limit : work_limit};
     const pzs_status status = check(problem, use, &control->info.where);
     if (status != PZS_OK)
         return status;
@@ -633,7 +695,10 @@ pzs_status pzs_assess(pzs_control *control, const pzs_real *error, pzs_report *r
             (uint16_t)(result.active_limits + !(optimiser->voltage[i] > optimiser->lower[i] &&
                                                 optimiser->voltage[i] < optimiser->upper[i]));
     }
-    const pzs_real wrong = pzs_boxls_violation(optimiser, optimiser->voltage, optimiser->gradient);
+    const pzs_limit_rows *rows = control->state.problem->limit_rows;
+    const pzs_real wrong =
+        rows != NULL ? rows->call->violation(control, optimiser->gradient, &result.active_rows)
+                     : pzs_boxls_violation(optimiser, optimiser->voltage, optimiser->gradient);
     result.kkt_violation = most > 0 ? wrong / most : 0;
     *report = result;
     return PZS_OK;

@@ -220,6 +220,8 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
     if (control->state.stage != CONTROL_READY)
         return finish(detector, PZS_E_STAGE, -1);
     const pzs_problem *problem = control->state.problem;
+    if (problem->limit_rows != NULL) /* a test signal moves one input alone, beyond limit rows */
+        return finish(detector, PZS_E_ARGUMENT, -1);
     const size_t need = PZS_FAULT_DETECTOR_BYTES(problem->inputs, problem->outputs, delay);
     const int32_t missing = guard_missing_bytes(work, bytes, need);
     if (missing >= 0)

@@ -42,8 +42,8 @@ static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_con
     const size_t width = PZS_FOURS(problem->inputs);
     state->tables = tables;
     state->control = control;
-    state->reference = (void *)((uint8_t *)work_of(state) +
-                                PZS_ALIGNED(PZS_CONTROL_BYTES(problem->inputs, problem->outputs)));
+    state->reference =
+        (void *)((uint8_t *)work_of(state) + PZS_ALIGNED(pzs_control_bytes(problem)));
     state->ahead = state->reference + width;
     state->target = state->ahead + width;
     state->wanted = state->target + problem->outputs;
@@ -69,7 +69,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     memcpy(state->reference, signals->control->state.voltage,
            problem->inputs * sizeof *state->reference);
     return pzs_control_init(&state->optimum, problem, influence_of(signals->control),
-                            work_of(state), PZS_CONTROL_BYTES(problem->inputs, problem->outputs));
+                            work_of(state), pzs_control_bytes(problem));
 }
 
 /* ---- tick ---------------------------------------------------------------- */

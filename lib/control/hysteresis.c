@@ -445,6 +445,8 @@ static pzs_status effect_init(void *self, const void *tables, pzs_loop_signals *
         return status;
     if (!signals->has_inverse)
         return PZS_E_STAGE;
+    if (control->state.problem->limit_rows != NULL) /* limit rows hold voltages, not effects */
+        return PZS_E_ARGUMENT;
     memset(compensator, 0, sizeof *compensator);
     place(compensator, tables);
     for (uint32_t k = 0; k < control->state.problem->inputs; k++) {

@@ -338,10 +338,11 @@ static void go_on(pzs_loop *loop, bool is_same_block)
  * Check the next slice of the tables of all blocks except the step block, one table after the
  * other. A table with a wrong checksum is read a second time. Returns whether the tables are
  * intact, as far as is known; if they are not, info.block is the type of the block.
+ *   part [PZS_TABLE_PARTS] work array
  */
-static bool scrub_block(pzs_loop *loop, const pzs_loop_core *core)
+static bool scrub_block(pzs_loop *loop, const pzs_loop_core *core,
+                        pzs_table_part part[PZS_TABLE_PARTS])
 {
-    pzs_table_part part[PZS_TABLE_PARTS];
     uint32_t crc = 0, parts = 0;
     guard_repair_bool(&loop->state.block_scrub.has_failed);
     if (loop->state.scrubbed_block >= core->count)
@@ -368,7 +369,7 @@ static bool scrub_block(pzs_loop *loop, const pzs_loop_core *core)
  */
 static bool scrub_tables(pzs_loop *loop, const pzs_loop_core *core, const pzs_problem *problem)
 {
-    pzs_table_part part[PROBLEM_PARTS];
+    pzs_table_part part[PROBLEM_PARTS > PZS_TABLE_PARTS ? PROBLEM_PARTS : PZS_TABLE_PARTS];
     const size_t count = (size_t)problem->inputs * problem->outputs;
     const pzs_table_part device_influence = {core->influence, count * sizeof(pzs_real)};
     pzs_problem_parts(problem, part);
@@ -377,7 +378,7 @@ static bool scrub_tables(pzs_loop *loop, const pzs_loop_core *core, const pzs_pr
         (core->influence != NULL &&
          !pzs_scrub_slice(&loop->state.influence_scrub, &device_influence, 1, core->influence_crc)))
         return false;
-    return scrub_block(loop, core);
+    return scrub_block(loop, core, part);
 }
 
 /* Whether a status of a block takes precedence over the status of the tick so far. */

@@ -7,6 +7,7 @@
 #include "output_gate.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
+#include "limit_rows.h"
 #include "step_bounds.h"
 
 /* Continue a checksum with the voltage limits and the step limit of input i. */
@@ -22,6 +23,8 @@ uint32_t pzs_output_limit_sum(const pzs_problem *problem)
     uint32_t sum = 0;
     for (uint32_t i = 0; i < problem->inputs; i++)
         sum = add_limits(sum, problem, i);
+    if (problem->limit_rows != NULL)
+        sum = problem->limit_rows->call->add_row_limits(sum, problem);
     return sum;
 }
 
@@ -50,6 +53,21 @@ static pzs_real corrected(const output_gate *gate, uint32_t i, pzs_real voltage,
     return number_clamp(number_is_finite(voltage) ? voltage : last, least, most);
 }
 
+/*
+ * Scale voltages back towards the last ones where they violate a limit row, and fill the array
+ * gate->frame again. Returns the checksum, continued with the limit rows.
+ */
+static uint32_t keep_rows(const output_gate *gate, pzs_real *voltage, uint32_t sum, int32_t *where)
+{
+    const pzs_problem *problem = gate->problem;
+    const struct pzs_limit_row_calls *call = problem->limit_rows->call;
+    const int32_t first = call->scale_back(problem, gate->last[0], voltage);
+    *where = *where < 0 ? first : *where;
+    for (uint32_t i = 0; i < problem->inputs; i++)
+        gate->frame[i] = voltage[i];
+    return call->add_row_limits(sum, problem);
+}
+
 pzs_status pzs_output_gate(const output_gate *gate, pzs_real *voltage, uint32_t limit_sum,
                            int32_t *where)
 {
@@ -69,6 +87,8 @@ pzs_status pzs_output_gate(const output_gate *gate, pzs_real *voltage, uint32_t 
         voltage[i] = given;
         gate->frame[i] = given;
     }
+    if (problem->limit_rows != NULL)
+        sum = keep_rows(gate, voltage, sum, where);
     if (sum != limit_sum)
         return PZS_E_CRC;
     for (int copy = 0; copy < 3; copy++)

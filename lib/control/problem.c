@@ -2,6 +2,28 @@
 /* Checksum of a voltage problem and order of its arrays in the checksum (control.h, problem.h). */
 #include "control.h"
 #include "problem.h"
+#include "../core/guard.h"
+
+/* List the arrays of limit rows. Arrays that are missing or too large to be read have 0 bytes. */
+static void list_row_parts(const pzs_problem *problem, pzs_table_part part[LIMIT_ROW_PARTS])
+{
+    const pzs_limit_rows *rows = problem->limit_rows;
+    const bool fits = rows != NULL && rows->sums.start != NULL &&
+                      pzs_guard_rows_fit(&rows->sums, problem->inputs);
+    for (uint32_t k = 0; k < LIMIT_ROW_PARTS; k++)
+        part[k] = (pzs_table_part){NULL, 0};
+    if (!fits)
+        return;
+    const size_t count = rows->sums.count, entries = rows->sums.start[count];
+    const size_t dof_bytes = rows->sums.dof != NULL ? entries * sizeof *rows->sums.dof : 0;
+    part[0] = (pzs_table_part){&rows->sums.count, sizeof rows->sums.count};
+    part[1] = (pzs_table_part){rows->sums.start, (count + 1u) * sizeof *rows->sums.start};
+    part[2] = (pzs_table_part){rows->sums.dof, dof_bytes};
+    part[3] = scrub_reals(rows->sums.value, entries);
+    part[4] = scrub_reals(rows->lower, count);
+    part[5] = scrub_reals(rows->upper, count);
+    part[6] = scrub_reals(rows->safe, problem->inputs);
+}
 
 void pzs_problem_parts(const pzs_problem *problem, pzs_table_part part[PROBLEM_PARTS])
 {
@@ -17,6 +39,7 @@ void pzs_problem_parts(const pzs_problem *problem, pzs_table_part part[PROBLEM_P
     part[8] = scrub_reals(problem->reference_voltage, inputs);
     part[9] = scrub_reals(&problem->regularisation, 1);
     part[10] = (pzs_table_part){&problem->work_limit, sizeof problem->work_limit};
+    list_row_parts(problem, part + 11);
 }
 
 uint32_t pzs_problem_crc(const pzs_problem *problem)

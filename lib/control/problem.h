@@ -4,9 +4,10 @@
 #define PZS_LIB_PROBLEM_H
 
 #include "pzs_control.h"
+#include "limit_rows.h"
 #include "scrub.h"
 
-#define PROBLEM_PARTS 11u
+#define PROBLEM_PARTS (11u + LIMIT_ROW_PARTS)
 
 void pzs_problem_parts(const pzs_problem *problem, pzs_table_part part[PROBLEM_PARTS]);
 

@@ -12,6 +12,7 @@
 #include "../core/guard.h"
 #include "../core/numbers.h"
 #include "../core/product.h"
+#include "limit_rows.h"
 
 void pzs_control_set_held(pzs_control *control, uint32_t input, pzs_real voltage)
 {
@@ -162,6 +163,15 @@ static void clear_padding(pzs_control *control)
             optimiser->hessian[row * optimiser->width + i] = 0;
 }
 
+/* Let the next voltage step compute the tableau anew, and that of the limit rows, if there are any.
+ */
+static void reset_tableaux(pzs_control *control)
+{
+    pzs_tableau_reset(&control->state.optimiser);
+    if (control->state.row_solver != NULL)
+        control->state.row_solver->extended.exchanges = UINT32_MAX;
+}
+
 /*
  * Check the next row of the Hessian; after the last row, set the constants that follow from all
  * rows.
@@ -179,7 +189,7 @@ static void scrub_next_row(pzs_control *control, const pzs_real *table)
         pzs_control_set_constants(control);
     }
     if (is_repaired)
-        pzs_tableau_reset(optimiser);
+        reset_tableaux(control);
 }
 
 /* ---- controller --------------------------------------------------------- */
@@ -209,6 +219,8 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     pzs_control_restore_limits(control);
     pzs_control_find_step_limits(control);
     pzs_control_share_bounds(optimiser, control);
+    if (problem->limit_rows != NULL)
+        problem->limit_rows->call->repair(control);
     scrub_next_row(control, hessian_table(problem, influence));
 }
 
@@ -224,6 +236,6 @@ void pzs_control_recover(pzs_control *control, const pzs_real *influence)
         if (!number_is_finite(control->state.disturbance[i]))
             control->state.disturbance[i] = 0;
     pzs_control_set_constants(control);
-    pzs_tableau_reset(optimiser);
+    reset_tableaux(control);
     pzs_control_moved(control);
 }

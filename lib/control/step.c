@@ -5,7 +5,7 @@
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {
     (void)tables;
-    return PZS_STEP_BLOCK_BYTES(problem->inputs, problem->outputs);
+    return PZS_ALIGNED(sizeof(pzs_control)) + PZS_ALIGNED(pzs_control_bytes(problem));
 }
 
 /*
@@ -18,8 +18,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     pzs_control *control = self;
     void *work = (uint8_t *)self + PZS_ALIGNED(sizeof *control);
     const pzs_status status =
-        pzs_control_init(control, problem, signals->influence, work,
-                         PZS_CONTROL_BYTES(problem->inputs, problem->outputs));
+        pzs_control_init(control, problem, signals->influence, work, pzs_control_bytes(problem));
     signals->control = control;
     signals->where = control->info.where;
     return status;

@@ -24,6 +24,8 @@ const char *pzs_status_text(pzs_status status)
     case PZS_W_RAMP: return "control was taken away: the output ramps to its park voltages";
     case PZS_W_OUTPUT: return "the last gate has corrected a voltage: working memory was damaged";
     case PZS_W_SELFTEST: return "self-test of amplifiers and sensors: not yet in control";
+    case PZS_W_LIMIT_ROWS:
+        return "limits between inputs allow only a gradual way to the voltages that are held";
     case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
     case PZS_E_FORMAT: return "tables of another format or scene";
     case PZS_E_CRC: return "tables do not match their checksum";

@@ -57,7 +57,7 @@ static unsigned below(bench *trial, unsigned count)
     return (unsigned)(bits(trial) % count);
 }
 
-static pzs_status start(bench *trial)
+static inline pzs_status start(bench *trial)
 {
     const pzs_real *influence = trial->problem.influence;
     trial->problem.format = PZS_TABLE_FORMAT;
@@ -76,7 +76,8 @@ static pzs_status start(bench *trial)
  * A problem with a full-rank influence matrix and limits +-limit, without step limits and
  * regularisation.
  */
-static void plain(bench *trial, uint64_t seed, unsigned inputs, unsigned outputs, double limit)
+static inline void plain(bench *trial, uint64_t seed, unsigned inputs, unsigned outputs,
+                         double limit)
 {
     memset(trial, 0, sizeof *trial);
     trial->seed = seed;
@@ -138,7 +139,7 @@ static wide objective_at(const bench *trial, const pzs_real *voltage)
 }
 
 /* Relative error of the shape, |W (B v - e)| / |W e|. */
-static wide shape_error_of(const bench *trial)
+static inline wide shape_error_of(const bench *trial)
 {
     wide voltage[MOST_INPUTS] = {0}, gradient[MOST_INPUTS], effort = 0;
     for (unsigned i = 0; i < trial->problem.inputs; i++) {
@@ -316,7 +317,7 @@ static wide allowance(const bench *trial)
  * Upper bound of (objective - optimum) divided by the allowed difference, from the duality gap at a
  * refined point.
  */
-static wide excess(const bench *trial)
+static inline wide excess(const bench *trial)
 {
     wide voltage[MOST_INPUTS] = {0}, gradient[MOST_INPUTS];
     for (unsigned i = 0; i < trial->problem.inputs; i++)

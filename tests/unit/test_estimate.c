@@ -104,7 +104,7 @@ static void rig_open(rig *r, unsigned seed)
     }
     const pzs_problem problem = {PZS_TABLE_FORMAT, 1,         0,         N,        M,
                                  r->influence,     NULL,      r->weight, r->lower, r->upper,
-                                 r->slew,          r->prefer, 0,         0};
+                                 r->slew,          r->prefer, 0,         0,        NULL};
     const pzs_estimator e = {PZS_TABLE_FORMAT, 1, 0, N, M, K, r->direct, r->gain};
     const pzs_feed_forward_table known = {PZS_TABLE_FORMAT, 1, 0, LOADS, M, r->per};
     r->problem = problem;

@@ -97,7 +97,7 @@ static void rig_open(rig *r, unsigned seed)
     r->noise = 1e-7;
     const pzs_problem problem = {PZS_TABLE_FORMAT, 1,         0,         N,        M,
                                  r->influence,     NULL,      r->weight, r->lower, r->upper,
-                                 r->slew,          r->prefer, 0,         0};
+                                 r->slew,          r->prefer, 0,         0,        NULL};
     r->problem = problem;
     r->work = malloc(PZS_CONTROL_BYTES(N, M));
     assert_non_null(r->work);

@@ -77,7 +77,8 @@ static void make_tables(rig *r)
                                r->step_limit,
                                r->reference,
                                0,
-                               0};
+                               0,
+                               NULL};
     r->estimator = (pzs_estimator){0, SCENE, 0, N, M, K, r->direct, r->gain};
     r->on_shape = (pzs_feed_forward_table){0, SCENE, 0, LOADS, M, r->by_load};
     r->on_readings = (pzs_feed_forward_table){0, SCENE, 0, LOADS, K, r->seen};

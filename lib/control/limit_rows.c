@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Tables of limit rows, and voltages that keep them (limit_rows.h): check, checksum, way back
+ * inside the limits, and what the last gate and the amplifiers do with voltages that violate a row.
+ *
+ * Every way back is a straight line between two sets of voltages. The voltages inside a limit row
+ * form a convex set, and so do those that violate a row by at most a given amount. Hence no point
+ * of the line violates a row more than its ends do, up to rounding, which is checked.
+ */
+#include "limit_rows.h"
+#include "boxls.h"
+#include "step_bounds.h"
+#include "../core/guard.h"
+#include "../core/numbers.h"
+
+/*
+ * Margin of a limit row, as a multiple of the rounding error of its sum. It also covers rows that
+ * are combinations of others.
+ */
+#define MARGIN 16
+
+pzs_real pzs_limit_rows_sum(const pzs_limit_rows *rows, uint32_t k, const pzs_real *voltage)
+{
+    const pzs_rows *sums = &rows->sums;
+    pzs_real sum = 0;
+    for (uint32_t entry = sums->start[k]; entry < sums->start[k + 1u]; entry++)
+        sum += sums->value[entry] * voltage[sums->dof[entry]];
+    return sum;
+}
+
+pzs_real pzs_limit_rows_margin(const pzs_problem *problem, uint32_t k)
+{
+    const pzs_rows *sums = &problem->limit_rows->sums;
+    pzs_real most = 0;
+    for (uint32_t entry = sums->start[k]; entry < sums->start[k + 1u]; entry++) {
+        const uint16_t input = sums->dof[entry];
+        const pzs_real lower = number_absolute(problem->lower[input]);
+        const pzs_real upper = number_absolute(problem->upper[input]);
+        most += number_absolute(sums->value[entry]) * (lower > upper ? lower : upper);
+    }
+    return MARGIN * (pzs_real)(sums->start[k + 1u] - sums->start[k]) * PZS_EPSILON * most;
+}
+
+/* Return by how much voltages violate limit row k, or 0 (V). */
+static pzs_real excess(const pzs_limit_rows *rows, uint32_t k, const pzs_real *voltage)
+{
+    const pzs_real sum = pzs_limit_rows_sum(rows, k, voltage);
+    const pzs_real below = rows->lower[k] - sum, above = sum - rows->upper[k];
+    const pzs_real most = below > above ? below : above;
+    return most > 0 ? most : 0;
+}
+
+bool pzs_limit_rows_hold(const pzs_limit_rows *rows, const pzs_real *voltage)
+{
+    uint32_t k = 0;
+    while (k < rows->sums.count && excess(rows, k, voltage) <= 0)
+        k++;
+    return k == rows->sums.count;
+}
+
+/* ---- check --------------------------------------------------------------- */
+
+/* Whether the entries of limit row k are finite numbers and refer to inputs with finite limits. */
+static bool is_row_usable(const pzs_problem *problem, uint32_t k)
+{
+    const pzs_rows *sums = &problem->limit_rows->sums;
+    if (sums->start[k + 1u] < sums->start[k])
+        return false;
+    for (uint32_t entry = sums->start[k]; entry < sums->start[k + 1u]; entry++) {
+        const uint16_t input = sums->dof[entry];
+        if (input >= problem->inputs || !number_is_finite(sums->value[entry]) ||
+            !number_is_finite(problem->lower[input]) || !number_is_finite(problem->upper[input]))
+            return false;
+        for (uint32_t other = sums->start[k]; other < entry; other++)
+            if (sums->dof[other] == input)
+                return false;
+    }
+    return true;
+}
+
+/* Whether the safe voltages are inside all voltage limits and limit rows. */
+static bool is_safe(const pzs_problem *problem)
+{
+    const pzs_limit_rows *rows = problem->limit_rows;
+    uint32_t i = 0;
+    while (i < problem->inputs && rows->safe[i] >= problem->lower[i] &&
+           rows->safe[i] <= problem->upper[i] && number_is_finite(rows->safe[i]))
+        i++;
+    return i == problem->inputs && pzs_limit_rows_hold(rows, rows->safe);
+}
+
+static pzs_status check_rows(const pzs_problem *problem, int32_t *where)
+{
+    const pzs_limit_rows *rows = problem->limit_rows;
+    const pzs_rows *sums = &rows->sums;
+    if (sums->count == 0 || sums->count > PZS_LIMIT_ROW_LIMIT || sums->start == NULL ||
+        sums->dof == NULL || sums->value == NULL || rows->lower == NULL || rows->upper == NULL ||
+        rows->safe == NULL || sums->start[0] != 0 || !pzs_guard_rows_fit(sums, problem->inputs))
+        return PZS_E_ARGUMENT;
+    for (uint32_t k = 0; k < sums->count; k++) {
+        *where = (int32_t)(problem->inputs + k);
+        if (!is_row_usable(problem, k))
+            return PZS_E_LIMITS;
+        const pzs_real narrowed = 2 * pzs_limit_rows_margin(problem, k);
+        if (!(rows->upper[k] - rows->lower[k] >= narrowed))
+            return PZS_E_LIMITS;
+    }
+    *where = -1;
+    return is_safe(problem) ? PZS_OK : PZS_E_LIMITS;
+}
+
+static uint32_t add_row_limits(uint32_t sum, const pzs_problem *problem)
+{
+    const pzs_limit_rows *rows = problem->limit_rows;
+    const uint32_t count = rows->sums.count;
+    for (uint32_t k = 0; k < count; k++)
+        sum = guard_add(guard_add(sum, rows->lower[k]), rows->upper[k]);
+    for (uint32_t entry = 0; entry < rows->sums.start[count]; entry++)
+        sum = guard_add(sum, rows->sums.value[entry]);
+    return sum;
+}
+
+/* ---- ways back inside ---------------------------------------------------- */
+
+/* Return the first input of limit row k, or -1 if the row has no entries. */
+static int32_t first_input(const pzs_limit_rows *rows, uint32_t k)
+{
+    const uint32_t entry = rows->sums.start[k];
+    return entry < rows->sums.start[k + 1u] ? (int32_t)rows->sums.dof[entry] : -1;
+}
+
+/*
+ * Return the first limit row that voltages violate more than other voltages, `inside`, do, or the
+ * number of rows. A sum that is not a number counts as a violation.
+ */
+static uint32_t first_violated(const pzs_limit_rows *rows, const pzs_real *inside,
+                               const pzs_real *voltage)
+{
+    uint32_t k = 0;
+    while (k < rows->sums.count && excess(rows, k, voltage) <= excess(rows, k, inside) &&
+           number_is_finite(pzs_limit_rows_sum(rows, k, voltage)))
+        k++;
+    return k;
+}
+
+/*
+ * Return the part (0 to 1) of the straight way from `inside` to `voltage` at which the sum of limit
+ * row k leaves its limits, narrowed by the margin for rounding errors.
+ */
+static pzs_real part_inside(const pzs_problem *problem, uint32_t k, const pzs_real *inside,
+                            const pzs_real *voltage)
+{
+    const pzs_limit_rows *rows = problem->limit_rows;
+    const pzs_real margin = pzs_limit_rows_margin(problem, k) / 2;
+    const pzs_real from = pzs_limit_rows_sum(rows, k, inside);
+    const pzs_real to = pzs_limit_rows_sum(rows, k, voltage);
+    const pzs_real bound = to > from ? rows->upper[k] - margin : rows->lower[k] + margin;
+    return number_clamp((bound - from) / (to - from), 0, 1);
+}
+
+int32_t pzs_scale_back_rows(const pzs_problem *problem, const pzs_real *inside, pzs_real *voltage)
+{
+    const pzs_limit_rows *rows = problem->limit_rows;
+    const uint32_t count = rows->sums.count, first = first_violated(rows, inside, voltage);
+    if (first == count)
+        return -1;
+    pzs_real part = 1;
+    for (uint32_t k = first; k < count; k++) {
+        const pzs_real own = excess(rows, k, voltage) <= excess(rows, k, inside)
+                                 ? part
+                                 : part_inside(problem, k, inside, voltage);
+        part = own < part ? own : part;
+    }
+    for (uint32_t i = 0; i < problem->inputs; i++) {
+        const pzs_real low = inside[i] < voltage[i] ? inside[i] : voltage[i];
+        const pzs_real high = inside[i] < voltage[i] ? voltage[i] : inside[i];
+        voltage[i] = number_clamp(inside[i] + part * (voltage[i] - inside[i]), low, high);
+    }
+    const bool fails = first_violated(rows, inside, voltage) < count;
+    for (uint32_t i = 0; fails && i < problem->inputs; i++)
+        voltage[i] = inside[i];
+    return first_input(rows, first);
+}
+
+static void take_back(const pzs_problem *problem, const pzs_real *before, pzs_real *voltage)
+{
+    const pzs_limit_rows *rows = problem->limit_rows;
+    const pzs_rows *sums = &rows->sums;
+    uint32_t violated = first_violated(rows, before, voltage);
+    for (uint32_t tries = 0; tries < problem->inputs && violated < sums->count; tries++) {
+        for (uint32_t entry = sums->start[violated]; entry < sums->start[violated + 1u]; entry++)
+            voltage[sums->dof[entry]] = before[sums->dof[entry]];
+        violated = first_violated(rows, before, voltage);
+    }
+}
+
+/* Return the first input outside the voltage limits in force, or the number of inputs. */
+static uint32_t first_outside(const pzs_control *control)
+{
+    const pzs_real *voltage = control->state.voltage;
+    uint32_t i = 0;
+    while (i < control->state.problem->inputs && voltage[i] >= control->state.lower[i] &&
+           voltage[i] <= control->state.upper[i])
+        i++;
+    return i;
+}
+
+/*
+ * Move all voltages together towards `goal` [inputs], as far as the step limits allow. Returns
+ * whether they have arrived.
+ */
+static bool move_towards(pzs_control *control, const pzs_real *goal)
+{
+    pzs_real *voltage = control->state.voltage, part = 1;
+    const uint32_t inputs = control->state.problem->inputs;
+    for (uint32_t i = 0; i < inputs; i++) {
+        const pzs_real way = number_absolute(goal[i] - voltage[i]);
+        if (part * way > control->state.step_limit[i])
+            part = control->state.step_limit[i] / way;
+    }
+    for (uint32_t i = 0; i < inputs; i++) {
+        const pzs_real down = step_down(voltage[i], control->state.step_limit[i]);
+        const pzs_real up = step_up(voltage[i], control->state.step_limit[i]);
+        const pzs_real next = part < 1 ? voltage[i] + part * (goal[i] - voltage[i]) : goal[i];
+        voltage[i] = number_clamp(next, down, up);
+    }
+    return part >= 1;
+}
+
+static bool bring_inside(pzs_control *control, int32_t *where)
+{
+    const pzs_problem *problem = control->state.problem;
+    const pzs_limit_rows *rows = problem->limit_rows;
+    const uint32_t outside = first_outside(control);
+    pzs_real *goal = control->state.optimiser.scratch;
+    if (outside == problem->inputs && pzs_limit_rows_hold(rows, control->state.voltage))
+        return true;
+    *where = outside < problem->inputs ? (int32_t)outside : -1;
+    for (uint32_t i = 0; i < problem->inputs; i++)
+        goal[i] = number_clamp(rows->safe[i], control->state.lower[i], control->state.upper[i]);
+    if (!pzs_limit_rows_hold(rows, goal))
+        return false;
+    const bool has_arrived = move_towards(control, goal);
+    pzs_boxls_true_gradient(&control->state.optimiser);
+    return has_arrived;
+}
+
+const struct pzs_limit_row_calls pzs_limit_rows_calls = {
+    check_rows,   pzs_arrange_rows,   pzs_prepare_rows,    pzs_repair_rows, pzs_optimise_rows,
+    bring_inside, pzs_violation_rows, pzs_scale_back_rows, take_back,       add_row_limits};

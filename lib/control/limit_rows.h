@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Limit rows: limits of weighted sums of voltages (pzs_limit_rows). The controller, the loop and
+ * the last gate call them through one table of functions, so that a program whose voltage problem
+ * has no limit rows does not link them.
+ */
+#ifndef PZS_LIB_LIMIT_ROWS_H
+#define PZS_LIB_LIMIT_ROWS_H
+
+#include "pzs_control.h"
+
+/* Number of arrays of limit rows in the checksum of a voltage problem. */
+#define LIMIT_ROW_PARTS 7u
+
+struct pzs_limit_row_calls {
+    /*
+     * Check the tables of the limit rows of a voltage problem. Returns PZS_OK, or an error with
+     * *where as pzs_control_init states them.
+     */
+    pzs_status (*check_rows)(const pzs_problem *problem, int32_t *where);
+    /* Let the row solver and its arrays lie in the workspace of the controller, from `work` on. */
+    void (*arrange)(pzs_control *control, uint8_t *work);
+    /* Set the row solver to its state before the first step. */
+    void (*prepare)(pzs_control *control);
+    /* Correct what damaged memory may have changed in the row solver, at the start of a tick. */
+    void (*repair)(pzs_control *control);
+    /*
+     * Optimise the voltages inside bounds and limit rows, as far as the work limit of the optimiser
+     * allows. The voltages must be inside both before the call.
+     */
+    void (*optimise)(pzs_control *control);
+    /*
+     * Bring the voltages inside the voltage limits in force and the limit rows, at once where the
+     * step limits allow it, otherwise a part of the way. Returns whether they are inside; if not,
+     * *where is an input outside its limits or of a row outside its limits.
+     */
+    bool (*bring_inside)(pzs_control *control, int32_t *where);
+    /*
+     * Return the largest KKT violation of the present voltages with a gradient [inputs] (m2/V), and
+     * the number of limit rows that bind in *active.
+     */
+    pzs_real (*violation)(const pzs_control *control, const pzs_real *gradient, uint16_t *active);
+    /*
+     * Change voltages that violate a limit row more than other voltages do to a point on the
+     * straight way to these, where no row is violated more, or else to these voltages.
+     *   inside  [inputs] in      voltages to return to (V)
+     *   voltage [inputs] in/out  (V)
+     * Returns the first input of the first row that was violated, or -1 if nothing has changed.
+     */
+    int32_t (*scale_back)(const pzs_problem *problem, const pzs_real *inside, pzs_real *voltage);
+    /*
+     * Return the inputs of each violated limit row to the voltages before a change, until no row is
+     * violated more than before the change. All other inputs keep their new voltages.
+     *   before  [inputs] in      voltages before the change (V)
+     *   voltage [inputs] in/out  voltages after the change (V)
+     */
+    void (*take_back)(const pzs_problem *problem, const pzs_real *before, pzs_real *voltage);
+    /* Continue a checksum with the numbers of all limit rows. */
+    uint32_t (*add_row_limits)(uint32_t sum, const pzs_problem *problem);
+};
+
+/* Return the number of limit rows of a voltage problem. */
+static inline uint32_t limit_row_count(const pzs_problem *problem)
+{
+    return problem->limit_rows != NULL ? problem->limit_rows->sums.count : 0;
+}
+
+/*
+ * Return the sum that limit row k limits (V). Each sum runs in the order of its entries, so that
+ * optimiser and last gate compute the same bits.
+ */
+pzs_real pzs_limit_rows_sum(const pzs_limit_rows *rows, uint32_t k, const pzs_real *voltage);
+
+/*
+ * Return the distance by which the optimiser narrows limit row k (V), which covers the rounding
+ * error of its sum for any voltages inside the voltage limits.
+ */
+pzs_real pzs_limit_rows_margin(const pzs_problem *problem, uint32_t k);
+
+/* Whether voltages [inputs] violate no limit row. */
+bool pzs_limit_rows_hold(const pzs_limit_rows *rows, const pzs_real *voltage);
+
+int32_t pzs_scale_back_rows(const pzs_problem *problem, const pzs_real *inside, pzs_real *voltage);
+
+/* ---- optimiser (row_solver.c) ------------------------------------------- */
+
+void pzs_arrange_rows(pzs_control *control, uint8_t *work);
+void pzs_prepare_rows(pzs_control *control);
+void pzs_repair_rows(pzs_control *control);
+void pzs_optimise_rows(pzs_control *control);
+pzs_real pzs_violation_rows(const pzs_control *control, const pzs_real *gradient, uint16_t *active);
+
+#endif

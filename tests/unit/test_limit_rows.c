@@ -1,0 +1,599 @@
+/*
+ * Laws of limit rows, the limits of weighted sums of voltages. Arguments (both optional): a file to
+ * which problems and voltages are written for tests/oracle/limit_rows.py, and how many of the
+ * random problems.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
+#include "pzs.h"
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../rigs/control_bench.h"
+#include "../../lib/control/limit_rows.h"
+
+#ifndef RANDOM_PROBLEMS
+#define RANDOM_PROBLEMS 1500
+#endif
+#ifndef FLIPS
+#define FLIPS 20000
+#endif
+#define MOST_ROWS 128
+#define MOST_ENTRIES (MOST_ROWS * 16)
+/*
+ * Tolerance of the objective, relative to |W e|^2, and the part of the steps that may miss it. In
+ * float some tableaux of dependent rows lose all digits: such a step ends above the optimum.
+ */
+#define ROW_TOLERANCE PZS_BY_BITS(1e-3L, 1e-9L)
+#define MISSED_PART PZS_BY_BITS(1e-3, 0)
+
+/* A voltage problem with limit rows. */
+typedef struct rig {
+    bench b;
+    pzs_limit_rows rows;
+    uint32_t start[MOST_ROWS + 1];
+    uint16_t input[MOST_ENTRIES];
+    pzs_real value[MOST_ENTRIES], low[MOST_ROWS], high[MOST_ROWS], safe[MOST_INPUTS];
+    double work[(PZS_CONTROL_BYTES(MOST_INPUTS, MOST_OUTPUTS) +
+                 PZS_LIMIT_ROW_BYTES(MOST_INPUTS, MOST_ROWS)) /
+                    8 +
+                2];
+} rig;
+
+static rig one, copy;
+static FILE *dump;
+static long dump_count;
+
+/* ---- problems -------------------------------------------------------------- */
+
+static void begin_row(rig *r, double low, double high)
+{
+    const uint32_t k = r->rows.sums.count;
+    assert_true(k < MOST_ROWS);
+    r->low[k] = (pzs_real)low;
+    r->high[k] = (pzs_real)high;
+    r->rows.sums.count++;
+    r->start[k + 1] = r->start[k];
+}
+
+static void add_entry(rig *r, unsigned input, double value)
+{
+    uint32_t *end = &r->start[r->rows.sums.count];
+    assert_true(*end < MOST_ENTRIES);
+    r->input[*end] = (uint16_t)input;
+    r->value[*end] = (pzs_real)value;
+    ++*end;
+}
+
+static void add_difference(rig *r, unsigned left, unsigned right, double limit)
+{
+    begin_row(r, -limit, limit);
+    add_entry(r, left, 1);
+    add_entry(r, right, -1);
+}
+
+/* Limit the differences of consecutive inputs. */
+static void add_chain(rig *r, double limit)
+{
+    for (unsigned j = 0; j + 1 < r->b.problem.inputs; j++)
+        add_difference(r, j, j + 1, limit);
+}
+
+/* Seal the problem and initialise the controller. */
+static pzs_status open_rig(rig *r)
+{
+    pzs_problem *problem = &r->b.problem;
+    r->rows.call = &pzs_limit_rows_calls;
+    r->rows.sums.start = r->start;
+    r->rows.sums.dof = r->input;
+    r->rows.sums.value = r->value;
+    r->rows.lower = r->low;
+    r->rows.upper = r->high;
+    r->rows.safe = r->safe;
+    problem->limit_rows = r->rows.sums.count > 0 ? &r->rows : NULL;
+    problem->weight = r->b.weight;
+    problem->lower = r->b.lower;
+    problem->upper = r->b.upper;
+    problem->step_limit = r->b.step_limit;
+    problem->reference_voltage = r->b.reference_voltage;
+    assert_int_equal(pzs_problem_seal(problem), PZS_OK);
+    return pzs_control_init(&r->b.control, problem, NULL, r->work, sizeof r->work);
+}
+
+static void random_error(rig *r)
+{
+    for (unsigned i = 0; i < r->b.problem.outputs; i++)
+        r->b.error[i] = (pzs_real)uniform(&r->b, -1, 1);
+}
+
+/* Influence matrices of full and of deficient rank, smooth or random. */
+static void random_matrix(rig *r)
+{
+    const unsigned n = r->b.problem.inputs, m = r->b.problem.outputs, kind = below(&r->b, 5);
+    for (unsigned i = 0; i < m; i++)
+        for (unsigned j = 0; j < n; j++) {
+            const double x = (i + .5) / m - (j + .5) / n;
+            const double bump = exp(-x * x * n * n / 4);
+            r->b.influence[i * n + j] = (pzs_real)(kind < 2 ? bump : uniform(&r->b, -1, 1));
+        }
+    for (unsigned i = 0; kind == 3 && i < m; i++) /* columns that repeat, with another size */
+        for (unsigned j = n / 2; j < n; j++)
+            r->b.influence[i * n + j] = -2 * r->b.influence[i * n + j - n / 2];
+    for (unsigned i = 0; kind == 4 && i < m; i++) /* an input without effect */
+        r->b.influence[i * n + n / 2] = 0;
+}
+
+/* Rows of one kind: chains, pairs, sums, repeated rows, rows equal to a bound, rows of zeros. */
+static void random_rows(rig *r, double limit)
+{
+    const unsigned n = r->b.problem.inputs, kind = below(&r->b, 8);
+    const double reach = limit * pow(10, uniform(&r->b, -2, .3));
+    if (kind < 4 || n < 3)
+        add_chain(r, reach);
+    for (unsigned k = 0; kind >= 2 && kind < 6 && k < 1 + n / 4; k++) {
+        begin_row(r, chance(&r->b, .5) ? -HUGE_VAL : -reach * 3, reach * (1 + below(&r->b, 3)));
+        for (unsigned j = below(&r->b, 4); j < n && j < 14; j += 1 + below(&r->b, 3))
+            add_entry(r, j, chance(&r->b, .5) ? 1 : uniform(&r->b, -2, 2));
+    }
+    for (unsigned k = 0; kind == 6 && k < 2; k++)
+        add_chain(r, reach);
+    for (unsigned j = 0; kind == 7 && j < n && j < 40; j++) {
+        begin_row(r, -HUGE_VAL, limit);
+        add_entry(r, j, 1);
+        begin_row(r, -1, 1);
+        add_entry(r, j, 0);
+    }
+}
+
+static void random_problem(rig *r, uint64_t seed)
+{
+    memset(r, 0, sizeof *r);
+    r->b.seed = seed * 7919 + 17;
+    const unsigned n = 2 + below(&r->b, chance(&r->b, .1) ? 63 : 20);
+    r->b.problem.inputs = (uint16_t)n;
+    r->b.problem.outputs = (uint16_t)(1 + below(&r->b, 2 * n + 4));
+    r->b.problem.influence = r->b.influence;
+    random_matrix(r);
+    if (chance(&r->b, .5))
+        r->b.problem.regularisation = (pzs_real)pow(10, uniform(&r->b, -6, 0));
+    const double limit = pow(10, uniform(&r->b, -1.5, .5));
+    const double step = chance(&r->b, .4) ? limit * uniform(&r->b, .05, .6) : HUGE_VAL;
+    for (unsigned i = 0; i < r->b.problem.outputs; i++)
+        r->b.weight[i] = (pzs_real)uniform(&r->b, .2, 1);
+    for (unsigned j = 0; j < n; j++) {
+        const bool is_fixed = chance(&r->b, .03);
+        r->b.upper[j] = (pzs_real)(is_fixed ? 0 : limit * uniform(&r->b, .5, 1));
+        r->b.lower[j] = (pzs_real)(is_fixed ? 0 : -limit * uniform(&r->b, .5, 1));
+        r->b.step_limit[j] = (pzs_real)step;
+    }
+    random_error(r);
+    random_rows(r, limit);
+}
+
+/* ---- checks ---------------------------------------------------------------- */
+
+/* Assert that the voltages are inside all bounds and rows to the last bit. */
+static void assert_inside(const rig *r)
+{
+    assert_feasible(&r->b);
+    for (unsigned k = 0; k < r->rows.sums.count; k++) {
+        const pzs_real sum = pzs_limit_rows_sum(&r->rows, k, r->b.control.info.voltage);
+        assert_true(sum >= r->low[k] && sum <= r->high[k]);
+    }
+}
+
+/*
+ * Upper bound of objective minus optimum, by duality: for any multipliers of the right sign, it is
+ * at most 2 max over the box of (gradient - A' multipliers) . (v - x) + 2 |multipliers| . slack.
+ */
+static wide duality_gap(const rig *r)
+{
+    const pzs_row_solver *solver = r->b.control.state.row_solver;
+    wide voltage[MOST_INPUTS] = {0}, gradient[MOST_INPUTS], gap = 0;
+    const unsigned n = r->b.problem.inputs;
+    for (unsigned j = 0; j < n; j++)
+        voltage[j] = r->b.control.info.voltage[j];
+    (void)objective(&r->b, voltage, gradient);
+    for (unsigned k = 0; k < r->rows.sums.count; k++) {
+        const bool is_active = solver->extended.free_set[n + k] > 0;
+        wide multiplier = is_active ? (wide)solver->extended.direction[n + k] : 0;
+        if (multiplier > 0 ? isinf(r->low[k]) : isinf(r->high[k]))
+            multiplier = 0;
+        const wide sum = pzs_limit_rows_sum(&r->rows, k, r->b.control.info.voltage);
+        if (multiplier > 0)
+            gap += 2 * multiplier * (sum - (wide)r->low[k]);
+        else if (multiplier < 0)
+            gap -= 2 * multiplier * ((wide)r->high[k] - sum);
+        for (uint32_t at = r->start[k]; at < r->start[k + 1]; at++)
+            gradient[r->input[at]] -= (wide)r->value[at] * multiplier;
+    }
+    return gap + gap_of(&r->b, voltage, gradient);
+}
+
+/* Objective at which the tolerance is measured. */
+static wide scale_of(const rig *r)
+{
+    return fmaxl(energy(&r->b), objective_at(&r->b, r->b.control.info.voltage));
+}
+
+static void write_reals(const pzs_real *x, unsigned count)
+{
+    for (unsigned i = 0; i < count; i++) {
+        const double number = (double)x[i];
+        fwrite(&number, sizeof number, 1, dump);
+    }
+}
+
+/* Write inputs, outputs, rows, regularisation, arrays, dense rows, limits and voltages as doubles.
+ */
+static void write_problem(const rig *r)
+{
+    const unsigned n = r->b.problem.inputs, m = r->b.problem.outputs, count = r->rows.sums.count;
+    const double head[] = {n, m, count, (double)r->b.problem.regularisation};
+    fwrite(head, sizeof *head, 4, dump);
+    write_reals(r->b.influence, n * m);
+    write_reals(r->b.weight, m);
+    write_reals(r->b.error, m);
+    write_reals(r->b.lower_bound, n);
+    write_reals(r->b.upper_bound, n);
+    write_reals(r->b.reference_voltage, n);
+    for (unsigned k = 0; k < count; k++) {
+        double row[MOST_INPUTS] = {0};
+        for (uint32_t at = r->start[k]; at < r->start[k + 1]; at++)
+            row[r->input[at]] += (double)r->value[at];
+        fwrite(row, sizeof *row, n, dump);
+    }
+    write_reals(r->low, count);
+    write_reals(r->high, count);
+    write_reals(r->b.control.info.voltage, n);
+}
+
+/* ---- laws ------------------------------------------------------------------ */
+
+/*
+ * Law: every step ends inside all limits at the optimum, by the duality gap: random problems with
+ * chains, pairs and sums, repeated and zero rows, rows equal to bounds, deficient rank, step
+ * limits, and targets that jump between warm steps.
+ */
+static void test_random_problems(void **state)
+{
+    (void)state;
+    unsigned most = 0, steps = 0, iterations = 0, active = 0, missed = 0;
+    wide worst = 0;
+    for (unsigned k = 0; k < RANDOM_PROBLEMS; k++) {
+        random_problem(&one, k);
+        assert_int_equal(open_rig(&one), PZS_OK);
+        for (unsigned left = 1 + below(&one.b, 4); left > 0; left--, steps++) {
+            note_limits(&one.b);
+            const pzs_status status = pzs_step(&one.b.control, one.b.error);
+            assert_inside(&one);
+            const wide excess = duality_gap(&one) / (ROW_TOLERANCE * scale_of(&one));
+            const bool is_missed = status != PZS_OK || excess > 1;
+            missed += is_missed;
+            worst = excess > worst && !is_missed ? excess : worst;
+            iterations += one.b.control.info.iterations;
+            pzs_report report;
+            assert_int_equal(pzs_assess(&one.b.control, one.b.error, &report), PZS_OK);
+            active += report.active_rows;
+            if (left > 1)
+                random_error(&one);
+        }
+        most =
+            one.b.control.info.iterations_most > most ? one.b.control.info.iterations_most : most;
+        if (dump != NULL && (long)k < dump_count)
+            write_problem(&one);
+    }
+    print_message(
+        "%d problems, %u steps: gap at most %.2Lg of what is allowed, missed in %u steps, "
+        "%.1f rows bind, %.1f iterations a step, at most %u\n",
+        RANDOM_PROBLEMS, steps, worst, missed, (double)active / steps, (double)iterations / steps,
+        most);
+    assert_true(missed <= MISSED_PART * steps);
+}
+
+/*
+ * Law: wherever the work limit cuts a step, the voltages are inside all limits and no worse than
+ * before, and the work is within the limit; with enough work the step ends at the optimum.
+ */
+static void test_cuts(void **state)
+{
+    (void)state;
+    unsigned cuts = 0, missed = 0;
+    for (unsigned k = 0; k < 250; k++) {
+        random_problem(&one, 50000 + k);
+        assert_int_equal(open_rig(&one), PZS_OK);
+        (void)pzs_step(&one.b.control, one.b.error);
+        random_error(&one);
+        memcpy(&copy, &one, sizeof copy);
+        const wide first = objective_at(&one.b, one.b.control.info.voltage);
+        const unsigned n = one.b.problem.inputs, rows = one.rows.sums.count;
+        pzs_status status = PZS_W_ITERATIONS;
+        for (unsigned allowed = 0; status == PZS_W_ITERATIONS; allowed++, cuts++) {
+            memcpy(&one, &copy, sizeof one);
+            note_limits(&one.b);
+            one.b.control.settings.work_limit =
+                PZS_LIMIT_ROW_WORK_LEAST(n, rows) + allowed * PZS_ITERATION_WORK(n + rows);
+            status = pzs_step(&one.b.control, one.b.error);
+            assert_inside(&one);
+            assert_true(one.b.control.info.work <= one.b.control.settings.work_limit);
+            assert_true(objective_at(&one.b, one.b.control.info.voltage) <=
+                        first + 64 * MOST_INPUTS * (wide)PZS_EPSILON * (scale_of(&one) + first));
+            assert_true(allowed < 2000);
+        }
+        missed += duality_gap(&one) > ROW_TOLERANCE * scale_of(&one);
+    }
+    print_message("%u cuts, %u of 250 ends above the optimum\n", cuts, missed);
+    assert_true(missed <= 10 * MISSED_PART * 250);
+}
+
+/* A chain of 8 inputs within 100 V, neighbours within `limit`, 12 outputs. */
+static void open_chain(rig *r, uint64_t seed, double limit, double step)
+{
+    memset(r, 0, sizeof *r);
+    r->b.seed = seed;
+    r->b.problem.inputs = 8;
+    r->b.problem.outputs = 12;
+    r->b.problem.influence = r->b.influence;
+    for (unsigned i = 0; i < 12; i++) {
+        r->b.weight[i] = 1;
+        for (unsigned j = 0; j < 8; j++)
+            r->b.influence[i * 8 + j] = (pzs_real)uniform(&r->b, -.01, .01);
+    }
+    for (unsigned j = 0; j < 8; j++) {
+        r->b.upper[j] = 100;
+        r->b.lower[j] = -100;
+        r->b.step_limit[j] = (pzs_real)step;
+    }
+    random_error(r);
+    add_chain(r, limit);
+}
+
+/*
+ * Law: degenerate corners do not make the optimiser cycle: every row three times, rows equal to the
+ * bounds, rows that fix a sum to rounding, and limits so thin that all rows bind.
+ */
+static void test_degenerate(void **state)
+{
+    (void)state;
+    unsigned most = 0, missed = 0;
+    for (unsigned k = 0; k < 300; k++) {
+        const double thin = k % 3 == 0 ? PZS_BY_BITS(5, .05) : 100;
+        open_chain(&one, k, thin, HUGE_VAL);
+        add_chain(&one, thin);
+        add_chain(&one, thin);
+        for (unsigned j = 0; j < 8; j++) {
+            begin_row(&one, -100, 100);
+            add_entry(&one, j, 1);
+        }
+        begin_row(&one, k % 2 ? -.05 : -HUGE_VAL, k % 2 ? .05 : 0);
+        for (unsigned j = 0; j < 8; j++)
+            add_entry(&one, j, 1);
+        begin_row(&one, -1, 1);
+        assert_int_equal(open_rig(&one), PZS_OK);
+        for (unsigned jump = 0; jump < 6; jump++) {
+            note_limits(&one.b);
+            const wide before = scale_of(&one);
+            const pzs_status status = pzs_step(&one.b.control, one.b.error);
+            assert_inside(&one);
+            missed += status != PZS_OK || duality_gap(&one) > ROW_TOLERANCE * before;
+            for (unsigned i = 0; i < 12; i++) /* corners of the limits, reached exactly */
+                one.b.error[i] = (pzs_real)(jump % 2 ? 0 : uniform(&one.b, -9, 9));
+        }
+        most =
+            one.b.control.info.iterations_most > most ? one.b.control.info.iterations_most : most;
+    }
+    print_message("degenerate: at most %u iterations, missed %u of 1800\n", most, missed);
+    assert_true(missed <= 10 * MISSED_PART * 1800);
+}
+
+static double largest_excess(const rig *r, const pzs_real *voltage)
+{
+    double most = 0;
+    for (unsigned k = 0; k < r->rows.sums.count; k++) {
+        const double sum = (double)pzs_limit_rows_sum(&r->rows, k, voltage);
+        most = fmax(most, fmax(sum - (double)r->high[k], (double)r->low[k] - sum));
+    }
+    return most;
+}
+
+/*
+ * Law: an input that is held far from its voltage takes its neighbours along: in every step all
+ * rows and step limits hold, and after as many steps as its way needs the input has arrived.
+ */
+static void test_hold(void **state)
+{
+    (void)state;
+    open_chain(&one, 5, 30, 10);
+    for (unsigned i = 0; i < 12; i++)
+        one.b.error[i] *= 100;
+    assert_int_equal(open_rig(&one), PZS_OK);
+    for (unsigned t = 0; t < 20; t++)
+        (void)pzs_step(&one.b.control, one.b.error);
+    pzs_real before[8], way = 0;
+    unsigned far = 0;
+    for (unsigned j = 0; j < 8; j++)
+        if (fabs((double)one.b.control.info.voltage[j]) > (double)way) {
+            way = (pzs_real)fabs((double)one.b.control.info.voltage[j]);
+            far = j;
+        }
+    assert_true(way > 40);
+    assert_int_equal(pzs_hold(&one.b.control, (uint16_t)far, 0), PZS_OK);
+    unsigned steps = 0;
+    for (pzs_status status = PZS_W_LIMIT_ROWS; status == PZS_W_LIMIT_ROWS; steps++) {
+        memcpy(before, one.b.control.info.voltage, sizeof before);
+        status = pzs_step(&one.b.control, one.b.error);
+        assert_true(largest_excess(&one, one.b.control.info.voltage) <= 0);
+        for (unsigned j = 0; j < 8; j++)
+            assert_true(one.b.control.info.voltage[j] - before[j] <= 10 &&
+                        before[j] - one.b.control.info.voltage[j] <= 10);
+        if (status == PZS_W_LIMIT_ROWS)
+            assert_int_equal(one.b.control.info.where, far);
+        assert_true(steps < 20);
+    }
+    assert_true(fabs((double)one.b.control.info.voltage[far]) <= 0);
+    assert_int_equal(steps, (unsigned)ceil((double)way / 10));
+}
+
+/*
+ * Law: voltages of the amplifiers at the start may violate rows; each step then violates each row
+ * less, until all hold.
+ */
+static void test_start(void **state)
+{
+    (void)state;
+    open_chain(&one, 6, 30, 10);
+    assert_int_equal(open_rig(&one), PZS_OK);
+    const pzs_real given[8] = {100, -100, 100, -100, 90, 80, -80, 0};
+    assert_int_equal(pzs_control_start(&one.b.control, given), PZS_OK);
+    double last = largest_excess(&one, one.b.control.info.voltage);
+    assert_true(last >= 170);
+    for (unsigned t = 0; last > 0; t++) {
+        (void)pzs_step(&one.b.control, one.b.error);
+        const double now = largest_excess(&one, one.b.control.info.voltage);
+        assert_true(now < last);
+        last = now;
+        assert_true(t < 12);
+    }
+}
+
+/* Law: wrong tables are refused with the number of inputs plus that of the row. */
+static void test_refusals(void **state)
+{
+    (void)state;
+    open_chain(&one, 7, 30, 10);
+    one.low[3] = 31;
+    assert_int_equal(open_rig(&one), PZS_E_LIMITS);
+    assert_int_equal(one.b.control.info.where, 8 + 3);
+    open_chain(&one, 7, 30, 10);
+    one.value[2 * 2] = (pzs_real)NAN;
+    assert_int_equal(open_rig(&one), PZS_E_LIMITS);
+    assert_int_equal(one.b.control.info.where, 8 + 2);
+    open_chain(&one, 7, 30, 10);
+    one.input[2 * 5] = 8;
+    assert_int_equal(open_rig(&one), PZS_E_LIMITS);
+    assert_int_equal(one.b.control.info.where, 8 + 5);
+    open_chain(&one, 7, 30, 10);
+    one.b.upper[4] = (pzs_real)HUGE_VAL;
+    assert_int_equal(open_rig(&one), PZS_E_LIMITS);
+    assert_int_equal(one.b.control.info.where, 8 + 3);
+    open_chain(&one, 7, 30, 10);
+    one.safe[1] = 31;
+    assert_int_equal(open_rig(&one), PZS_E_LIMITS);
+    assert_int_equal(one.b.control.info.where, -1);
+    open_chain(&one, 7, 30, 10);
+    assert_int_equal(open_rig(&one), PZS_OK);
+    one.high[0] = 31;
+    assert_int_equal(
+        pzs_control_init(&one.b.control, &one.b.problem, NULL, one.work, sizeof one.work),
+        PZS_E_CRC);
+}
+
+/* ---- the loop ----------------------------------------------------------------- */
+
+/* A block that damages memory between the control step and the last gate. */
+typedef struct blow {
+    const rig *of;
+    uint64_t seed;
+    bool is_due;
+} blow;
+
+static size_t blow_bytes(const void *tables, const pzs_problem *problem)
+{
+    (void)tables;
+    (void)problem;
+    return 0;
+}
+
+static pzs_status blow_init(void *self, const void *tables, pzs_loop_signals *signals)
+{
+    (void)self;
+    (void)tables;
+    (void)signals;
+    return PZS_OK;
+}
+
+static pzs_status blow_tick(void *self, pzs_loop_signals *signals)
+{
+    const blow *b = signals->tables;
+    (void)self;
+    const size_t bytes = pzs_control_bytes(&b->of->b.problem) - 16;
+    const uint64_t bit = b->seed % (8 * bytes);
+    if (b->is_due)
+        ((uint8_t *)signals->control->state.work)[bit / 8] ^= (uint8_t)(1u << bit % 8);
+    return PZS_OK;
+}
+
+static const pzs_block_type blow_block = {"blow",    PZS_PHASE_VOLTAGE, blow_bytes,
+                                          blow_init, blow_tick,         NULL};
+
+/*
+ * Law: through the last gate no voltages leave that violate a limit row or a step limit, whatever
+ * bit of the workspace flips between control step and gate, with and without converter steps; and
+ * the loop follows its target again afterwards.
+ */
+static void test_gate(void **state)
+{
+    (void)state;
+    static double work[30000];
+    static pzs_loop loop;
+    static blow damage;
+    const pzs_amplifier amplifier = {.step = 0.75, .dead_band = 0.125};
+    for (unsigned kind = 0; kind < 2; kind++) {
+        open_chain(&one, 9 + kind, 30, 10);
+        assert_int_equal(open_rig(&one), PZS_OK);
+        const pzs_block blocks[] = {{&pzs_step_block, &one.b.problem},
+                                    {&pzs_amplifier_block, &amplifier},
+                                    {&blow_block, &damage}};
+        const pzs_block plain[] = {blocks[0], blocks[2]};
+        damage = (blow){.of = &one};
+        assert_int_equal(
+            pzs_loop_init(&loop, kind ? blocks : plain, kind ? 3 : 2, NULL, work, sizeof work),
+            PZS_OK);
+        pzs_real last[8] = {0};
+        unsigned warned = 0;
+        for (unsigned t = 0; t < FLIPS; t++) {
+            if (t % 16 == 0)
+                for (unsigned i = 0; i < 12; i++)
+                    one.b.error[i] = (pzs_real)uniform(&one.b, -3, 3);
+            damage.is_due = t % 16 == 3 && t + 32 < FLIPS;
+            damage.seed = bits(&one.b);
+            const pzs_status status = pzs_loop_tick(&loop, one.b.error, NULL);
+            warned += status == PZS_W_OUTPUT;
+            assert_true(t + 16 < FLIPS || status == PZS_OK);
+            assert_true(largest_excess(&one, (const pzs_real *)loop.info.voltage) <= 0);
+            for (unsigned j = 0; j < 8; j++) {
+                const pzs_real voltage = loop.info.voltage[j];
+                assert_true(voltage >= -100 && voltage <= 100);
+                assert_true(voltage - last[j] <= 10 && last[j] - voltage <= 10);
+                last[j] = voltage;
+            }
+        }
+        print_message("%u flips, %u of them met the voltages\n", FLIPS / 16, warned);
+        assert_true(warned > 0);
+    }
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_random_problems),
+                                       cmocka_unit_test(test_cuts),
+                                       cmocka_unit_test(test_degenerate),
+                                       cmocka_unit_test(test_hold),
+                                       cmocka_unit_test(test_start),
+                                       cmocka_unit_test(test_refusals),
+                                       cmocka_unit_test(test_gate)};
+    if (argc > 1)
+        dump = fopen(argv[1], "wb");
+    dump_count = argc > 2 ? atol(argv[2]) : RANDOM_PROBLEMS;
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    if (dump != NULL && fclose(dump) != 0)
+        return 1;
+    return failed;
+}
