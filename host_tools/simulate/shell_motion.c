@@ -13,22 +13,29 @@
 #include "../../lib/nonlinear/nonlinear.h"
 #include "../model/modal.h"
 
-enum { SOLVES_MOST = 16 }; /* Largest number of linear solves in one time step. */
+enum {
+    SOLVES_MOST = 16
+}; /* Largest number of linear solves in one time step of the motion of a shell; a step that needs
+      more is halved. */
 
 /*
- * Convergence tolerance of a time step: largest size of the last increment relative to the change
- * of the displacement in half the step, or to least_change times the displacement where the
- * structure hardly moves.
+ * Convergence tolerance of Newton's method in a time step: largest norm of the last increment
+ * relative to the change of the displacement in half the step. Where the structure hardly moves,
+ * the change counts as least_change times the displacement.
  */
 static const double tolerance = 1e-7, least_change = 1e-3;
 
 /*
- * Relative increment below which the factors of the matrix are kept for the next linear solve,
- * unless the last increment was more than slow_decrease times the one before.
+ * Newton's method keeps the factors of its matrix for the next linear solve in the same time step
+ * where the relative increment is below small_increment, unless it was more than slow_decrease
+ * times the increment before.
  */
 static const double small_increment = 0.01, slow_decrease = 0.2;
 
-/* Largest phase of the fastest followed mode in a step, and in a control tick (radians). */
+/*
+ * Largest phase (radians) of a vibration mode in a time step that follows the mode, and in a
+ * control tick that can damp the mode.
+ */
 static const double step_phase = 0.5, tick_phase = 2;
 
 static const pzs_structure *structure_of(const shell_motion *motion)
@@ -63,7 +70,10 @@ static bool take_memory(shell_motion *motion)
     return true;
 }
 
-/* Number of modes, rigid motions not counted, that a time step follows: half a radian at most. */
+/*
+ * Number of vibration modes, without rigid motions, that turn by at most half a radian in a time
+ * step, so that the time steps follow them.
+ */
 static size_t count_followed(const vibration *vibration, double step)
 {
     size_t count = 0;
@@ -73,8 +83,8 @@ static size_t count_followed(const vibration *vibration, double step)
 }
 
 /*
- * Choose the viscosity where the scene states damping ratios: the largest one that gives no
- * followed mode more than its ratio.
+ * Choose the viscosity where the scene states damping ratios: the largest viscosity that gives no
+ * mode which the time steps follow more than its stated ratio.
  */
 static double viscosity_of(const shell_motion *motion, const scene_dynamics *dynamics)
 {
@@ -87,7 +97,10 @@ static double viscosity_of(const shell_motion *motion, const scene_dynamics *dyn
     return isfinite(viscosity) ? viscosity : 0;
 }
 
-/* Prepare the damping. Returns whether memory was available. */
+/*
+ * Prepare the damping of the motion from the section `dynamics` of the scene. Returns whether
+ * memory was available.
+ */
 static bool prepare_damping(shell_motion *motion, const scene_dynamics *dynamics)
 {
     const vibration *vibration = motion->vibration;
@@ -176,8 +189,9 @@ static void gather(const shell_motion *motion, uint32_t element, const double *v
 }
 
 /*
- * Factor of the elastic tangent of an element in a step: 1, plus twice the viscosity of the
- * material over the step.
+ * Factor by which viscosity increases the elastic part of an element's tangent in a time step: 1
+ * plus viscosity over step, because half of the viscosity acts on the material, at twice the rate
+ * of the displacement in half the step.
  */
 static double tangent_factor(const shell_motion *motion, double step)
 {
@@ -185,16 +199,18 @@ static double tangent_factor(const shell_motion *motion, double step)
 }
 
 /*
- * Half of the step plus the viscosity that acts on the velocity (s): the change of the displacement
- * in the step, less the step times the velocity at its start, is this time times the change of the
- * velocity.
+ * Half of the time step plus half of the viscosity (s). In a time step, the change of the
+ * displacement less the product of step and initial velocity is this time multiplied by the change
+ * of the velocity.
  */
 static double response_time(const shell_motion *motion, double step)
 {
     return (step + motion->viscosity) / 2;
 }
 
-/* Derivative of the force of inertia and of damping of mass by the change in half the step (1/s2).
+/*
+ * Factor of the mass matrix in the matrix of a time step (1/s2): derivative of inertia and damping
+ * of mass with respect to the change of the displacement in half the step.
  */
 static double mass_factor(const shell_motion *motion, double step)
 {
@@ -202,8 +218,9 @@ static double mass_factor(const shell_motion *motion, double step)
 }
 
 /*
- * Stress resultants of an element that act at half the step: mean of those at the start and at the
- * end of the step, viscosity times their rate, and the prescribed resultants.
+ * Stress resultants of an element that act at half a time step: mean of the resultants at the start
+ * and at the end of the step, viscosity times their rate, and the prescribed resultants of voltages
+ * and temperature.
  *   resultant [22] out  (N m)
  */
 static void acting_resultants(const shell_motion *motion, uint32_t element, double step,
@@ -221,8 +238,8 @@ static void acting_resultants(const shell_motion *motion, uint32_t element, doub
 }
 
 /*
- * Add the tangent and the mass of one element to the matrix of the step. The geometric part of the
- * tangent holds the extrapolated stress resultants.
+ * Add the tangent stiffness and the mass of one element to the matrix of a time step. The geometric
+ * part of the tangent holds the extrapolated stress resultants.
  */
 static void add_tangent(shell_motion *motion, uint32_t element, double step)
 {
@@ -243,8 +260,8 @@ static void add_tangent(shell_motion *motion, uint32_t element, double step)
 }
 
 /*
- * Subtract the internal force of one element from the imbalance, and store its stress resultants as
- * the extrapolated ones.
+ * Subtract the internal force of one element at half the time step from the force imbalance, and
+ * store the acting stress resultants as the extrapolated ones.
  */
 static void subtract_internal_force(shell_motion *motion, uint32_t element, double step,
                                     double *imbalance)
@@ -262,8 +279,8 @@ static void subtract_internal_force(shell_motion *motion, uint32_t element, doub
 }
 
 /*
- * Extrapolate the stress resultants of all elements, which are those that act at half the step,
- * along the increment.
+ * Extrapolate the stress resultants that act at half the time step along the last increment of
+ * Newton's method, for all elements.
  */
 static void extrapolate(shell_motion *motion, double step)
 {
@@ -281,7 +298,10 @@ static void extrapolate(shell_motion *motion, double step)
 
 /* ---- one linear solve --------------------------------------------------- */
 
-/* Whether the force of an input is that of prescribed resultants (voltages, temperature). */
+/*
+ * Whether an input acts by prescribed stress resultants, as voltages and temperatures do, and not
+ * by a load.
+ */
 static bool is_actuation(const shell_motion *motion, uint32_t input)
 {
     const uint32_t *start = motion->solver.state.tables->resultants.start;
@@ -289,8 +309,8 @@ static bool is_actuation(const shell_motion *motion, uint32_t input)
 }
 
 /*
- * Add the loads at half the step to the imbalance: loads of constant direction, and those of the
- * options (follower loads) by the force per unit of each input.
+ * Add the loads at half the time step to the force imbalance: loads of constant direction, and
+ * follower loads by their force per unit of each input.
  */
 static void add_loads(shell_motion *motion, double *imbalance)
 {
@@ -308,9 +328,7 @@ static void add_loads(shell_motion *motion, double *imbalance)
     }
 }
 
-/*
- * Subtract the derivative of the loads of the options (follower loads) from the matrix of the step.
- */
+/* Subtract the derivative of the follower loads from the matrix of a time step. */
 static void subtract_load_tangent(shell_motion *motion)
 {
     pzs_solver *solver = &motion->solver;
@@ -321,9 +339,9 @@ static void subtract_load_tangent(shell_motion *motion)
 }
 
 /*
- * Subtract the forces of inertia, of the damping of mass and of the damped modes from the
- * imbalance. The matrix of the step leaves the damped modes out, because that would fill it: the
- * iteration then converges by their damping ratio.
+ * Subtract the forces of inertia, of damping of mass and of the damped modes from the force
+ * imbalance of a time step. The matrix of the step has no part of the damped modes, because that
+ * part would fill the matrix; Newton's method then converges at the rate of their damping ratios.
  */
 static void subtract_inertia(shell_motion *motion, double step, double *imbalance)
 {
@@ -344,8 +362,8 @@ static void subtract_inertia(shell_motion *motion, double step, double *imbalanc
 }
 
 /*
- * Compute the force imbalance at the present displacement at half the step, and the displacement at
- * the end of the step.
+ * Compute the force imbalance of a time step at the present displacement at half the step, and the
+ * displacement at the end of the step.
  *   imbalance [free_dof] out  (N and N m)
  */
 static void compute_imbalance(shell_motion *motion, double step, double *imbalance)
@@ -368,8 +386,8 @@ static void compute_imbalance(shell_motion *motion, double step, double *imbalan
 }
 
 /*
- * Assemble and factor the matrix of the step at the present displacement at half the step. Returns
- * whether the matrix is regular.
+ * Assemble and factor the matrix of a time step at the present displacement at half the step.
+ * Returns whether the matrix is regular.
  */
 static bool factor_matrix(shell_motion *motion, double step)
 {
@@ -389,9 +407,10 @@ static bool factor_matrix(shell_motion *motion, double step)
 }
 
 /*
- * Make one linear solve, and update displacement and stress resultants.
- *   is_new in  true: with the matrix at the present displacement; false: with that of the last call
- * Returns false where the matrix is singular or a result is not finite.
+ * Make one linear solve of Newton's method in a time step, and update the displacement and the
+ * stress resultants. is_new in  true: factor the matrix at the present displacement first; false:
+ * use the factors of the last call Returns false where the matrix is singular or a result is not
+ * finite.
  */
 static bool solve_and_update(shell_motion *motion, double step, bool is_new)
 {
@@ -416,8 +435,8 @@ static bool solve_and_update(shell_motion *motion, double step, bool is_new)
 /* ---- one step ----------------------------------------------------------- */
 
 /*
- * Begin a step: predict the displacement from the velocity and the acceleration of the last step,
- * and compute the stress resultants at the start.
+ * Begin a time step: predict the displacement at half the step from the velocity and the
+ * acceleration of the last step, and compute the stress resultants at the start.
  */
 static void begin_step(shell_motion *motion, double step)
 {
@@ -449,8 +468,9 @@ static void end_step(shell_motion *motion, double step)
 }
 
 /*
- * Size of the last increment relative to the change of the displacement in half the step. Where the
- * structure hardly moves, the change counts as a small part of the displacement.
+ * Norm of the last increment of Newton's method relative to the change of the displacement in half
+ * the time step. Where the structure hardly moves, the change counts as a small part of the
+ * displacement.
  */
 static double relative_increment(const shell_motion *motion)
 {
@@ -463,9 +483,9 @@ static double relative_increment(const shell_motion *motion)
 }
 
 /*
- * Try one step. The matrix is factored anew until the increments are small, and later where they
- * decrease too slowly. Returns whether the iteration converged; otherwise the motion has not
- * changed.
+ * Try one time step. Newton's method factors its matrix anew until the increments are small, and
+ * later where they decrease too slowly. Returns whether the method has converged; otherwise the
+ * motion is unchanged.
  */
 static bool try_step(shell_motion *motion, double step)
 {
