@@ -121,7 +121,10 @@ static void write_certificate(const simulate_page *self)
     if (!certificate->is_made)
         return;
     certificate_text(certificate, text);
-    if (plant->has_inertia)
+    if (plant->shell_motion.step_most > 0)
+        put(file, "<p><b>Plant with inertia, nonlinear motion of %d free dof.</b> ",
+            plant->analysis.design.mesh.free_dof);
+    else if (plant->has_inertia)
         put(file, "<p><b>Plant with inertia, %d modes.</b> ", (int)plant->modal.modes);
     else
         put(file, "<p><b>Quasi-static plant: no inertia (%t).</b> ", plant->reason);
