@@ -44,6 +44,7 @@ BEYOND_SCHEMA = [
     "lie on a line", "are equal; leave", "let 'to' be", "the radius .* follows", "numbers of sectors for", "no pixel of the bitmap",
     "meets the surface twice", "stands upright",
     "published element needs", "needs its stiffness above 0", "its material is a film of", "needs the scene.s own unit", "the scene has no unit of", "is not above -1",
+    "must rise", "numbers, 'creep_time'", "has no blocking force; give E1", "no 'shear' beside", "a stress needs one of",
 ]
 
 
