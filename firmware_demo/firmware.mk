@@ -46,8 +46,8 @@ $(eval $(call fw_tables,plate_linear,plate-50-patches --set limits.step_limit=20
 $(eval $(call fw_tables,plate5_linear,plate-50-patches --set limits.step_limit=20 $(FW_COARSE) --image linear))
 $(eval $(call fw_tables,plate_nonlinear,plate-50-patches --set kinematics=nonlinear --image nonlinear))
 $(eval $(call fw_tables,hemisphere4_nonlinear,hemisphere $(FW_HEMISPHERE) --image nonlinear))
-$(eval $(call fw_tables,wing_linear,wing-panel --image linear))
-$(eval $(call fw_tables,wing_nonlinear,wing-panel --set kinematics=nonlinear --image nonlinear))
+$(eval $(call fw_tables,wing_linear,wing-panel --image linear --compact))
+$(eval $(call fw_tables,wing_nonlinear,wing-panel --set kinematics=nonlinear --image nonlinear --compact))
 tables: $(FW_TABLES)
 
 # fw_library: processor or host, choice, compiler, archiver, flags, sources. One static library for each choice,

@@ -80,9 +80,10 @@ typedef struct pzs_structure {
     const uint16_t *first_column; /* [free_dof] column of the first stored entry in each row of the
                                      stiffness matrix */
     const pzs_real *stiffness;    /* [types][rows * (rows + 1) / 2] stiffness matrix of each element
-                                     type, packed lower triangle of rows = 4 dof_per_node rows */
+                                     type, packed lower triangle of rows = 4 dof_per_node rows;
+                                     NULL: pzs_assemble computes each matrix from its type */
     const pzs_element_type *type; /* [types] element types; NULL: solutions are not refined, and the
-                                     nonlinear solver cannot be used */
+                                     nonlinear solver cannot be used; stiffness must be there */
     pzs_rows input;               /* force vector per unit of each input (N/V, N/K, N/Pa or 1) */
     pzs_rows output;              /* coefficients of the displacement in each output (m) */
     pzs_rows spring; /* one row for each spring: its elongation per unit of the displacement (1);

@@ -832,6 +832,7 @@ static int command_tables(const options *options, analysis *analysis)
     tables_size size;
     char error[SCENE_ERROR], prefix[SCENE_NAME], path[OPTIONS_PATH];
     analysis->quasi_static = options->quasi_static;
+    analysis->is_compact = options->is_compact;
     progress_stage("tables");
     if (prepare_tables(analysis, options->image, error) < 0)
         return complain(error, failed_code(analysis));

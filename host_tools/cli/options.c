@@ -207,6 +207,7 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_IMAGE: return take_image(options, value);
     case OPTION_JSON: options->as_json = true; return 0;
     case OPTION_STRICT: options->is_strict = true; return 0;
+    case OPTION_COMPACT: options->is_compact = true; return 0;
     case OPTION_QUASI_STATIC: options->quasi_static = true; return 0;
     case OPTION_PATH: options->follows_path = true; return 0;
     case OPTION_ERROR: options->estimates_error = true; return 0;

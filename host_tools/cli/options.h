@@ -23,7 +23,9 @@ typedef struct options {
     common_limits limit[MOST_LIMITS];
     int sets, limits;
     bool as_json, is_strict;
-    int number; /* number of vibration modes; 0: not given */
+    int number;      /* number of vibration modes; 0: not given */
+    bool is_compact; /* whether to write tables without the stiffness matrices of the element types
+                      */
     bool quasi_static;
     bool follows_path;    /* whether to follow the load path through limit points */
     bool estimates_error; /* whether to estimate the discretisation error from coarser meshes */

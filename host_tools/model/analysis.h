@@ -73,6 +73,8 @@ typedef struct analysis {
     } seconds; /* durations of assembling and factoring the stiffness matrix and of the last
                   displacement (s) */
     certificate certificate; /* stability of the control loop, filled by certificate_make */
+    bool is_compact;     /* whether to leave the stiffness matrices of the element types out of the
+                            tables; the device then computes them from the element types */
     bool quasi_static;   /* whether to write the controller's tables even where vibration makes the
                             control loop unstable */
     double linear_error; /* difference between linear and nonlinear displacement relative to the

@@ -94,6 +94,18 @@ static void name_rows(const emitter *emitter, const char *name, uint16_t count)
 }
 
 /*
+ * Write the name PREFIX_name of an array to `text`, or NULL where the tables do not contain this
+ * array.
+ */
+static void name_or_null(const emitter *emitter, int is_written, const char *name, char text[128])
+{
+    if (is_written)
+        snprintf(text, 128, "%.100s_%s", emitter->prefix, name);
+    else
+        snprintf(text, 128, "NULL");
+}
+
+/*
  * Number of entries that the factor of the stiffness matrix takes in memory if `tile` rows form a
  * panel (linalg.h), with the padding of the panels.
  */
@@ -123,8 +135,25 @@ static pzs_structure controlled(const analysis *analysis)
     return structure;
 }
 
-/* Write the mesh and the element stiffness matrices of the structure. */
-static void write_mesh(emitter *emitter, const mesh *mesh)
+/*
+ * Return the structure that the tables contain: the whole one or that of the controller, in compact
+ * tables without the stiffness matrices of the element types.
+ */
+static pzs_structure structure_of_tables(const analysis *analysis, int whole)
+{
+    pzs_structure structure = whole ? analysis->design.structure : controlled(analysis);
+    if (!analysis->is_compact)
+        return structure;
+    structure.stiffness = NULL;
+    structure.crc = pzs_structure_crc(&structure);
+    return structure;
+}
+
+/*
+ * Write the mesh and the element types of the structure, with their stiffness matrices unless the
+ * tables are compact.
+ */
+static void write_mesh(emitter *emitter, const mesh *mesh, bool is_compact)
 {
     const size_t packed = SHELL_PACKED(4 * (size_t)mesh->dof_per_node);
     write_elements(emitter, mesh);
@@ -134,8 +163,9 @@ static void write_mesh(emitter *emitter, const mesh *mesh)
                 "free dof of each dof of each node, or PZS_CONSTRAINED");
     emit_shorts(emitter, "first_column", mesh->first_column, (size_t)mesh->free_dof,
                 "first column of each row of the stiffness factor");
-    emit_reals(emitter, "stiffness", mesh->stiffness, (size_t)mesh->types * packed,
-               "stiffness matrix of each element type, packed lower triangle (N/m, N)");
+    if (!is_compact)
+        emit_reals(emitter, "stiffness", mesh->stiffness, (size_t)mesh->types * packed,
+                   "stiffness matrix of each element type, packed lower triangle (N/m, N)");
     write_element_types(emitter, mesh);
 }
 
@@ -143,12 +173,14 @@ static void write_mesh(emitter *emitter, const mesh *mesh)
 static void write_structure_struct(const emitter *emitter, const pzs_structure *structure)
 {
     const char *prefix = emitter->prefix;
+    char stiffness[128];
+    name_or_null(emitter, structure->stiffness != NULL, "stiffness", stiffness);
     emit_begin(emitter, "structure", "structure", structure->scene, structure->crc);
     fprintf(emitter->file,
             " %u, %u, %u, %u, %u,\n    %s_element, %s_element_type, %s_node_dof, %s_first_column, "
-            "%s_stiffness, %s_element_types,\n",
+            "%s, %s_element_types,\n",
             structure->nodes, structure->elements, structure->types, structure->dof_per_node,
-            structure->free_dof, prefix, prefix, prefix, prefix, prefix, prefix);
+            structure->free_dof, prefix, prefix, prefix, prefix, stiffness, prefix);
     name_rows(emitter, "input", structure->input.count);
     name_rows(emitter, "output", structure->output.count);
     name_rows(emitter, "spring", structure->spring.count);
@@ -163,11 +195,11 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
 {
     const mesh *mesh = &analysis->design.mesh;
     const int whole = image == TABLES_NONLINEAR || analysis->design.electrodes.count > 0;
-    const pzs_structure structure = whole ? analysis->design.structure : controlled(analysis);
+    const pzs_structure structure = structure_of_tables(analysis, whole);
     const uint16_t counts[5] = {structure.nodes, structure.elements, structure.types,
                                 structure.dof_per_node, structure.free_dof};
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    write_mesh(emitter, mesh);
+    write_mesh(emitter, mesh, analysis->is_compact);
     write_rows(emitter, "input", &structure.input, structure.input.count,
                whole ? "nodal forces per unit of each amplifier, load and extra input"
                      : "nodal forces per volt of each amplifier");
@@ -239,18 +271,6 @@ static int write_nonlinear(emitter *emitter, const analysis *analysis)
 }
 
 /* ---- voltage problem -------------------------------------------------- */
-
-/*
- * Write the name PREFIX_name of an array to `text`, or NULL where the tables do not contain this
- * array.
- */
-static void name_or_null(const emitter *emitter, int is_written, const char *name, char text[128])
-{
-    if (is_written)
-        snprintf(text, 128, "%.100s_%s", emitter->prefix, name);
-    else
-        snprintf(text, 128, "NULL");
-}
 
 /* Write the influence matrix and the Hessian of the voltage problem. */
 static void write_influence(emitter *emitter, const design *design)

@@ -42,7 +42,7 @@ static bool structure_complete(const pzs_structure *structure)
            structure->free_dof > 0 && structure->free_dof < PZS_CONSTRAINED && counts_fit &&
            (structure->dof_per_node == 6 || structure->dof_per_node == 7) && structure->element &&
            structure->element_type && structure->node_dof && structure->first_column &&
-           structure->stiffness && rows_complete(&structure->input) &&
+           (structure->stiffness || structure->type) && rows_complete(&structure->input) &&
            rows_complete(&structure->output) && rows_complete(&structure->spring) &&
            (structure->spring.count == 0 || structure->spring_stiffness);
 }
@@ -226,6 +226,56 @@ void pzs_model_add_matrix(pzs_model *model, const uint16_t *node, unsigned count
     }
 }
 
+/*
+ * Return the free degree of freedom of an element's degree of freedom i, or PZS_CONSTRAINED if a
+ * support or the last assembly constrains it.
+ */
+static uint16_t element_dof(const pzs_model *model, uint32_t element, unsigned i)
+{
+    const pzs_structure *structure = model->state.structure;
+    const uint16_t node = structure->element[element][i / structure->dof_per_node];
+    return unconstrained_dof(model, node_dofs(model, node)[i % structure->dof_per_node]);
+}
+
+/*
+ * Add the stiffness matrix of an element that is computed from its element type: each row is the
+ * force of a unit displacement of one degree of freedom.
+ */
+static void add_computed_matrix(pzs_model *model, uint32_t element)
+{
+    const pzs_structure *structure = model->state.structure;
+    const pzs_element_type *type = &structure->type[structure->element_type[element]];
+    for (unsigned i = 0; i < SHELL_NODES * (unsigned)structure->dof_per_node; i++) {
+        const uint16_t row = element_dof(model, element, i);
+        pzs_real force[SHELL_MAX] = {0}; /* displacement of the element, then its force */
+        if (row == PZS_CONSTRAINED)
+            continue;
+        force[i] = 1;
+        pzs_shell_force(type, structure->dof_per_node, force, force);
+        for (unsigned j = 0; j <= i; j++) {
+            const uint16_t column = element_dof(model, element, j);
+            if (column == PZS_CONSTRAINED)
+                continue;
+            *pzs_linalg_entry(&model->state.stiffness, row > column ? row : column,
+                              row > column ? column : row) +=
+                pzs_model_type_factor(model, element) * force[j];
+        }
+    }
+}
+
+/* Add the stiffness matrix of an element, from the tables if they contain it. */
+static void add_element(pzs_model *model, uint32_t element)
+{
+    const pzs_structure *structure = model->state.structure;
+    const size_t packed = SHELL_PACKED(SHELL_NODES * (size_t)structure->dof_per_node);
+    if (structure->stiffness)
+        pzs_model_add_matrix(model, structure->element[element], SHELL_NODES,
+                             pzs_model_type_factor(model, element),
+                             structure->stiffness + structure->element_type[element] * packed);
+    else
+        add_computed_matrix(model, element);
+}
+
 static pzs_status check_factors(pzs_model *model, const pzs_real *stiffness_factor)
 {
     if (!stiffness_factor)
@@ -255,10 +305,7 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
     pzs_linalg_clear(&model->state.stiffness);
     const pzs_structure *structure = model->state.structure;
     for (uint32_t element = 0; element < structure->elements; element++)
-        pzs_model_add_matrix(
-            model, structure->element[element], SHELL_NODES, pzs_model_type_factor(model, element),
-            structure->stiffness + structure->element_type[element] *
-                                       (size_t)SHELL_PACKED(SHELL_NODES * structure->dof_per_node));
+        add_element(model, element);
     pzs_model_add_springs(model);
     for (uint32_t i = 0; constrained && i < model->state.stiffness.n; i++)
         if (constrained[i])

@@ -211,6 +211,55 @@ static void test_influence(void **state)
     device_close(&d);
 }
 
+/* ---- compact tables ----------------------------------------------------- */
+
+/*
+ * Law: without the stiffness matrices in the tables the model computes them from the element types:
+ * in double the factors have the same bits, also where types are weakened and dof held; in float
+ * they differ by the rounding of the tables, and the refined displacements by that of the types.
+ */
+static void test_compact(void **state)
+{
+    (void)state;
+    device d;
+    device_open(&d, "scordelis-lo", NULL, 0);
+    pzs_real *factor = calloc((size_t)d.bridge.types, sizeof *factor), *expected = malloc(d.bytes),
+             *plain = calloc((size_t)d.bridge.dof, sizeof *plain);
+    uint8_t *held = calloc((size_t)d.bridge.dof, 1);
+    for (int k = 0; k < d.bridge.types; k++)
+        factor[k] = 1 + (pzs_real)k / 8;
+    held[5] = 1;
+    for (int compact = 0; compact < 2; compact++) {
+        if (compact)
+            d.structure.stiffness = NULL;
+        d.structure.crc = pzs_structure_crc(&d.structure);
+        assert_int_equal(pzs_model_init(&d.model, &d.structure, d.work, d.bytes), PZS_OK);
+        assert_int_equal(pzs_assemble(&d.model, factor, held), PZS_OK);
+        assert_int_equal(pzs_factor(&d.model), PZS_OK);
+        if (!compact)
+            memcpy(expected, d.work, d.bytes);
+        assert_int_equal(pzs_solve(&d.model, d.amount, compact ? d.u : plain), PZS_OK);
+    }
+    const pzs_real *value = d.model.state.stiffness.value;
+    const size_t count = pzs_linalg_reals(d.structure.first_column, (uint32_t)d.bridge.dof);
+    for (size_t i = 0; i < count; i++)
+        assert_true(IS_FLOAT || memcmp(&value[i], &expected[i], sizeof *value) == 0);
+    double largest = 0, difference = 0;
+    for (int i = 0; i < d.bridge.dof; i++) {
+        largest = fmax(largest, fabs((double)plain[i]));
+        difference = fmax(difference, fabs((double)(d.u[i] - plain[i])));
+    }
+    assert_true(difference <= (IS_FLOAT ? 64 * EPS : 0) * largest);
+    d.structure.type = NULL;
+    d.structure.crc = pzs_structure_crc(&d.structure);
+    assert_int_equal(pzs_model_init(&d.model, &d.structure, d.work, d.bytes), PZS_E_ARGUMENT);
+    free(factor);
+    free(expected);
+    free(plain);
+    free(held);
+    device_close(&d);
+}
+
 /* ---- what may change in the field ------------------------------------- */
 
 /* Law: twice the stiffness everywhere halves the displacement, to the bit, since two is a power of
@@ -531,6 +580,7 @@ int main(void)
         cmocka_unit_test(test_stability_published),
         cmocka_unit_test(test_stability_improved),
         cmocka_unit_test(test_influence),
+        cmocka_unit_test(test_compact),
         cmocka_unit_test(test_stiffness_factor),
         cmocka_unit_test(test_held_unknown),
         cmocka_unit_test(test_springs),
