@@ -58,15 +58,6 @@ static void release(arrays *arrays)
         free(arrays->owned[k]);
 }
 
-/* Unit of the influence matrix, for example "um/V"; empty where the scene gives no unit. */
-static const char *influence_unit(const design *design, char text[2 * SCENE_NAME])
-{
-    text[0] = '\0';
-    if (*design->units.length && *design->units.voltage)
-        snprintf(text, 2 * SCENE_NAME, "%s/%s", design->units.length, design->units.voltage);
-    return text;
-}
-
 /* ---- files ------------------------------------------------------------ */
 
 static int write_npz(const char *path, const arrays *arrays)
@@ -221,11 +212,24 @@ static void add_results(arrays *arrays, const shape_run *run)
     add_array(arrays, "error", "", count, 0, error);
 }
 
+/*
+ * Add the influence matrix and the voltage limits.
+ *   unit out  unit of the influence matrix, to which the array refers until it is written
+ */
+static void add_problem(arrays *arrays, const design *design, char unit[WORDS_UNIT])
+{
+    const size_t amplifiers = (size_t)design->amplifiers;
+    words_unit(&design->units, QUANTITY_INFLUENCE, unit);
+    add_array(arrays, "influence", unit, (size_t)design->targets, amplifiers, design->influence);
+    add_array(arrays, "lower", design->units.voltage, amplifiers, 0, design->lower);
+    add_array(arrays, "upper", design->units.voltage, amplifiers, 0, design->upper);
+}
+
 int export_shape(const options *options, const shape_run *run)
 {
     const design *design = &run->analysis->design;
     const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets;
-    char unit[2 * SCENE_NAME];
+    char unit[WORDS_UNIT];
     arrays arrays = {.count = 0};
     if (!export_is_wanted(options))
         return 0;
@@ -233,10 +237,7 @@ int export_shape(const options *options, const shape_run *run)
     add_array(&arrays, "weight", "", targets, 0, design->weight);
     add_array(&arrays, "target", design->units.length, targets, 0, design->target);
     add_array(&arrays, "wanted", design->units.length, targets, 0, design->wanted);
-    add_array(&arrays, "influence", influence_unit(design, unit), targets, amplifiers,
-              design->influence);
-    add_array(&arrays, "lower", design->units.voltage, amplifiers, 0, design->lower);
-    add_array(&arrays, "upper", design->units.voltage, amplifiers, 0, design->upper);
+    add_problem(&arrays, design, unit);
     add_array(&arrays, "step_limit", design->units.voltage, amplifiers, 0, design->step_limit);
     add_results(&arrays, run);
     return write_arrays(options, &arrays);
@@ -266,7 +267,7 @@ int export_simulation(const options *options, const simulation *simulation, cons
                                                       "active", "iterations", "status",    "lost"};
     const design *design = &simulation->nominal->design;
     const size_t amplifiers = (size_t)design->amplifiers, targets = (size_t)design->targets;
-    char unit[2 * SCENE_NAME];
+    char unit[WORDS_UNIT];
     arrays arrays = {.count = 0};
     if (!export_is_wanted(options))
         return 0;
@@ -280,9 +281,6 @@ int export_simulation(const options *options, const simulation *simulation, cons
               history->voltage);
     add_places(&arrays, design, "place", design->target_node, targets);
     add_array(&arrays, "target", design->units.length, targets, 0, design->target);
-    add_array(&arrays, "influence", influence_unit(design, unit), targets, amplifiers,
-              design->influence);
-    add_array(&arrays, "lower", design->units.voltage, amplifiers, 0, design->lower);
-    add_array(&arrays, "upper", design->units.voltage, amplifiers, 0, design->upper);
+    add_problem(&arrays, design, unit);
     return write_arrays(options, &arrays);
 }

@@ -3,26 +3,13 @@
 #include "print_matrix.h"
 #include <stdio.h>
 #include "../model/matrix_facts.h"
-
-/*
- * Unit of the entries of the influence matrix with a leading blank, for example " um/V"; empty
- * where the scene gives no unit.
- *   text [2 SCENE_NAME + 4] out
- */
-static const char *unit_of(const design *design, char *text)
-{
-    if (*design->units.length && *design->units.voltage)
-        sprintf(text, " %s/%s", design->units.length, design->units.voltage);
-    else
-        *text = '\0';
-    return text;
-}
+#include "../text/words.h"
 
 void print_matrix(const analysis *analysis)
 {
     const design *design = &analysis->design;
     const scene_influence *influence = &design->measured;
-    char unit[2 * SCENE_NAME + 4];
+    char unit[WORDS_UNIT];
     matrix_facts facts;
     printf("  measured influence matrix %s: %d outputs, %d actuators", influence->file,
            influence->outputs, design->amplifiers);
@@ -32,7 +19,8 @@ void print_matrix(const analysis *analysis)
     putchar('\n');
     if (matrix_facts_find(&facts, &design->measured, (size_t)design->amplifiers) < 0)
         return;
-    printf("  largest entry %.4g%s", facts.entry, unit_of(design, unit));
+    words_unit(&design->units, QUANTITY_INFLUENCE, unit);
+    printf("  largest entry %.4g%s%s", facts.entry, *unit ? " " : "", unit);
     if (facts.rank >= 0)
         printf("; rank %d, singular values %.3g to %.3g (ratio %.3g)", facts.rank, facts.most,
                facts.least, facts.most / facts.least);

@@ -22,11 +22,15 @@ const char *words_unit(const scene_unit_names *units, words_quantity quantity,
                        char text[WORDS_UNIT])
 {
     const char *length = units->length, *force = units->force;
-    const char *const plain[] = {
-        length, "rad", force, "", "", units->voltage, "", units->temperature, "nodes", ""};
-    snprintf(text, WORDS_UNIT, "%s", plain[quantity]);
+    const char *const plain[QUANTITY_OTHER + 1] = {
+        [QUANTITY_LENGTH] = length, [QUANTITY_ANGLE] = "rad",
+        [QUANTITY_FORCE] = force,   [QUANTITY_VOLTAGE] = units->voltage,
+        [QUANTITY_NODES] = "nodes", [QUANTITY_TEMPERATURE] = units->temperature};
+    snprintf(text, WORDS_UNIT, "%s", plain[quantity] ? plain[quantity] : "");
     if (quantity == QUANTITY_CHARGE)
         charge_unit(units, text);
+    if (quantity == QUANTITY_INFLUENCE && *length && *units->voltage)
+        snprintf(text, WORDS_UNIT, "%s/%s", length, units->voltage);
     if ((quantity == QUANTITY_LINE_FORCE || quantity == QUANTITY_PRESSURE) && *length && *force)
         snprintf(text, WORDS_UNIT, "%s/%s%s", force, length,
                  quantity == QUANTITY_PRESSURE ? "2" : "");

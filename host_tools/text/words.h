@@ -16,6 +16,7 @@ typedef enum words_quantity {
     QUANTITY_CHARGE,
     QUANTITY_TEMPERATURE,
     QUANTITY_NODES,
+    QUANTITY_INFLUENCE, /* length per voltage: entry of an influence matrix */
     QUANTITY_OTHER
 } words_quantity;
 
