@@ -57,7 +57,8 @@ static void print_layer(const stress_field *field, const stress_summary *summary
     const scene_material *material = &design->material[design->layer[layer].material];
     const bool is_tsai = material->strength.criterion == CRITERION_TSAI_HILL;
     char name[SCENE_NAME];
-    printf("  layer %s, of %s\n", layer_name(design, layer, name), material->name);
+    printf("  %s%s, of %s\n", design->layer[layer].name[0] ? "layer " : "",
+           layer_name(design, layer, name), material->name);
     print_extreme(field, "  von Mises stress", &summary->mises[layer], unit);
     if (material->strength.given)
         print_extreme(field, is_tsai ? "  reserve, Tsai-Hill" : "  reserve, maximum stress",
@@ -102,6 +103,7 @@ static void json_extreme(json *json, const stress_field *field, const char *key,
     json_number(json, "element", found->element);
     for (int i = 0; i < 3; i++)
         json_number(json, axis[i], field->element[found->element].place[i]);
+    json_string(json, "place", mesh_element_text(&field->state.design->mesh, found->element).text);
     json_close(json, '}');
 }
 
