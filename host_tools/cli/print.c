@@ -14,6 +14,7 @@
 #include "print_springs.h"
 #include "print_stress.h"
 #include "print_vibration.h"
+#include "../model/design_rows.h"
 #include "../model/tick_work.h"
 #include "../model/wiring_test.h"
 #include "../tables/loop_blocks.h"
@@ -637,6 +638,27 @@ static void print_reached_nodes(const analysis *analysis, const voltages *best, 
         putchar('\n');
 }
 
+/* Print which limits between amplifiers bind at an optimum. */
+static void print_rows(const design *design, const voltages *best)
+{
+    enum { MOST_NAMED = 8 };
+    int named = 0;
+    if (design->limits.rows == 0)
+        return;
+    printf("\n  limits between amplifiers (difference, sum): %d of %d bind", best->active_rows,
+           design->limits.rows);
+    for (int k = 0; k < design->limits.rows; k++) {
+        char name[4 * SCENE_LABEL];
+        if (!design_row_binds(design, k, best->voltage) || named++ >= MOST_NAMED)
+            continue;
+        design_row_name(design, k, name, sizeof name);
+        printf("%s%s", named == 1 ? ": " : ", ", name);
+    }
+    puts(named > MOST_NAMED ? ", ..." : "");
+    puts("  clipped voltages are moved towards voltages inside all limits until they keep these "
+         "limits");
+}
+
 void print_shape(const shape_run *run)
 {
     const analysis *analysis = run->analysis;
@@ -664,6 +686,7 @@ void print_shape(const shape_run *run)
     puts("\n  regularised, then clipped: with the one parameter that leaves the smallest error, "
          "chosen knowing the answer");
     print_narrower(&run->results[1], design->amplifiers);
+    print_rows(design, &run->results[1]);
     print_target_rows(design, &run->results[1]);
     print_reached(run);
     double *value = calloc((size_t)design->structure.output.count + 1, sizeof *value);
@@ -708,6 +731,8 @@ static void json_voltages(json *json, const analysis *analysis, const voltages *
     json_number(json, "misfit_peak_to_valley", result->valley);
     json_number(json, "fixed_rows_off", result->fixed_off);
     json_number(json, "active", result->active_limits);
+    if (design->limits.rows > 0)
+        json_number(json, "active_rows", result->active_rows);
     json_number(json, "iterations", result->iterations);
     json_number(json, "kkt", result->optimality);
     if (result->regularisation > 0)

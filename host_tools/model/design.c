@@ -582,6 +582,12 @@ void design_free(design *design)
     free(design->step_limit);
     free(design->reference_voltage);
     free(design->park);
+    free(design->rows.start);
+    free(design->rows.input);
+    free(design->rows.value);
+    free(design->rows.lower);
+    free(design->rows.upper);
+    free(design->rows.safe);
     free(design->amplifier_name);
     free(design->electrode_name);
     mesh_free(&design->mesh);

@@ -30,6 +30,16 @@ typedef struct common_limits {
     double lower, upper; /* common limits for LIMITS_GIVEN, finite with lower <= upper (V) */
 } common_limits;
 
+/* Arrays of the limit rows of a voltage problem (limits between amplifiers), and their tables. */
+typedef struct design_rows {
+    uint32_t *start;       /* [rows + 1] first entry of each row */
+    uint16_t *input;       /* [entries] amplifier of each entry */
+    double *value;         /* [entries] factor of its voltage (1) */
+    double *lower, *upper; /* [rows] limits of the sum of each row (V) */
+    double *safe;          /* [amplifiers] voltages inside all limits (V) */
+    pzs_limit_rows tables;
+} design_rows;
+
 /*
  * A design. The members after `problem` are what the scene says to the stages after the design,
  * copied by design_build; their texts and lists belong to the scene, which outlives the design.
@@ -79,6 +89,7 @@ typedef struct design {
                                                                voltages (V) */
     double *park; /* [amplifiers] voltages to which the supervisor parks the amplifiers (V) */
     pzs_problem problem;
+    design_rows rows; /* limits between amplifiers; empty if the scene has none */
 
     const char *name, *about, *path; /* name, purpose (may be NULL) and file of the scene */
     scene_at at, at_layers;          /* positions for errors on the structure and on its layers */

@@ -3,6 +3,7 @@
  * Voltage problem of a scene: Hessian, voltage limits, step limits, reference voltages (design.h).
  */
 #include "design.h"
+#include "design_rows.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -229,6 +230,8 @@ int design_control(design *design, const double *influence, char *error)
     problem->upper = design->upper;
     problem->step_limit = design->step_limit;
     problem->reference_voltage = design->reference_voltage;
+    if (design_rows_build(design, error) < 0)
+        return -1;
     problem->work_limit = tick_work_limit(design);
     problem->crc = pzs_problem_crc(problem);
     return 0;

@@ -27,7 +27,9 @@ uint64_t tick_work_limit(const design *design)
 {
     const scene_control *control = &design->control;
     const uint32_t inputs = (uint32_t)design->amplifiers;
-    const uint64_t least = PZS_WORK_LEAST(inputs);
+    const uint32_t rows = (uint32_t)design->limits.rows;
+    const uint64_t least =
+        rows > 0 ? PZS_LIMIT_ROW_WORK_LEAST(inputs, rows) : PZS_WORK_LEAST(inputs);
     if (!(control->clock > 0) || !(control->rate > 0))
         return 0;
     const double allowed = control->clock / control->rate / TICK_WORK_CYCLES - TICK_WORK_OTHERS;
@@ -35,7 +37,7 @@ uint64_t tick_work_limit(const design *design)
                                                          the static optimum for the moving target,
                                                          which is a second voltage problem */
     const double left = (allowed / steps - instructions(design, 0)) / TICK_WORK_PER_OPTIMISER;
-    const double most = fmin(left, (double)PZS_WORK_LIMIT(inputs));
+    const double most = fmin(left, (double)PZS_WORK_LIMIT(inputs + rows));
     return most > (double)least ? (uint64_t)most : least;
 }
 
@@ -94,14 +96,15 @@ void tick_work_make(tick_work *result, const design *design)
     memset(result, 0, sizeof *result);
     if (amplifiers == 0 || targets == 0 || design->problem.influence == NULL)
         return;
-    const size_t bytes = PZS_CONTROL_BYTES(amplifiers, targets);
+    const size_t bytes = pzs_control_bytes(&design->problem);
     void *work = malloc(bytes);
     double *wanted = malloc(targets * sizeof *wanted);
     if (work && wanted) {
         const uint64_t given = tick_work_limit(design);
         result->is_made = true;
         result->is_limited = given > 0;
-        result->limit = given > 0 ? given : PZS_WORK_LIMIT(amplifiers);
+        result->limit =
+            given > 0 ? given : PZS_WORK_LIMIT((size_t)amplifiers + (size_t)design->limits.rows);
         result->bound = PZS_STEP_WORK(amplifiers, targets, result->limit);
         result->measured = longest_work(design, result->limit, work, bytes, wanted);
         result->ticks = TICKS / 3 * 3;

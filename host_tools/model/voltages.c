@@ -10,7 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/control/control.h"
+#include "../../lib/control/limit_rows.h"
 #include "clipped.h"
+#include "design_rows.h"
 #include "../../lib/core/guard.h"
 
 enum { MOST_RELINEARISED = 40, MOST_REFUSED = 8 };
@@ -20,8 +22,9 @@ enum { MOST_RELINEARISED = 40, MOST_REFUSED = 8 };
 typedef struct trial {
     pzs_problem problem;
     pzs_control control;
-    double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits
-                       (V) */
+    double *limits; /* [4][amplifiers] lower voltage limits, upper voltage limits, step limits and
+                       voltages inside all limits (V) */
+    pzs_limit_rows rows;
     void *work;
 } trial;
 
@@ -41,10 +44,10 @@ static pzs_status trial_start(trial *trial, const design *design, common_limits 
                               const double *influence, char *error)
 {
     const size_t amplifiers = (size_t)design->amplifiers,
-                 bytes = PZS_CONTROL_BYTES(design->amplifiers, design->targets);
+                 bytes = pzs_control_bytes(&design->problem);
     memset(trial, 0, sizeof *trial);
     trial->problem = design->problem;
-    trial->limits = calloc(3 * amplifiers, sizeof *trial->limits);
+    trial->limits = calloc(4 * amplifiers, sizeof *trial->limits);
     trial->work = malloc(bytes);
     if (!trial->limits || !trial->work)
         return PZS_E_WORKSPACE;
@@ -55,6 +58,16 @@ static pzs_status trial_start(trial *trial, const design *design, common_limits 
     trial->problem.lower = trial->limits;
     trial->problem.upper = trial->limits + amplifiers;
     trial->problem.step_limit = trial->limits + 2 * amplifiers;
+    if (common.source == LIMITS_NONE)
+        trial->problem.limit_rows = NULL;
+    if (trial->problem.limit_rows) {
+        trial->rows = *trial->problem.limit_rows;
+        trial->rows.safe = trial->limits + 3 * amplifiers;
+        trial->problem.limit_rows = &trial->rows;
+        if (design_rows_safe(design, trial->problem.lower, trial->problem.upper,
+                             trial->limits + 3 * amplifiers, error) < 0)
+            return PZS_E_LIMITS;
+    }
     if (influence) {
         trial->problem.influence = influence;
         trial->problem.hessian = NULL;
@@ -133,6 +146,7 @@ static pzs_status optimise_voltages(const design *design, common_limits common,
         (void)pzs_assess(&trial.control, wanted, &report);
         result->optimality = report.kkt_violation;
         note_limits(&trial.problem, voltage, result);
+        result->active_rows = trial.problem.limit_rows ? design_rows_active(design, voltage) : 0;
         status = PZS_OK;
     }
     trial_free(&trial);
@@ -291,6 +305,10 @@ static pzs_status clip_voltages(const design *design, common_limits common, bool
         status = clipped_tune(&clipped, result->voltage, &result->regularisation);
     else if (status == PZS_OK && !clipped_solve(&clipped, 0, result->voltage))
         status = PZS_E_NONFINITE;
+    if (status == PZS_OK && trial.problem.limit_rows) {
+        (void)pzs_scale_back_rows(&trial.problem, trial.rows.safe, result->voltage);
+        result->active_rows = design_rows_active(design, result->voltage);
+    }
     if (status == PZS_OK)
         note_limits(&trial.problem, result->voltage, result);
     if (status == PZS_OK && !tuned)

@@ -37,6 +37,7 @@ typedef struct voltages {
                               diagonal entry of the Hessian; 0 for other methods */
     int active_limits, iterations; /* number of amplifiers at a voltage limit, without those held at
                                       one voltage; number of iterations of the optimiser */
+    int active_rows;   /* number of limits between amplifiers that bind; 0 but for optima */
     int dependent;     /* number of amplifiers, of those not held, whose influence columns depend
                           linearly on those of others, without regularisation; 0 but for
                           voltages_clipped */

@@ -135,6 +135,10 @@ static void write_verdict(const shape_page *shape)
         "amplifiers.</p>\n",
         best->error, best->name, best->limit, shape->voltage.unit, best->active_limits,
         best->amplifiers);
+    if (shape->page.design->limits.rows > 0)
+        put(shape->page.file,
+            "<p>Limits between amplifiers (difference, sum): %d of %d active.</p>\n",
+            best->active_rows, shape->page.design->limits.rows);
 }
 
 static void write_row(const shape_page *shape, const voltages *result, double worst)

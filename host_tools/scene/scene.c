@@ -120,6 +120,11 @@ void scene_free(scene *scene)
     free(scene->patches);
     free(scene->output);
     free(scene->limits.each);
+    for (int i = 0; i < scene->limits.rows; i++) {
+        free(scene->limits.row[i].amplifier);
+        free(scene->limits.row[i].factor);
+    }
+    free(scene->limits.row);
     free(scene->dynamics.damping_of_mode);
     free(scene->compare);
     free(scene->estimate.reading);

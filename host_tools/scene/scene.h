@@ -476,6 +476,15 @@ typedef struct scene_limit { /* Voltage limits of the amplifiers first to first 
     scene_at at;
 } scene_limit;
 
+/* Limits between amplifiers: the sum of factor times voltage has a lowest and a highest value. */
+typedef struct scene_limit_row {
+    int count;
+    int *amplifier;      /* [count] amplifiers of the sum */
+    double *factor;      /* [count] factor of the voltage of each of them (1) */
+    double lower, upper; /* limits of the sum (V) */
+    scene_at at;
+} scene_limit_row;
+
 typedef struct scene_limits {
     double lower, upper, step_limit; /* lower and upper voltage limit (V) and step limit, the
                                         largest change of a voltage in one tick (V), of all
@@ -486,6 +495,8 @@ typedef struct scene_limits {
     int each_count;
     scene_limit *each; /* [each_count] voltage limits of single amplifiers, which override the
                           common limits */
+    int rows;
+    scene_limit_row *row; /* [rows] limits of differences and sums of voltages */
     scene_at at;
 } scene_limits;
 

@@ -507,5 +507,7 @@ int scene_check(scene *scene, char *error)
         return -1;
     if (check_outlines(scene, error) != 0)
         return -1;
-    return check_loads(scene, error) != 0 ? -1 : check_kinematics(scene, error);
+    if (check_loads(scene, error) != 0 || scene_check_rows(scene, error) != 0)
+        return -1;
+    return check_kinematics(scene, error);
 }

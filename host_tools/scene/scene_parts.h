@@ -130,6 +130,16 @@ field_read read_reversed, read_swapped;
  */
 int read_amplifier_names(reader *reader, int node, int **list, int *count);
 
+/* Readers of limits between amplifiers (scene_rows.c), and their forms. */
+field_read read_difference, read_sum;
+extern const form difference_form, sum_form;
+
+/*
+ * Refuse parts of the control loop that move amplifiers one by one beside limits between
+ * amplifiers. Returns 0, or -1 with error filled.
+ */
+int scene_check_rows(const scene *scene, char *error);
+
 /* Write the error message for a name that is neither an amplifier nor an actuator. Returns -1. */
 int refuse_amplifier(reader *reader, scene_at at, const char *name);
 

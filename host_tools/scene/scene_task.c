@@ -400,6 +400,10 @@ static const field limits_fields[] = {
     {"each", read_each, .of = OF_LIMIT, .form = &each_form,
      .help = "Limits of individual amplifiers, in place of the common ones; pzs shape --limit "
              "narrows them and does not move a held voltage."},
+    {"difference", read_difference, .of = OF_LIMIT, .form = &difference_form,
+     .help = "Largest difference of the voltages of neighbours."},
+    {"sum", read_sum, .of = OF_LIMIT, .form = &sum_form,
+     .help = "Limits of the sum of several voltages."},
     {.key = NULL}};
 
 static const form_case limits_cases[] = {{"?step_limit", NULL}, {"rate_limit", NULL}, {NULL, NULL}};

@@ -390,7 +390,7 @@ static pzs_status find_best(storm *storm)
     pzs_problem problem = *given;
     pzs_control control;
     double *influence = malloc((targets * amplifiers + amplifiers) * sizeof *influence);
-    void *work = malloc(PZS_CONTROL_BYTES(amplifiers, targets));
+    void *work = malloc(pzs_control_bytes(given));
     pzs_status status = PZS_E_WORKSPACE;
     if (influence && work) {
         double *wide = influence + targets * amplifiers;
@@ -403,8 +403,7 @@ static pzs_status find_best(storm *storm)
         problem.upper = storm->stroke + amplifiers;
         problem.hessian = NULL;
         problem.crc = pzs_problem_crc(&problem);
-        status = pzs_control_init(&control, &problem, influence, work,
-                                  PZS_CONTROL_BYTES(amplifiers, targets));
+        status = pzs_control_init(&control, &problem, influence, work, pzs_control_bytes(given));
         if (!PZS_IS_ERROR(status))
             status = pzs_step(&control, storm->last_target);
         if (!PZS_IS_ERROR(status))

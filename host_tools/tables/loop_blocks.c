@@ -37,10 +37,14 @@ static bool has_selftest(const loop_blocks *blocks)
     return blocks->wiring && blocks->wiring->is_used;
 }
 
-static bool is_always(const loop_blocks *blocks)
+static bool has_rows(const loop_blocks *blocks)
 {
-    (void)blocks;
-    return true;
+    return blocks->design->limits.rows > 0;
+}
+
+static bool has_no_rows(const loop_blocks *blocks)
+{
+    return !has_rows(blocks);
 }
 
 static bool has_delay(const loop_blocks *blocks)
@@ -420,7 +424,7 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
  * depends.
  */
 typedef struct block_counts {
-    size_t inputs, outputs, readings, modes, plays, creeps;
+    size_t inputs, outputs, rows, readings, modes, plays, creeps;
     size_t delay, damper_delay; /* age of the readings that the scene states, and that the block
                                    that damps vibration assumes (ticks) */
 } block_counts;
@@ -452,6 +456,7 @@ BLOCK_BYTES(vibration, PZS_VIBRATION_BLOCK_BYTES(of->modes, of->inputs, of->outp
 BLOCK_BYTES(effect, PZS_EFFECT_BLOCK_BYTES(of->inputs, of->plays, of->creeps))
 BLOCK_BYTES(inverse, PZS_INVERSE_BLOCK_BYTES(of->inputs))
 BLOCK_BYTES(step, PZS_STEP_BLOCK_BYTES(of->inputs, of->outputs))
+BLOCK_BYTES(row_step, PZS_STEP_BLOCK_ROW_BYTES(of->inputs, of->outputs, of->rows))
 BLOCK_BYTES(amplifier, PZS_AMPLIFIER_BLOCK_BYTES(of->inputs))
 BLOCK_BYTES(fault_detector, PZS_FAULT_DETECTOR_BLOCK_BYTES(of->inputs, of->outputs, of->delay))
 BLOCK_BYTES(supervisor, PZS_SUPERVISOR_BLOCK_BYTES(of->outputs))
@@ -489,7 +494,9 @@ static const struct {
      estimator_bytes, estimator_macro},
     {&pzs_vibration_block, has_damper, damper_tables, write_damper, "vibration", "vibration",
      vibration_bytes, vibration_macro},
-    {&pzs_step_block, is_always, problem_tables, NULL, "step", "problem", step_bytes, step_macro},
+    {&pzs_step_block, has_no_rows, problem_tables, NULL, "step", "problem", step_bytes, step_macro},
+    {&pzs_step_block, has_rows, problem_tables, NULL, "step", "problem", row_step_bytes,
+     row_step_macro},
     {&pzs_inverse_block, has_compensation, compensation_tables, NULL, "inverse", "hysteresis",
      inverse_bytes, inverse_macro},
     {&pzs_amplifier_block, has_amplifier, amplifier_tables, write_amplifier, "amplifier",
@@ -538,6 +545,7 @@ size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single)
 {
     const block_counts of = {.inputs = blocks->design->problem.inputs,
                              .outputs = blocks->design->problem.outputs,
+                             .rows = (size_t)blocks->design->limits.rows,
                              .readings = (size_t)count_readings(blocks),
                              .modes = blocks->damper->tables.modes,
                              .plays = blocks->compensation.tables.plays,

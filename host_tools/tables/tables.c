@@ -303,22 +303,46 @@ static void write_limits(emitter *emitter, const design *design)
                "voltage to which the regularisation draws each amplifier (V)");
 }
 
+/* Write the limits between amplifiers, if there are any, in the order of the checksum. */
+static void write_limit_rows(emitter *emitter, const design *design)
+{
+    const uint16_t count = (uint16_t)design->limits.rows;
+    const pzs_limit_rows *rows = &design->rows.tables;
+    if (count == 0)
+        return;
+    emitter->crc32 = pzs_guard_crc(emitter->crc32, &count, sizeof count);
+    write_rows(emitter, "limit_row", &rows->sums, count,
+               "limits between amplifiers: factors of the voltages in each sum");
+    emit_limits(emitter, "row_lower", rows->lower, count, 0, "lowest value of each sum (V)");
+    emit_limits(emitter, "row_upper", rows->upper, count, 1, "highest value of each sum (V)");
+    emit_reals(emitter, "safe", rows->safe, (size_t)design->amplifiers,
+               "voltages inside all limits (V)");
+    fprintf(emitter->file,
+            "static const pzs_limit_rows %s_limit_rows = {\n    &pzs_limit_rows_calls,\n",
+            emitter->prefix);
+    name_rows(emitter, "limit_row", count);
+    fprintf(emitter->file, "    %s_row_lower, %s_row_upper, %s_safe,\n};\n\n", emitter->prefix,
+            emitter->prefix, emitter->prefix);
+}
+
 /* Write the structure of the voltage problem, after its arrays. */
 static void write_problem_struct(const emitter *emitter, const pzs_problem *problem)
 {
-    char influence_name[128], hessian_name[128];
+    char influence_name[128], hessian_name[128], rows_name[128];
+    name_or_null(emitter, problem->limit_rows != NULL, "limit_rows", rows_name);
     name_or_null(emitter, problem->influence != NULL, "influence", influence_name);
     name_or_null(emitter, problem->hessian != NULL, "hessian", hessian_name);
-    emit_comment(emitter, "voltage problem; its last member limits the optimiser's work in a tick "
-                          "(multiply-adds; 0: default)");
+    emit_comment(emitter, "voltage problem; the number before its last member limits the work of "
+                          "the optimiser in a tick (multiply-adds; 0: default)");
     emit_begin(emitter, "problem", "problem", problem->scene, pzs_problem_crc(problem));
     fprintf(emitter->file,
             " %u, %u,\n    %s, %s, %s_weight, %s_lower, %s_upper, %s_step_limit, "
             "%s_reference_voltage, PZS_R(%.17g),\n"
-            "    %lluu, NULL,\n};\n\n",
+            "    %lluu, %s%s,\n};\n\n",
             problem->inputs, problem->outputs, influence_name, hessian_name, emitter->prefix,
             emitter->prefix, emitter->prefix, emitter->prefix, emitter->prefix,
-            problem->regularisation, (unsigned long long)problem->work_limit);
+            problem->regularisation, (unsigned long long)problem->work_limit,
+            problem->limit_rows ? "&" : "", rows_name);
 }
 
 static void write_problem(emitter *emitter, const analysis *analysis, tables_image image)
@@ -336,6 +360,7 @@ static void write_problem(emitter *emitter, const analysis *analysis, tables_ima
     write_limits(emitter, design);
     emitter->crc32 = emit_crc_reals(emitter->crc32, &problem.regularisation, 1);
     emitter->crc32 = pzs_guard_crc(emitter->crc32, &problem.work_limit, sizeof problem.work_limit);
+    write_limit_rows(emitter, design);
     write_problem_struct(emitter, &problem);
     if (image == TABLES_NONLINEAR)
         emit_reals(emitter, "target", design->target, (size_t)design->targets,
@@ -611,6 +636,14 @@ int tables_write(FILE *file, const analysis *analysis, tables_image image, const
                 "#define %s_CONTROL_BYTES PZS_CONTROL_BYTES(%d, %d)\n\n",
                 emitter.upper, analysis->design.amplifiers, emitter.upper, analysis->design.targets,
                 emitter.upper, analysis->design.amplifiers, analysis->design.targets);
+    if (controlled && analysis->design.limits.rows > 0)
+        fprintf(file,
+                "#undef %s_CONTROL_BYTES\n#define %s_ROWS %d\n"
+                "#define %s_CONTROL_BYTES (PZS_CONTROL_BYTES(%d, %d) + PZS_LIMIT_ROW_BYTES(%d, "
+                "%d))\n\n",
+                emitter.upper, emitter.upper, analysis->design.limits.rows, emitter.upper,
+                analysis->design.amplifiers, analysis->design.targets, analysis->design.amplifiers,
+                analysis->design.limits.rows);
     if (image == TABLES_NONLINEAR) {
         status = write_nonlinear(&emitter, analysis);
     } else if (image == TABLES_LINEAR) {

@@ -27,7 +27,9 @@
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {
     (void)tables;
-    return PZS_GOVERNOR_BLOCK_BYTES(problem->inputs, problem->outputs);
+    const size_t rows =
+        pzs_control_bytes(problem) - PZS_CONTROL_BYTES(problem->inputs, problem->outputs);
+    return PZS_GOVERNOR_BLOCK_BYTES(problem->inputs, problem->outputs) + PZS_ALIGNED(rows);
 }
 
 static void *work_of(pzs_governor_state *state)

@@ -123,6 +123,17 @@ for image in linear nonlinear; do
     run 2 tables "$dir/measured.yaml" --image $image -o "$dir/t.h" && says 'needs a structure' && [ ! -e "$dir/t.h" ]
     check "a $image image of a measured matrix is refused by name" $?
 done
+rows='limits.difference={limit: 10}'
+run 0 shape "$dir/measured.yaml" --set "$rows" && grep -q 'limits between amplifiers (difference, sum): [1-9][0-9]* of 6 bind: e1 - e2' "$dir/out"
+check 'shape names the limits between amplifiers that bind' $?
+run 0 simulate "$dir/measured.yaml" --set "$rows" && run 0 tables "$dir/measured.yaml" --set "$rows" -o "$dir/rows.h" &&
+    gcc -std=c99 -Wall -Werror -Iinclude -x c -fsyntax-only -Wno-unused "$dir/rows.h"
+check 'simulate and tables with limits between amplifiers' $?
+run 2 shape "$dir/measured.yaml" --set "$rows" --set 'limits.each=[{actuator: e1, hold: 30}, {actuator: e3, hold: 0}]' &&
+    says 'no voltages keep these limits' && says 'e1 - e2 from -10 to 10; e2 - e3 from -10 to 10; widen'
+check 'limits between amplifiers that clash are named' $?
+run 2 check "$dir/measured.yaml" --set "$rows" --set 'safety={selftest: {amplitude: 5}}' && says 'do not go together with safety.selftest'
+check 'limits between amplifiers beside a self-test' $?
 mkdir "$dir/odd*" && cp "$dir/measured-matrix.csv" "$dir/odd*/" &&
     run 0 tables "$dir/measured.yaml" --set 'influence.file=odd*/measured-matrix.csv' -o "$dir/odd.h" && gcc -std=c99 -Wall -Werror -Iinclude -x c -fsyntax-only -Wno-unused "$dir/odd.h"
 check 'tables: a file name that holds the end of a comment does not end the comment' $?
