@@ -1089,9 +1089,10 @@ typedef struct pzs_selftest {
 } pzs_selftest;
 
 /*
- * End a self-test, whatever its findings, so that the next tick runs the loop. Amplifiers with a
- * finding are held by pzs_hold until pzs_release: a silent one at 0 V, any other at its present
- * voltage. The readings of a faulty sensor are to be passed as NaN.
+ * End a self-test, whatever its findings, so that the next tick runs the loop. Called before the
+ * first tick, for example after a reset and pzs_loop_start, the function leaves the test out.
+ * Amplifiers with a finding are held by pzs_hold until pzs_release: a silent one at 0 V, any other
+ * at its present voltage. The readings of a faulty sensor are to be passed as NaN.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
@@ -1099,10 +1100,9 @@ pzs_status pzs_selftest_accept(pzs_selftest *selftest);
 
 /*
  * Repeat the test at the present voltages, for example once a day while the target stands still, or
- * where an electrode is suspected. The loop is out of control during the test: the other amplifiers
- * keep their voltages. If all is well, the loop continues afterwards. Otherwise the voltages stay
- * as they are until pzs_selftest_accept. An amplifier that is held is not tested. The range of the
- * present voltages to a limit must exceed the height of a pulse, in either direction.
+ * where an electrode is suspected. During the test the loop is not in control, and all amplifiers
+ * without a pulse keep their voltages. If all is well, the loop continues afterwards. Otherwise the
+ * voltages stay as they are until pzs_selftest_accept. An amplifier that is held is not tested.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */

@@ -7,22 +7,24 @@
  * in which many amplifiers move at once would need as many pulses for as many unknowns, and would
  * hide a weak electrode behind the errors of strong ones.
  *
- * Before, all amplifiers make one slow pulse together. It brings the ceramic of every electrode
- * into the minor hysteresis loop of the pulses that follow, whatever voltages it had before, so
- * that the gains of electrodes can be compared with each other.
+ * Before the first of these pulses, all amplifiers make one slow pulse together. It brings the
+ * ceramic of every electrode into the minor hysteresis loop of the later pulses, whatever voltages
+ * the electrode had before, so that the gains of electrodes can be compared with each other.
  *
- * With s from -1 to 1 over a window and b = 1 - s^2, the pulse is b^4, and the response is the
- * product of the readings with the even weight b^3 (1 - 9 s^2), whose sum is zero. The odd weight
- * is about the derivative of the even one: both together give the amplitude of a vibration in a
- * window without a pulse. All three are polynomials, so that no function of a library for
- * trigonometry is needed.
+ * With s from -1 to 1 over the duration of a pulse and b = 1 - s^2, the pulse is b^4 times its
+ * height. The measured response is the sum of the readings times the even weight b^3 (1 - 9 s^2),
+ * divided by the sum of the pulse times this weight. The sum of the even weights is zero. The odd
+ * weight 1.5 s b^2 (3 s^2 - 1) is proportional to the derivative of the even one; without a pulse,
+ * both sums together give the amplitude of a vibration. Polynomials need no trigonometric
+ * functions, which are not the same on all processors.
  *
- * The evaluation compares lines of the matrix of measured responses with lines of the model: a
- * column is the response of all sensors to one amplifier, a row that of one sensor to all
- * amplifiers. In each evaluation tick the line whose difference from the model is largest is named,
- * and left out afterwards. A faulty amplifier also spoils the rows of sensors near it, but by less
- * than its own column, and a faulty sensor vice versa. Pairs of lines are compared before, because
- * swapped neighbours may have responses so similar that neither looks faulty alone.
+ * The evaluation compares the matrix of the measured responses with that of the model. A column of
+ * these matrices is the response of all sensors to one amplifier, a row is the response of one
+ * sensor to all amplifiers. First, pairs of similar columns and of similar rows are compared,
+ * because two of them that are swapped may differ so little that neither looks faulty alone. Then
+ * each tick names the amplifier or sensor whose column or row differs most from the model, and
+ * leaves it out afterwards: a faulty amplifier also changes the rows of sensors near it, but by
+ * less than its own column, and a faulty sensor changes the columns of amplifiers likewise.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -34,17 +36,21 @@
 /* A reading that is larger than this counts as missing, so that no sum of squares overflows. */
 #define READING_LIMIT PZS_R(1e12)
 /*
- * A line (the responses to one amplifier, or those of one sensor) is judged if its expected energy,
- * the sum of its squared responses, exceeds this multiple of the energy of noise and vibration.
+ * The expected response of an amplifier (at all sensors) or of a sensor (to all amplifiers) is
+ * judged if its energy, the sum of its squares, exceeds this multiple of the energy of noise and
+ * vibration.
  */
 #define JUDGED PZS_R(400)
 /* A noisy sensor has more than this multiple of the mean variance of the other sensors' noise. */
 #define UNUSUAL PZS_R(16)
-/* Part of the expected response below which an amplifier or sensor counts as silent. */
+/*
+ * An amplifier or sensor counts as silent if its measured response is below this part of the
+ * expected response.
+ */
 #define SILENT PZS_R(0.3)
 /*
- * Multiple of the energy of noise and vibration that a response must exceed to be recognised as
- * that of another line.
+ * A response is recognised as that of another amplifier or sensor if its energy exceeds this
+ * multiple of the energy of noise and vibration.
  */
 #define RESPONSE PZS_R(16)
 /*
@@ -54,27 +60,29 @@
 #define LEAST_GAIN PZS_R(0.15)
 #define LARGEST_GAIN PZS_R(2)
 /*
- * Squared height of a response by white noise, times the number of ticks of a window and divided by
- * the variance of the noise. It is the sum of the squared even and odd weights, divided by the
- * squared sum of the pulse times the even weight.
+ * Energy of the response that white noise of a sensor makes, relative to the variance of the noise
+ * divided by the number of ticks of a window. It is the sum of the squared even and odd weights,
+ * divided by the squared sum of the pulse times the even weight.
  */
-#define NOISE_ENERGY PZS_R(23)
+#define NOISE_ENERGY PZS_R(12.6)
 /*
- * A swap must lower the differences from the model to less than a quarter, and these differences
- * must exceed this multiple of what noise and vibration explain.
+ * SWAP_GAIN: two amplifiers, or two sensors, count as swapped if exchanging them divides their
+ * differences from the model by at least this number. SWAP_NOISE: the differences must also exceed
+ * this multiple of what noise and vibration explain.
  */
 #define SWAP_GAIN PZS_R(4)
 #define SWAP_NOISE PZS_R(9)
 /*
- * Two lines are similar if the squared sine of the angle between them is less than this multiple of
- * noise energy over response energy, plus SAME_DIRECTION.
+ * Two amplifiers, or two sensors, are similar if the squared sine of the angle between their
+ * modelled responses is less than SIMILAR times (noise energy divided by response energy), plus
+ * SAME_DIRECTION.
  */
 #define SIMILAR PZS_R(36)
 #define SAME_DIRECTION PZS_R(1e-4)
 
 /*
- * Windows before the first pulse: two in which all amplifiers move together, and one without
- * motion.
+ * Number of windows in which all amplifiers move together, and number of all windows before the
+ * first pulse of a single amplifier; the last of these windows has no motion.
  */
 #define CONDITIONING_WINDOWS 2u
 #define WINDOWS_BEFORE 3u
@@ -136,8 +144,9 @@ static bool are_in_range(const pzs_selftest_tables *tables)
 }
 
 /*
- * Return the first input whose pulse exceeds half its voltage range or whose steepest part, less
- * than 4 / window of the height in a tick, exceeds its step limit; -1: there is none.
+ * Return the first input whose pulse exceeds half its voltage range, or whose pulse may exceed the
+ * step limit: in one tick a pulse changes by less than 4 / pulse_ticks of its height. -1: there is
+ * none.
  */
 static int32_t too_high(const pzs_selftest_tables *tables, const pzs_problem *problem)
 {
@@ -215,7 +224,7 @@ static void copy_core(pzs_selftest *selftest)
     selftest->state.core[2] = selftest->state.core[0];
 }
 
-/* Number of ticks of all windows and of the delay until the last reading. */
+/* Return the number of ticks of all windows, plus the delay until the last reading arrives. */
 static uint32_t measuring_ticks(const pzs_selftest_tables *tables)
 {
     return (tables->inputs + WINDOWS_BEFORE + 1u) * tables->pulse_ticks + tables->delay + 1u;
@@ -237,7 +246,10 @@ static void report(pzs_selftest *selftest)
 
 /* ---- pulses ----------------------------------------------------------- */
 
-/* Return the place of a tick in a time of `ticks` ticks, from -1 to 1, symmetric to the middle. */
+/*
+ * Return the position of a tick within a duration of `ticks` ticks, as a number from -1 (start) to
+ * 1 (end).
+ */
 static pzs_real place_in(uint32_t tick, uint32_t ticks)
 {
     return (pzs_real)(2u * tick + 1u) / (pzs_real)ticks - 1;
@@ -265,8 +277,8 @@ static bool is_tested(const pzs_selftest *selftest, uint32_t j)
 }
 
 /*
- * Set the voltages of a tick: those before the test, plus the pulse of one input, or of all inputs
- * in the first windows.
+ * Set the voltages of a tick: the voltages before the test, plus the pulse of one input; in the
+ * first windows, plus the pulses of all inputs.
  */
 static void set_voltages(pzs_selftest *selftest, uint32_t position)
 {
@@ -288,8 +300,9 @@ static void set_voltages(pzs_selftest *selftest, uint32_t position)
 /* ---- readings --------------------------------------------------------- */
 
 /*
- * Add a reading to the sums of its sensor. A missing reading counts as unchanged.
- *   even, odd in  weights of this tick
+ * Add a reading of sensor i to the weighted sums of this sensor. A missing reading counts as
+ * unchanged.
+ *   even, odd in  even and odd weight of this tick (1)
  */
 static void add_reading(pzs_selftest_state *state, uint32_t i, pzs_real reading, pzs_real even,
                         pzs_real odd)
@@ -358,16 +371,23 @@ static void measure(pzs_selftest *selftest, const pzs_real *readings, uint32_t p
 /* ---- lines ------------------------------------------------------------ */
 
 /*
- * Lines of the matrix of responses: the columns, one for each amplifier with an entry for each
- * sensor, or the rows, one for each sensor with an entry for each amplifier.
+ * Columns or rows of the matrix of responses. A column belongs to an amplifier and has an entry for
+ * each sensor; a row belongs to a sensor and has an entry for each amplifier. A line is a column or
+ * a row.
  */
 typedef struct axis {
     bool is_row;
     uint32_t lines, entries;
-    size_t measured_line, measured_entry; /* distances of lines and entries in state.response */
-    size_t model_line, model_entry;       /* distances of lines and entries in state.direct */
-    pzs_wiring *line, *entry; /* [lines], [entries] findings about the amplifiers or sensors */
-    bool has_gains; /* multiply the model of rows by the measured gain of each amplifier */
+    size_t measured_line, measured_entry; /* distances between two lines and between two entries of
+                                             a line in state.response, which holds the measured
+                                             responses (number of reals) */
+    size_t model_line, model_entry; /* distances between two lines and between two entries of a line
+                                       in state.direct, which holds the modelled responses (number
+                                       of reals) */
+    pzs_wiring *line, *entry; /* [lines], [entries] findings about the amplifiers or sensors to
+                                 which the lines and the entries belong */
+    bool has_gains; /* true: the modelled entries of a row are multiplied by the measured gain of
+                       each amplifier */
 } axis;
 
 static axis columns_of(const pzs_selftest *selftest)
@@ -402,18 +422,23 @@ static axis rows_of(const pzs_selftest *selftest)
                   false};
 }
 
-/* Sums over the entries of a measured line and a line of the model, each entry times its scale. */
+/*
+ * Sums over the entries of a measured column or row and of a modelled one, each entry times the
+ * scale of its sensor.
+ */
 typedef struct line_sums {
     pzs_real product;  /* sum of measured times modelled responses */
     pzs_real measured; /* sum of the squared measured responses */
     pzs_real modelled; /* sum of the squared modelled responses */
-    pzs_real noise;    /* expected contribution of noise and vibration to `measured` */
+    pzs_real noise;    /* expected contribution of noise and vibration to the sum of the squared
+                          measured responses */
 } line_sums;
 
 /*
- * Compare a measured line with a line of the model, over the healthy entries.
- *   noise [sensors] in  squared response of each sensor to noise and vibration, times the height of
- *                       a pulse (squared unit of each sensor)
+ * Compare a measured column or row of the matrix of responses with a modelled one, over the entries
+ * that belong to healthy amplifiers or sensors.
+ *   noise [sensors] in  squared response of each sensor to noise and vibration, times the squared
+ *                       height of a pulse (squared unit of each sensor)
  */
 static line_sums compare_lines(const pzs_selftest *selftest, const axis *axis, uint32_t measured,
                                uint32_t modelled, const pzs_real *noise)
@@ -438,7 +463,10 @@ static line_sums compare_lines(const pzs_selftest *selftest, const axis *axis, u
     return sums;
 }
 
-/* Return the squared sine of the angle between a measured line and a line of the model. */
+/*
+ * Return the squared sine of the angle between a measured column or row of the matrix of responses
+ * and a modelled one.
+ */
 static pzs_real direction_error(const line_sums *sums)
 {
     const pzs_real both = sums->measured * sums->modelled;
@@ -446,7 +474,10 @@ static pzs_real direction_error(const line_sums *sums)
     return rest > 0 ? rest : 0;
 }
 
-/* Whether a line of the model has enough energy beside noise and vibration to be judged. */
+/*
+ * Whether a modelled column or row of the matrix of responses has enough energy, beside noise and
+ * vibration, for its amplifier or sensor to be judged.
+ */
 static bool can_judge(const line_sums *sums)
 {
     return sums->modelled > JUDGED * sums->noise && sums->modelled > 0;
@@ -483,8 +514,8 @@ static void mark_sensors(pzs_selftest *selftest)
 }
 
 /*
- * Set state.odd to the squared responses that the largest plausible noise makes, and let state.null
- * be at least the squared response that the measured noise makes.
+ * Set state.odd to the squared responses that the largest plausible noise of each sensor makes, and
+ * raise state.null to the squared response that the measured noise makes.
  */
 static void find_noise_responses(pzs_selftest_state *state)
 {
@@ -498,8 +529,9 @@ static void find_noise_responses(pzs_selftest_state *state)
 }
 
 /*
- * Mark the lines whose response is too small beside noise to be judged. Returns the number of lines
- * that are too small only because noise or vibration exceed the largest plausible noise.
+ * Mark the amplifiers or sensors whose expected response is too small beside noise to be judged.
+ * Returns the number of those that are hidden only because noise or vibration exceeds the largest
+ * plausible noise.
  */
 static uint32_t mark_unobservable(const pzs_selftest *selftest, const axis *axis)
 {
@@ -518,8 +550,8 @@ static uint32_t mark_unobservable(const pzs_selftest *selftest, const axis *axis
 }
 
 /*
- * Compute the gain of each healthy amplifier, and return the mean of their sizes within plausible
- * bounds.
+ * Compute the gain of each healthy amplifier, and return the mean absolute gain, clamped to
+ * plausible bounds.
  */
 static pzs_real mean_gain(const pzs_selftest *selftest)
 {
@@ -538,7 +570,7 @@ static pzs_real mean_gain(const pzs_selftest *selftest)
     return number_clamp(number_is_finite(mean) ? mean : 1, LEAST_GAIN, LARGEST_GAIN);
 }
 
-/* First tick of the evaluation: find the lines that can be judged. */
+/* Make the first tick of the evaluation: find the amplifiers and sensors that can be judged. */
 static void begin_evaluation(pzs_selftest *selftest)
 {
     pzs_selftest_state *state = &selftest->state;
@@ -556,16 +588,19 @@ static void begin_evaluation(pzs_selftest *selftest)
 
 /* ---- evaluation: lines that differ from the model --------------------- */
 
-/* The line of an axis whose squared difference from the model is largest. */
+/*
+ * The column or row of the matrix of responses with the largest squared difference from the model.
+ */
 typedef struct worst_line {
-    pzs_real difference; /* squared difference of measured line and mean gain times model (1/V2) */
+    pzs_real difference; /* squared difference between the measured column or row and the mean gain
+                            times the modelled one (1/V2) */
     uint32_t line;
     bool is_found;
 } worst_line;
 
 /*
- * Whether a line that differs from the model may be named: a healthy one always, one that is too
- * small to be judged only if its measured response is not small.
+ * Whether an amplifier or sensor that differs from the model may be named. A healthy one always
+ * may, and one that is too small to be judged only if its measured response is large.
  */
 static bool may_be_named(const pzs_wiring *finding, const line_sums *sums)
 {
@@ -574,7 +609,10 @@ static bool may_be_named(const pzs_wiring *finding, const line_sums *sums)
            (finding->state == PZS_WIRING_UNOBSERVABLE && is_large);
 }
 
-/* Find, among the lines that differ from the model by more than the tolerance, the worst. */
+/*
+ * Find the column or row that differs most from the model, among those that differ by more than the
+ * tolerance of the gains.
+ */
 static worst_line find_worst(const pzs_selftest *selftest, const axis *axis, pzs_real gain)
 {
     worst_line worst = {0, 0, false};
@@ -590,7 +628,7 @@ static worst_line find_worst(const pzs_selftest *selftest, const axis *axis, pzs
     return worst;
 }
 
-/* Find the line of the model whose direction is nearest to that of a measured line. */
+/* Find the modelled column or row whose direction is nearest to that of a measured one. */
 static uint32_t nearest_line(const pzs_selftest *selftest, const axis *axis, uint32_t line)
 {
     uint32_t nearest = line;
@@ -607,8 +645,8 @@ static uint32_t nearest_line(const pzs_selftest *selftest, const axis *axis, uin
 }
 
 /*
- * Whether a measured line is the response of another line of the model: it exceeds noise, and has
- * the direction and about the size of that line.
+ * Whether a measured column or row is the response of another amplifier or sensor: its energy
+ * exceeds that of noise, and it has the direction and about the size of the other one.
  */
 static bool is_other_line(const pzs_selftest *selftest, const axis *axis, uint32_t line,
                           uint32_t other, pzs_real gain)
@@ -621,7 +659,7 @@ static bool is_other_line(const pzs_selftest *selftest, const axis *axis, uint32
            number_absolute(its.product) > SILENT * gain * its.modelled;
 }
 
-/* Name the finding about a line that differs from the model. */
+/* Set the finding about an amplifier or sensor whose responses differ from the model. */
 static void name_line(const pzs_selftest *selftest, const axis *axis, uint32_t line, pzs_real gain)
 {
     pzs_wiring *finding = &axis->line[line];
@@ -642,8 +680,8 @@ static void name_line(const pzs_selftest *selftest, const axis *axis, uint32_t l
 }
 
 /*
- * Name and leave out the column or row that differs most from the model. After a tick that finds
- * none, nothing is left to be done.
+ * Set the finding about the amplifier or sensor that differs most from the model, whose entries the
+ * following ticks leave out. A tick that finds no difference ends this part of the evaluation.
  */
 static void name_worst(pzs_selftest *selftest)
 {
@@ -663,7 +701,10 @@ static void name_worst(pzs_selftest *selftest)
 
 /* ---- evaluation: pairs of similar lines ------------------------------- */
 
-/* Return the squared sine of the angle between two lines of the model. */
+/*
+ * Return the squared sine of the angle between two modelled columns or rows of the matrix of
+ * responses.
+ */
 static pzs_real model_angle(const pzs_selftest *selftest, const axis *axis, uint32_t one,
                             uint32_t other)
 {
@@ -685,8 +726,8 @@ static pzs_real model_angle(const pzs_selftest *selftest, const axis *axis, uint
 }
 
 /*
- * Find the line whose model is most similar to that of a healthy line, if the two could be swapped
- * without notice.
+ * Find the amplifier or sensor whose modelled response is most similar to that of a healthy one, if
+ * the test would not notice a swap of both.
  */
 static void note_similar(const pzs_selftest *selftest, const axis *axis, uint32_t line)
 {
@@ -702,8 +743,9 @@ static void note_similar(const pzs_selftest *selftest, const axis *axis, uint32_
 }
 
 /*
- * Mark a healthy line and the line nearest to it as swapped, if exchanging both explains their
- * measured responses much better and the difference exceeds noise and vibration.
+ * Mark two amplifiers, or two sensors, as swapped if exchanging them explains their measured
+ * responses much better, and if the difference exceeds noise and vibration. One of them is given,
+ * and the other one is that of the nearest modelled response.
  */
 static void find_swap(const pzs_selftest *selftest, const axis *axis, uint32_t line)
 {
@@ -726,7 +768,7 @@ static void find_swap(const pzs_selftest *selftest, const axis *axis, uint32_t l
     axis->line[other].other = (uint16_t)line;
 }
 
-/* Compare one column or row with those that it could be swapped with. */
+/* Compare one amplifier or sensor with those that it could be swapped with. */
 static void compare_pairs(pzs_selftest *selftest, uint32_t number)
 {
     const uint32_t inputs = selftest->state.tables->inputs;
@@ -741,7 +783,7 @@ static void compare_pairs(pzs_selftest *selftest, uint32_t number)
 
 /* ---- verdict ---------------------------------------------------------- */
 
-/* Count the lines with a finding. */
+/* Return the number of amplifiers or sensors with a finding. */
 static uint16_t count_findings(const axis *axis)
 {
     uint16_t count = 0;
@@ -751,8 +793,8 @@ static uint16_t count_findings(const axis *axis)
 }
 
 /*
- * A strong and a weak electrode that are swapped: the amplifier of the strong one seems silent.
- * Name both as swapped, and do likewise with sensors.
+ * Where a strong and a weak electrode are swapped, the amplifier of the strong one seems to be
+ * silent: set its finding to a swap, too. Likewise for sensors.
  */
 static void complete_swaps(const axis *axis)
 {
@@ -779,8 +821,8 @@ static void give_verdict(pzs_selftest *selftest)
 }
 
 /*
- * Make one tick of the evaluation: pairs of lines first, because a swap of two strong sensors would
- * otherwise spoil the columns of electrodes near them.
+ * Make one tick of the evaluation. Pairs of amplifiers and of sensors come first, because a swap of
+ * two strong sensors would otherwise distort the responses to electrodes near them.
  */
 static void evaluate(pzs_selftest *selftest, uint32_t tick)
 {
@@ -869,7 +911,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     return PZS_OK;
 }
 
-/* Make one tick of the test. */
+/* Make one tick of the self-test. */
 static void run(pzs_selftest *selftest, const pzs_real *readings)
 {
     pzs_selftest_core *core = &selftest->state.core[0];

@@ -1,8 +1,8 @@
 /*
  * Self-test of amplifiers, cables and sensors before a loop takes control. The structures vibrate,
- * and differ from the tables: gain of the whole by up to a third, of each electrode by 10 %,
- * frequencies by 10 %, 20 % hysteresis with a random past, noise, late readings, vibration from
- * before the test.
+ * and differ from the tables: the gain of the structure by up to a third, that of each electrode by
+ * up to 10 %, the natural frequencies by up to 10 %; the ceramic has 20 % hysteresis and a random
+ * past, the readings have noise and a delay, and the structure vibrates before the test.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -33,7 +33,8 @@ static const double pi = 3.14159265358979323846;
 typedef struct structure_kind {
     const char *name, *scene, *change;
     double rate, limit, step_limit, volts, ratio;
-    int every; /* every how many outputs one is a sensor */
+    int every; /* tick rate (1/s), voltage limit (V), step limit (V), height of a pulse (V), damping
+                  ratio; every `every`-th output of the scene is a sensor */
 } structure_kind;
 
 static const structure_kind kinds[] = {
@@ -202,19 +203,24 @@ static bool is_of_sensor(fault fault)
 typedef struct plant {
     const structure *structure;
     fault fault;
-    size_t one, other;                       /* amplifiers or sensors with the fault */
-    double frequency, hysteresis, vibration; /* `vibration`: amplitude before the test, relative to
-                                                the response to a pulse */
+    size_t one, other; /* indices of the two amplifiers or sensors with the fault; `other` is used
+                          for swaps only */
+    double frequency, hysteresis, vibration; /* factor of the natural frequencies; width of the
+                                                hysteresis loop relative to the voltage range;
+                                                amplitude of the vibration before the test relative
+                                                to the response to a pulse */
     int delay;
-    double *gain;                /* [inputs] gain of each electrode */
-    double *play;                /* [inputs][PLAYS] plays of the ceramic (V) */
-    double *acting;              /* [inputs] acting voltages (V) */
+    double *gain;   /* [inputs] gain of each electrode */
+    double *play;   /* [inputs][PLAYS] plays of the ceramic (V) */
+    double *acting; /* [inputs] voltages that act on the ceramic of each electrode, times its gain
+                       (V) */
     double *position, *velocity; /* [MODES] deviation from the equilibrium, and scaled velocity */
-    double turn[MODES][2];       /* decay times cosine and sine of a tick */
-    double *still;               /* [sensors] static readings */
-    double *history;             /* [LARGEST_DELAY + 1][sensors] readings of the last ticks */
+    double turn[MODES][2]; /* for each mode the decay of its amplitude in a tick times cosine and
+                              sine of the angle that it turns in a tick */
+    double *still;         /* [sensors] static readings */
+    double *history;       /* [LARGEST_DELAY + 1][sensors] readings of the last ticks */
     int tick;
-    bool is_still; /* vibration is gone at once */
+    bool is_still; /* vibration ends at once, as in a quasi-static structure */
     unsigned seed;
 } plant;
 
@@ -262,7 +268,7 @@ static void close_plant(plant *p)
     free(p->history);
 }
 
-/* Amplifier whose cable leads to electrode j. */
+/* Return the index of the amplifier whose cable leads to electrode j. */
 static size_t amplifier_of(const plant *p, size_t j)
 {
     if (p->fault != SWAPPED)
@@ -293,7 +299,7 @@ static double act(plant *p, size_t j, double voltage)
     return voltage + p->hysteresis * 16 / 5 * (mean - voltage);
 }
 
-/* Let the amplifiers give voltages: the equilibrium of the modes jumps. */
+/* Let the amplifiers give new voltages, with which the equilibrium of every mode jumps. */
 static void apply(plant *p, const pzs_real *voltage, bool is_first)
 {
     const structure *s = p->structure;
@@ -312,7 +318,7 @@ static void apply(plant *p, const pzs_real *voltage, bool is_first)
     }
 }
 
-/* Vibration in the first three modes, as if pulses of random amplifiers were just released. */
+/* Let the first three modes vibrate, as if pulses of random amplifiers had just ended at once. */
 static void shake(plant *p)
 {
     const structure *s = p->structure;
@@ -344,7 +350,7 @@ static double normal(unsigned *seed)
     return sum * sqrt(3);
 }
 
-/* Sensor whose place sensor i measures. */
+/* Return the index of the place that sensor i measures. */
 static size_t place_of(const plant *p, size_t i)
 {
     if (p->fault != SENSOR_SWAPPED)
@@ -365,7 +371,7 @@ static double faulty_reading(const plant *p, double reading, double noise)
     }
 }
 
-/* Readings of `delay` ticks ago, with noise and faults. */
+/* Compute the readings of `delay` ticks ago, with noise and faults. */
 static void look(plant *p, pzs_real *readings)
 {
     const structure *s = p->structure;
@@ -391,7 +397,8 @@ typedef struct outcome {
     pzs_status status;
     pzs_selftest_verdict verdict;
     size_t findings;
-    pzs_wiring one, other; /* findings about the faulty amplifier or sensor, and its partner */
+    pzs_wiring one, other; /* findings about the faulty amplifier or sensor, and about the one that
+                              it is swapped with */
 } outcome;
 
 /* A loop of the self-test and the control step, around a plant. */
@@ -401,7 +408,8 @@ typedef struct loop_run {
     pzs_loop loop;
     pzs_selftest *selftest;
     void *work;
-    pzs_real *readings, *before, *start; /* `start`: [inputs] voltages before the test (V) */
+    pzs_real *readings, *before, *start; /* readings; voltages before the tick; [inputs] voltages
+                                            before the test (V) */
     uint32_t ticks;                      /* number of ticks of the test */
 } loop_run;
 
@@ -437,7 +445,10 @@ static void close_run(loop_run *r)
     free(r->readings);
 }
 
-/* Run one tick: readings, loop, plant. The voltages are inside voltage limits and step limits. */
+/*
+ * Run one tick of sensors, loop and plant, and assert that the voltages are inside voltage limits
+ * and step limits.
+ */
 static pzs_status run_tick(loop_run *r, plant *p)
 {
     const structure *s = r->structure;
@@ -577,7 +588,10 @@ static void test_faults(void **state)
     }
 }
 
-/* Vibration that hides the responses is told, and no healthy part is called faulty. */
+/*
+ * Where strong vibration hides the responses, the verdict says so, and no healthy amplifier or
+ * sensor gets a finding.
+ */
 static void test_vibration(void **state)
 {
     structure s;
@@ -597,9 +611,8 @@ static void test_vibration(void **state)
 }
 
 /*
- * An electrode that dies, or that is stuck at its voltage, after a test that passed is named by the
- * next test, at voltages that the loop has chosen meanwhile. The voltages before that test are
- * kept.
+ * An electrode that fails after a test that it has passed, dead or stuck, is named by the next
+ * test, which starts at the voltages that the loop has chosen meanwhile.
  */
 static void test_repetition(void **state)
 {
@@ -633,7 +646,7 @@ static void test_repetition(void **state)
     close_structure(&s);
 }
 
-/* A loop of the self-test and the step, on a plant that is not there: all readings are zero. */
+/* A loop of the self-test and the control step without a structure: all readings are zero. */
 typedef struct still_loop {
     pzs_block block[2];
     void *work;
