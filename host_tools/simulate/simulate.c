@@ -504,14 +504,21 @@ static void mark_diverged(simulation *simulation, const simulate_phase *from, si
     }
 }
 
+/*
+ * Run all ticks of a control law. A control law for comparison counts as diverged where the motion
+ * or the equilibrium of the plant under its voltages could not be computed. Returns 0, or -1 with
+ * error filled.
+ */
 static int run_ticks(simulation *simulation, loop *loop, course_log *record, simulate_law law,
                      simulate_tick_callback *callback, void *context, char *error)
 {
     const int ticks = loop->design->simulate.ticks;
     simulate_phase *phase = simulation->phase;
     for (int tick = 0; tick < ticks; tick++) {
-        if (loop_tick(loop, tick, error) < 0)
-            return -1;
+        if (loop_tick(loop, tick, error) < 0) {
+            mark_diverged(simulation, phase, law);
+            return law == LAW_CONTROLLER ? -1 : 0;
+        }
         log_tick(record, loop, &phase->course[law]);
         report_tick(loop, law, tick, callback, context);
         count_tick(loop, &simulation->count[law]);
