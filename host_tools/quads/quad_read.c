@@ -70,7 +70,8 @@ int quad_read(quad_mesh *mesh, const char *path, const quad_options *options,
     int status = read_raw(&file, &raw);
     if (status == 0)
         status = build(mesh, &origin, &raw, options, warnings);
-    mesh->hash = hash_of(&file, options);
+    if (status == 0)
+        mesh->hash = hash_of(&file, options);
     free(origin.element_at);
     quad_raw_free(&raw);
     quad_file_close(&file);

@@ -67,7 +67,7 @@ bench-peers: $(foreach v,native default,$(B)/bench/$(v)/run_path $(B)/bench/$(v)
 	@$(PYTHON) -B tests/bench/peers/run.py --build $(B) $(PEERS) >$(B)/bench/peers.json; failed=$$?; \
 	    $(PYTHON) -B tests/bench/peers/compare.py $(B)/bench/peers.json && exit $$failed
 
-# Structures on a mesh of a file against CalculiX: half a minute.
+# Structures on a mesh of a file against CalculiX: two minutes.
 bench-mesh: $(B)/pzs
 	@echo 'Meshes from files, against CalculiX S8R on the mesh of half the element length'
 	@$(PYTHON) -B tests/bench/peers/mesh_file.py --build $(B)

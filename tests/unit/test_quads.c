@@ -15,6 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 #include <cmocka.h>
 #include "../../host_tools/quads/quad_graph.h"
@@ -675,6 +676,27 @@ static void check_invariants(const quad_mesh *mesh)
             assert_true(mesh->edge_set[k].index[i] < 4 * mesh->elements);
 }
 
+/*
+ * Law: 100 MB of zeros behind a valid beginning of a mesh file are refused within four seconds of
+ * processor time, the sanitizers included.
+ */
+static void test_large_garbage(void **state)
+{
+    static const char *const head[] = {"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n",
+                                       "$MeshFormat\n4.1 1 8\n", "*NODE\n1, 0, 0, 0\n", "*", "$"};
+    (void)state;
+    for (size_t k = 0; k < sizeof head / sizeof *head; k++) {
+        const clock_t begin = clock();
+        write_text(head[k]);
+        assert_int_equal(truncate(path, 100000000), 0);
+        const result r = read_with(&plain);
+        assert_int_equal(r.status, -1);
+        assert_true(strlen(r.error) > 20);
+        assert_true((double)(clock() - begin) < 4.0 * CLOCKS_PER_SEC);
+    }
+    write_text("");
+}
+
 /* Law: a damaged file is refused with a message, or is a mesh with unit directors. */
 static void test_damaged_files(void **state)
 {
@@ -730,6 +752,7 @@ int main(void)
         cmocka_unit_test(test_order),
         cmocka_unit_test(test_envelope),
         cmocka_unit_test(test_sloan_strip),
+        cmocka_unit_test(test_large_garbage),
         cmocka_unit_test(test_damaged_files),
     };
     const int file = mkstemp(path);
