@@ -272,6 +272,9 @@ check-long: setup-test
 	    -lcmocka $(HOST_LIBS) -o $(B)/long-scene && $(B)/long-scene
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=5000000 $(INCLUDE) tests/unit/test_tick.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-tick && $(B)/long-tick || exit 1; done
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DRANDOM_PROBLEMS=10000 $(INCLUDE) tests/unit/test_limit_rows.c \
+	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-rows && $(B)/long-rows $(B)/rows.dump || exit 1; done
+	$(PYTHON) -B tests/oracle/limit_rows.py $(B)/rows.dump
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DWORK_TICKS=1000000 $(INCLUDE) tests/unit/test_work.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-work && $(B)/long-work || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_faults.c tests/rigs/testdata.c \

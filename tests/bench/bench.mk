@@ -4,7 +4,7 @@
 
 FAST := -std=c99 -O3 -march=native -ffp-contract=fast $(INCLUDE)
 
-BENCHES := bench-linalg bench-step bench-growth bench-accuracy bench-path bench-count bench-device bench-mesh
+BENCHES := bench-linalg bench-step bench-rows bench-growth bench-accuracy bench-path bench-count bench-device bench-mesh
 .PHONY: bench bench-peers $(BENCHES)
 bench: setup-bench
 	@$(MAKE) --no-print-directory -s -k $(BENCHES) bench-peers PEERS=--quick
@@ -81,6 +81,12 @@ bench-step:
 	    $(CC) $(FAST) -DPZS_REAL_BITS=64 -DPZS_TILE=8 $$with tests/bench/bench_step.c $(STEP_SOURCES) $$peer -lm -o $(B)/bench/step
 	@echo 'Voltage steps against DAQP'
 	@$(B)/bench/step
+bench-rows:
+	@$(MAKE) --no-print-directory -s $(B)/daqp/libdaqp.a; mkdir -p $(B)/bench
+	@if [ -f $(B)/daqp/libdaqp.a ]; then with='-DWITH_DAQP -I$(B)/daqp/include'; peer=$(B)/daqp/libdaqp.a; fi; \
+	    $(CC) $(FAST) -DPZS_REAL_BITS=64 -DPZS_TILE=8 $$with tests/bench/bench_rows.c $(STEP_SOURCES) $$peer -lm -o $(B)/bench/rows
+	@echo 'Voltages within limits between amplifiers against DAQP'
+	@$(B)/bench/rows
 bench-growth:
 	@mkdir -p $(B)/bench
 	@$(CC) $(FAST) -DPZS_REAL_BITS=64 -DPZS_TILE=8 tests/bench/bench_growth.c $(STEP_SOURCES) -lopenblas -lm -o $(B)/bench/growth

@@ -124,7 +124,7 @@ for image in linear nonlinear; do
     check "a $image image of a measured matrix is refused by name" $?
 done
 rows='limits.difference={limit: 10}'
-run 0 shape "$dir/measured.yaml" --set "$rows" && grep -q 'limits between amplifiers (difference, sum): [1-9][0-9]* of 6 bind: e1 - e2' "$dir/out"
+run 0 shape "$dir/measured.yaml" --set "$rows" && grep -q 'limits between amplifiers (difference, sum): [1-9][0-9]* of 6 bind: centre - e1' "$dir/out"
 check 'shape names the limits between amplifiers that bind' $?
 run 0 simulate "$dir/measured.yaml" --set "$rows" && run 0 tables "$dir/measured.yaml" --set "$rows" -o "$dir/rows.h" &&
     gcc -std=c99 -Wall -Werror -Iinclude -x c -fsyntax-only -Wno-unused "$dir/rows.h"
