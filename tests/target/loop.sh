@@ -64,6 +64,13 @@ board_few() {
     tap $? "$1: the same from few sensors, with a known load"
 }
 
+# loop_rows: a measured mirror whose neighbours differ by at most 10 V
+loop_rows() {
+    "$PZS" new measured >"$scratch/measured.yaml" && "$PZS" new measured-matrix >"$scratch/measured-matrix.csv" &&
+        "$PZS" simulate "$scratch/measured.yaml" --set 'limits.difference={limit: 10}' --set limits.step_limit=3 \
+            --device netduinoplus2 --json --csv "$scratch/rows.csv" >"$scratch/rows.json" 2>"$scratch/found"
+}
+
 if tap_needs "$ARM_CC" 'loop' && tap_needs "$QEMU" 'loop'; then
     loop double
     tap $? 'the loop in double'
@@ -83,6 +90,9 @@ if tap_needs "$ARM_CC" 'loop' && tap_needs "$QEMU" 'loop'; then
         ! loop wired --device netduinoplus2 --set 'safety={selftest: {amplitude: 5, pulse_ticks: 16}}' --set 'simulate.amplifiers.reversed=[v_1_3]' &&
         grep -q 'self-test: ' "$scratch/found"
     tap $? 'netduinoplus2: a self-test with the bits of the same C here, and one that refuses a reversed wire'
+    loop_rows && [ "$(count "$scratch/rows.json" device_same)" = 100 ] &&
+        awk -F, 'NR > 1 { for (k = 10; k <= NF; k++) if ($k - $(k - 1) > 10 || $(k - 1) - $k > 10) exit 1 }' "$scratch/rows.csv"
+    tap $? 'netduinoplus2: neighbours within 10 V, 100 ticks with the bits of the same C here'
     ! cmp -s "$scratch/double.csv" "$scratch/netduinoplus2.csv"
     tap $? 'float and double differ'
     ARM_CC=false
