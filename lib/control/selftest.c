@@ -21,10 +21,11 @@
  * The evaluation compares the matrix of the measured responses with that of the model. A column of
  * these matrices is the response of all sensors to one amplifier, a row is the response of one
  * sensor to all amplifiers. First, pairs of similar columns and of similar rows are compared,
- * because two of them that are swapped may differ so little that neither looks faulty alone. Then
- * each tick names the amplifier or sensor whose column or row differs most from the model, and
- * leaves it out afterwards: a faulty amplifier also changes the rows of sensors near it, but by
- * less than its own column, and a faulty sensor changes the columns of amplifiers likewise.
+ * because two amplifiers or sensors with exchanged cables may respond so similarly that neither
+ * looks faulty alone. Then
+ * each tick reports the amplifier or sensor whose column or row differs most from the model, and
+ * excludes it from later comparisons: a faulty amplifier also changes the rows of sensors near it,
+ * but by less than its own column, and a faulty sensor changes the columns of amplifiers likewise.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -37,32 +38,37 @@
 #define READING_LIMIT PZS_R(1e12)
 /*
  * The expected response of an amplifier (at all sensors) or of a sensor (to all amplifiers) is
- * judged if its energy, the sum of its squares, exceeds this multiple of the energy of noise and
- * vibration.
+ * large enough to be compared with the measured one if its energy, the sum of its squares, exceeds
+ * this multiple of the energy of noise and vibration.
  */
 #define JUDGED PZS_R(400)
-/* A noisy sensor has more than this multiple of the mean variance of the other sensors' noise. */
+/*
+ * A sensor counts as noisy if the variance of its noise exceeds this multiple of the mean variance
+ * of the noise of all other sensors.
+ */
 #define UNUSUAL PZS_R(16)
 /*
- * An amplifier or sensor counts as silent if its measured response is below this part of the
- * expected response.
+ * An amplifier or sensor counts as silent if its measured response is smaller than this fraction of
+ * the response expected from the model.
  */
 #define SILENT PZS_R(0.3)
 /*
- * A response is recognised as that of another amplifier or sensor if its energy exceeds this
- * multiple of the energy of noise and vibration.
+ * A measured response counts as that of another amplifier or sensor (exchanged cables) only if its
+ * energy, the sum of its squares, exceeds this multiple of the energy of noise and vibration.
  */
 #define RESPONSE PZS_R(16)
 /*
- * Bounds of a plausible mean gain of all amplifiers. Electrodes with hysteresis respond to a
- * small voltage by down to a third of the response per volt to a large one.
+ * Smallest and largest plausible mean gain of all amplifiers: measured response divided by modelled
+ * response. Electrodes with hysteresis respond to a small voltage with as little as a third of the
+ * response per volt to a large voltage.
  */
 #define LEAST_GAIN PZS_R(0.15)
 #define LARGEST_GAIN PZS_R(2)
 /*
- * Energy of the response that white noise of a sensor makes, relative to the variance of the noise
- * divided by the number of ticks of a window. It is the sum of the squared even and odd weights,
- * divided by the squared sum of the pulse times the even weight.
+ * Energy (sum of squares) of the response that white noise of a sensor causes in the self-test,
+ * divided by the variance of the noise and multiplied by the number of ticks of a pulse: the sum of
+ * the squared even and odd weights of the readings, divided by the squared sum of the pulse times
+ * the even weight.
  */
 #define NOISE_ENERGY PZS_R(12.6)
 /*
@@ -73,16 +79,17 @@
 #define SWAP_GAIN PZS_R(4)
 #define SWAP_NOISE PZS_R(9)
 /*
- * Two amplifiers, or two sensors, are similar if the squared sine of the angle between their
- * modelled responses is less than SIMILAR times (noise energy divided by response energy), plus
- * SAME_DIRECTION.
+ * Two amplifiers, or two sensors, are so similar that exchanged cables cannot be noticed if the
+ * squared sine of the angle between their modelled responses is less than SIMILAR times (noise
+ * energy divided by response energy), plus SAME_DIRECTION.
  */
 #define SIMILAR PZS_R(36)
 #define SAME_DIRECTION PZS_R(1e-4)
 
 /*
- * Number of windows in which all amplifiers move together, and number of all windows before the
- * first pulse of a single amplifier; the last of these windows has no motion.
+ * CONDITIONING_WINDOWS: number of pulse durations at the start of the self-test in which all
+ * amplifiers move together. WINDOWS_BEFORE: number of pulse durations before the first pulse of a
+ * single amplifier; in the last of them no amplifier moves.
  */
 #define CONDITIONING_WINDOWS 2u
 #define WINDOWS_BEFORE 3u
@@ -92,9 +99,12 @@ static pzs_real square(pzs_real number)
     return number * number;
 }
 
-/* ---- tables ----------------------------------------------------------- */
+/* ---- tables of the self-test -------------------------------------------- */
 
-/* List the arrays that the checksum of the tables covers. Returns their number. */
+/*
+ * List the arrays that the checksum of the tables of the self-test covers. Returns the number of
+ * arrays.
+ */
 static uint32_t list_parts(const pzs_selftest_tables *tables, pzs_table_part part[PZS_TABLE_PARTS])
 {
     part[0] = (pzs_table_part){&tables->inputs, 4u * sizeof tables->inputs};
@@ -144,9 +154,9 @@ static bool are_in_range(const pzs_selftest_tables *tables)
 }
 
 /*
- * Return the first input whose pulse exceeds half its voltage range, or whose pulse may exceed the
- * step limit: in one tick a pulse changes by less than 4 / pulse_ticks of its height. -1: there is
- * none.
+ * Return the first input whose self-test pulse exceeds half its voltage range or may exceed its
+ * step limit, or -1 if there is none. In one tick a pulse changes by less than 4 / pulse_ticks of
+ * its height.
  */
 static int32_t too_high(const pzs_selftest_tables *tables, const pzs_problem *problem)
 {
@@ -182,9 +192,9 @@ static pzs_status check(const pzs_selftest_tables *tables, const pzs_loop_signal
     return *where < 0 ? PZS_OK : PZS_E_LIMITS;
 }
 
-/* ---- memory ----------------------------------------------------------- */
+/* ---- memory of the self-test -------------------------------------------- */
 
-/* Reserve the next `count` reals of the memory and return their address. */
+/* Reserve the next `count` real numbers of the memory of the self-test and return their address. */
 static pzs_real *take_reals(pzs_real **next, size_t count)
 {
     pzs_real *const taken = *next;
@@ -192,7 +202,7 @@ static pzs_real *take_reals(pzs_real **next, size_t count)
     return taken;
 }
 
-/* Let the self-test point to its tables, its controller and its arrays. */
+/* Set the pointers of the self-test to its tables, its controller and its arrays. */
 static void place(pzs_selftest *selftest, const pzs_loop_signals *signals)
 {
     const pzs_selftest_tables *tables = signals->tables;
@@ -217,14 +227,20 @@ static void place(pzs_selftest *selftest, const pzs_loop_signals *signals)
     selftest->info.sensor = state->sensor;
 }
 
-/* Make the other two copies of progress and verdict equal to the first one. */
+/*
+ * Copy the first of the three copies of progress and verdict of the self-test, which protect them
+ * against damaged memory, over the other two.
+ */
 static void copy_core(pzs_selftest *selftest)
 {
     selftest->state.core[1] = selftest->state.core[0];
     selftest->state.core[2] = selftest->state.core[0];
 }
 
-/* Return the number of ticks of all windows, plus the delay until the last reading arrives. */
+/*
+ * Return the number of ticks in which the self-test moves amplifiers or uses readings: all pulse
+ * durations, plus the delay until the last reading arrives.
+ */
 static uint32_t measuring_ticks(const pzs_selftest_tables *tables)
 {
     return (tables->inputs + WINDOWS_BEFORE + 1u) * tables->pulse_ticks + tables->delay + 1u;
@@ -244,7 +260,7 @@ static void report(pzs_selftest *selftest)
     selftest->info.remaining = is_running ? all - core->position : 0;
 }
 
-/* ---- pulses ----------------------------------------------------------- */
+/* ---- test pulses -------------------------------------------------------- */
 
 /*
  * Return the position of a tick within a duration of `ticks` ticks, as a number from -1 (start) to
@@ -260,7 +276,10 @@ static pzs_real pulse_at(pzs_real place)
     return square(square(1 - square(place)));
 }
 
-/* Return the height of the pulse of input j, downwards where there is more room below (V). */
+/*
+ * Return the height of the self-test pulse of input j (V). It is negative if the voltage is nearer
+ * to its upper limit than to its lower limit.
+ */
 static pzs_real height_of(const pzs_selftest *selftest, uint32_t j)
 {
     const pzs_problem *problem = selftest->state.control->state.problem;
@@ -269,7 +288,10 @@ static pzs_real height_of(const pzs_selftest *selftest, uint32_t j)
     return is_upwards ? height : -height;
 }
 
-/* Whether input j has a pulse: it has a height, and the program does not hold the input. */
+/*
+ * Whether the self-test moves input j: the tables give the input a pulse of positive height, and
+ * the program does not hold the input at a fixed voltage.
+ */
 static bool is_tested(const pzs_selftest *selftest, uint32_t j)
 {
     const pzs_control_state *control = &selftest->state.control->state;
@@ -277,8 +299,8 @@ static bool is_tested(const pzs_selftest *selftest, uint32_t j)
 }
 
 /*
- * Set the voltages of a tick: the voltages before the test, plus the pulse of one input; in the
- * first windows, plus the pulses of all inputs.
+ * Set the voltages of one tick of the self-test to the voltages before the test plus the pulse of
+ * one input, or, in the first two pulse durations, plus the pulses of all inputs.
  */
 static void set_voltages(pzs_selftest *selftest, uint32_t position)
 {
@@ -297,12 +319,11 @@ static void set_voltages(pzs_selftest *selftest, uint32_t position)
     pzs_control_moved(selftest->state.control);
 }
 
-/* ---- readings --------------------------------------------------------- */
+/* ---- sensor readings ---------------------------------------------------- */
 
 /*
- * Add a reading of sensor i to the weighted sums of this sensor. A missing reading counts as
- * unchanged.
- *   even, odd in  even and odd weight of this tick (1)
+ * Add a reading of sensor i to the weighted sums of its readings during a pulse. A missing reading
+ * is replaced by the last one. even, odd in  even and odd weight of the reading (1)
  */
 static void add_reading(pzs_selftest_state *state, uint32_t i, pzs_real reading, pzs_real even,
                         pzs_real odd)
@@ -323,9 +344,10 @@ static void add_reading(pzs_selftest_state *state, uint32_t i, pzs_real reading,
 }
 
 /*
- * End a window: its sums become the response to a pulse, or, in a window without a pulse, the
- * response to noise and vibration. The noise of the sensors is measured in the last window alone,
- * because high modes may still vibrate at the beginning.
+ * Finish one pulse duration of the self-test: turn the weighted sums of the readings into the
+ * response of all sensors to the pulse, or, if no amplifier moved, into the squared response to
+ * noise and vibration. The variance of the noise is measured only after the last pulse, because
+ * modes of high frequency may still vibrate at the beginning.
  */
 static void end_window(pzs_selftest *selftest, uint32_t window)
 {
@@ -349,7 +371,10 @@ static void end_window(pzs_selftest *selftest, uint32_t window)
     state->pulse = 0;
 }
 
-/* Use the readings of a tick, which show the voltages of the tick delay + 1 ticks ago. */
+/*
+ * Add the readings of a tick to the weighted sums of the self-test. The readings show the effect of
+ * the voltages that were set delay + 1 ticks ago.
+ */
 static void measure(pzs_selftest *selftest, const pzs_real *readings, uint32_t position)
 {
     pzs_selftest_state *state = &selftest->state;
@@ -368,26 +393,28 @@ static void measure(pzs_selftest *selftest, const pzs_real *readings, uint32_t p
         end_window(selftest, then / tables->pulse_ticks);
 }
 
-/* ---- lines ------------------------------------------------------------ */
+/* ---- columns (amplifiers) and rows (sensors) of responses --------------- */
 
 /*
- * Columns or rows of the matrix of responses. A column belongs to an amplifier and has an entry for
- * each sensor; a row belongs to a sensor and has an entry for each amplifier. A line is a column or
- * a row.
+ * All columns or all rows of the matrix of measured responses and of the modelled matrix. The
+ * column of an amplifier has an entry for each sensor; the row of a sensor has an entry for each
+ * amplifier. The members named `line` refer to a column or a row.
  */
 typedef struct axis {
     bool is_row;
     uint32_t lines, entries;
-    size_t measured_line, measured_entry; /* distances between two lines and between two entries of
-                                             a line in state.response, which holds the measured
-                                             responses (number of reals) */
-    size_t model_line, model_entry; /* distances between two lines and between two entries of a line
-                                       in state.direct, which holds the modelled responses (number
-                                       of reals) */
-    pzs_wiring *line, *entry; /* [lines], [entries] findings about the amplifiers or sensors to
-                                 which the lines and the entries belong */
-    bool has_gains; /* true: the modelled entries of a row are multiplied by the measured gain of
-                       each amplifier */
+    size_t measured_line, measured_entry; /* distance in state.response, the measured responses,
+                                             between the first entries of two columns (or two rows),
+                                             and between two entries of a column (or row), in real
+                                             numbers */
+    size_t model_line, model_entry; /* distance in state.direct, the modelled responses, between the
+                                       first entries of two columns (or two rows), and between two
+                                       entries of a column (or row), in real numbers */
+    pzs_wiring *line, *entry; /* [lines] findings about the amplifiers if `is_row` is false, or
+                                 about the sensors if it is true; [entries] findings about the
+                                 others, sensors or amplifiers */
+    bool has_gains; /* true: before the comparison, each entry of a modelled row (one sensor, all
+                       amplifiers) is multiplied by the measured gain of its amplifier */
 } axis;
 
 static axis columns_of(const pzs_selftest *selftest)
@@ -423,22 +450,22 @@ static axis rows_of(const pzs_selftest *selftest)
 }
 
 /*
- * Sums over the entries of a measured column or row and of a modelled one, each entry times the
- * scale of its sensor.
+ * Sums over the entries of the measured and of the modelled column of an amplifier, or row of a
+ * sensor, in the matrix of responses. Each entry is multiplied by the scale of its sensor.
  */
 typedef struct line_sums {
-    pzs_real product;  /* sum of measured times modelled responses */
-    pzs_real measured; /* sum of the squared measured responses */
-    pzs_real modelled; /* sum of the squared modelled responses */
+    pzs_real product;  /* sum of the products of measured and modelled responses (1/V2) */
+    pzs_real measured; /* sum of the squared measured responses (1/V2) */
+    pzs_real modelled; /* sum of the squared modelled responses (1/V2) */
     pzs_real noise;    /* expected contribution of noise and vibration to the sum of the squared
-                          measured responses */
+                          measured responses (1/V2) */
 } line_sums;
 
 /*
- * Compare a measured column or row of the matrix of responses with a modelled one, over the entries
- * that belong to healthy amplifiers or sensors.
- *   noise [sensors] in  squared response of each sensor to noise and vibration, times the squared
- *                       height of a pulse (squared unit of each sensor)
+ * Compare the measured column of an amplifier (or row of a sensor) in the matrix of responses with
+ * the modelled one of index `modelled`. Entries of sensors (or amplifiers) with a finding do not
+ * count. noise [sensors] in  squared response of each sensor to noise and vibration, times the
+ * squared height of a pulse (squared unit of each sensor)
  */
 static line_sums compare_lines(const pzs_selftest *selftest, const axis *axis, uint32_t measured,
                                uint32_t modelled, const pzs_real *noise)
@@ -464,8 +491,8 @@ static line_sums compare_lines(const pzs_selftest *selftest, const axis *axis, u
 }
 
 /*
- * Return the squared sine of the angle between a measured column or row of the matrix of responses
- * and a modelled one.
+ * Return the squared sine of the angle between the measured and the modelled column of an
+ * amplifier, or row of a sensor, in the matrix of responses (0 to 1).
  */
 static pzs_real direction_error(const line_sums *sums)
 {
@@ -475,21 +502,22 @@ static pzs_real direction_error(const line_sums *sums)
 }
 
 /*
- * Whether a modelled column or row of the matrix of responses has enough energy, beside noise and
- * vibration, for its amplifier or sensor to be judged.
+ * Whether the modelled response of an amplifier or sensor is large enough, compared with noise and
+ * vibration, for the measured response to be compared with it.
  */
 static bool can_judge(const line_sums *sums)
 {
     return sums->modelled > JUDGED * sums->noise && sums->modelled > 0;
 }
 
-/* ---- evaluation: which lines can be judged ---------------------------- */
+/* ---- evaluation: responses above noise ---------------------------------- */
 
 /*
  * Compute the variance of the noise of each sensor from the second differences of its readings, and
- * mark noisy sensors, and sensors that never gave a finite reading as silent. A sensor is noisy if
- * its noise exceeds both that of the tables and that of the other sensors, because a vibration of
- * high frequency looks like noise of many sensors.
+ * mark sensors as noisy, or as silent if they never gave a finite reading. A sensor is noisy if its
+ * noise exceeds both the value in the tables and a multiple of the mean of the other sensors. The
+ * second condition is needed because a vibration of high frequency looks like noise of many
+ * sensors.
  */
 static void mark_sensors(pzs_selftest *selftest)
 {
@@ -514,8 +542,8 @@ static void mark_sensors(pzs_selftest *selftest)
 }
 
 /*
- * Set state.odd to the squared responses that the largest plausible noise of each sensor makes, and
- * raise state.null to the squared response that the measured noise makes.
+ * For each sensor, set state.odd to the squared response that its largest plausible noise causes,
+ * and raise state.null, if it is smaller, to the squared response that its measured noise causes.
  */
 static void find_noise_responses(pzs_selftest_state *state)
 {
@@ -529,9 +557,9 @@ static void find_noise_responses(pzs_selftest_state *state)
 }
 
 /*
- * Mark the amplifiers or sensors whose expected response is too small beside noise to be judged.
- * Returns the number of those that are hidden only because noise or vibration exceeds the largest
- * plausible noise.
+ * Mark the amplifiers (or sensors) whose modelled response is too small, compared with noise and
+ * vibration, to be compared with the measured one. Returns how many of them could be compared if
+ * noise and vibration were no larger than the largest plausible noise.
  */
 static uint32_t mark_unobservable(const pzs_selftest *selftest, const axis *axis)
 {
@@ -550,8 +578,9 @@ static uint32_t mark_unobservable(const pzs_selftest *selftest, const axis *axis
 }
 
 /*
- * Compute the gain of each healthy amplifier, and return the mean absolute gain, clamped to
- * plausible bounds.
+ * Compute the gain of each amplifier without a finding, and return the mean of their absolute
+ * values, clamped to the range of plausible mean gains (1). A gain is measured divided by modelled
+ * response.
  */
 static pzs_real mean_gain(const pzs_selftest *selftest)
 {
@@ -570,7 +599,10 @@ static pzs_real mean_gain(const pzs_selftest *selftest)
     return number_clamp(number_is_finite(mean) ? mean : 1, LEAST_GAIN, LARGEST_GAIN);
 }
 
-/* Make the first tick of the evaluation: find the amplifiers and sensors that can be judged. */
+/*
+ * Make the first tick of the evaluation of the self-test: find the amplifiers and sensors whose
+ * modelled response is large enough to be compared with the measured one.
+ */
 static void begin_evaluation(pzs_selftest *selftest)
 {
     pzs_selftest_state *state = &selftest->state;
@@ -586,23 +618,25 @@ static void begin_evaluation(pzs_selftest *selftest)
     selftest->info.gain = mean_gain(selftest);
 }
 
-/* ---- evaluation: lines that differ from the model --------------------- */
+/* ---- evaluation: responses unlike the model ----------------------------- */
 
 /*
- * The column or row of the matrix of responses with the largest squared difference from the model.
+ * The amplifier (column of the matrix of responses) or sensor (row of this matrix) whose measured
+ * response differs most from the modelled one.
  */
 typedef struct worst_line {
-    pzs_real difference; /* squared difference between the measured column or row and the mean gain
-                            times the modelled one (1/V2) */
+    pzs_real difference; /* squared difference between the measured response and the mean gain of
+                            all amplifiers times the modelled response (1/V2) */
     uint32_t line;
     bool is_found;
 } worst_line;
 
 /*
- * Whether an amplifier or sensor that differs from the model may be named. A healthy one always
- * may, and one that is too small to be judged only if its measured response is large.
+ * Whether the self-test may report a fault of an amplifier or sensor whose measured response
+ * differs from the model. If the modelled response is too small to be compared, the measured one
+ * must be large; an amplifier or sensor that already has another finding gets no second one.
  */
-static bool may_be_named(const pzs_wiring *finding, const line_sums *sums)
+static bool may_be_reported(const pzs_wiring *finding, const line_sums *sums)
 {
     const bool is_large = sums->measured > 4 * RESPONSE * sums->noise;
     return finding->state == PZS_WIRING_HEALTHY ||
@@ -610,8 +644,8 @@ static bool may_be_named(const pzs_wiring *finding, const line_sums *sums)
 }
 
 /*
- * Find the column or row that differs most from the model, among those that differ by more than the
- * tolerance of the gains.
+ * Find the amplifier (or sensor) whose measured response differs most from the model, among those
+ * whose difference exceeds the tolerance of the gains.
  */
 static worst_line find_worst(const pzs_selftest *selftest, const axis *axis, pzs_real gain)
 {
@@ -621,14 +655,17 @@ static worst_line find_worst(const pzs_selftest *selftest, const axis *axis, pzs
         const pzs_real expected = square(gain) * sums.modelled;
         const pzs_real difference = sums.measured - 2 * gain * sums.product + expected - sums.noise;
         const pzs_real most = square(selftest->state.tables->gain_tolerance) * expected;
-        if (may_be_named(&axis->line[line], &sums) && !(difference <= most) &&
+        if (may_be_reported(&axis->line[line], &sums) && !(difference <= most) &&
             !(difference <= worst.difference))
             worst = (worst_line){difference, line, true};
     }
     return worst;
 }
 
-/* Find the modelled column or row whose direction is nearest to that of a measured one. */
+/*
+ * Find the amplifier (or sensor) whose modelled response has the smallest angle to the measured
+ * response of amplifier (or sensor) `line`. Returns its index.
+ */
 static uint32_t nearest_line(const pzs_selftest *selftest, const axis *axis, uint32_t line)
 {
     uint32_t nearest = line;
@@ -645,8 +682,10 @@ static uint32_t nearest_line(const pzs_selftest *selftest, const axis *axis, uin
 }
 
 /*
- * Whether a measured column or row is the response of another amplifier or sensor: its energy
- * exceeds that of noise, and it has the direction and about the size of the other one.
+ * Whether the measured response of amplifier (or sensor) `line` is that of amplifier (or sensor)
+ * `other`, because cables are exchanged: its energy exceeds that of noise and vibration, its
+ * direction is that of the modelled response of `other`, and its size is at least a plausible
+ * fraction of that response.
  */
 static bool is_other_line(const pzs_selftest *selftest, const axis *axis, uint32_t line,
                           uint32_t other, pzs_real gain)
@@ -659,8 +698,9 @@ static bool is_other_line(const pzs_selftest *selftest, const axis *axis, uint32
            number_absolute(its.product) > SILENT * gain * its.modelled;
 }
 
-/* Set the finding about an amplifier or sensor whose responses differ from the model. */
-static void name_line(const pzs_selftest *selftest, const axis *axis, uint32_t line, pzs_real gain)
+/* Set the finding about an amplifier or sensor whose measured response differs from the model. */
+static void set_finding(const pzs_selftest *selftest, const axis *axis, uint32_t line,
+                        pzs_real gain)
 {
     pzs_wiring *finding = &axis->line[line];
     const line_sums sums = compare_lines(selftest, axis, line, line, selftest->state.null);
@@ -680,10 +720,11 @@ static void name_line(const pzs_selftest *selftest, const axis *axis, uint32_t l
 }
 
 /*
- * Set the finding about the amplifier or sensor that differs most from the model, whose entries the
- * following ticks leave out. A tick that finds no difference ends this part of the evaluation.
+ * Report the fault of the amplifier or sensor whose measured response differs most from the model.
+ * Later ticks exclude its responses from all comparisons with the model. If no amplifier or sensor
+ * differs by more than the tolerance of the gains, the search for differences ends.
  */
-static void name_worst(pzs_selftest *selftest)
+static void report_worst(pzs_selftest *selftest)
 {
     if (selftest->state.core[0].is_named != 0)
         return;
@@ -694,16 +735,16 @@ static void name_worst(pzs_selftest *selftest)
     selftest->info.gain = gain;
     selftest->state.core[0].is_named = column.is_found || row.is_found ? 0u : 1u;
     if (row.is_found && !(row.difference <= column.difference))
-        name_line(selftest, &rows, row.line, gain);
+        set_finding(selftest, &rows, row.line, gain);
     else if (column.is_found)
-        name_line(selftest, &columns, column.line, gain);
+        set_finding(selftest, &columns, column.line, gain);
 }
 
-/* ---- evaluation: pairs of similar lines ------------------------------- */
+/* ---- evaluation: exchanged cables --------------------------------------- */
 
 /*
- * Return the squared sine of the angle between two modelled columns or rows of the matrix of
- * responses.
+ * Return the squared sine of the angle between the modelled responses of two amplifiers, or of two
+ * sensors (0 to 1).
  */
 static pzs_real model_angle(const pzs_selftest *selftest, const axis *axis, uint32_t one,
                             uint32_t other)
@@ -726,8 +767,8 @@ static pzs_real model_angle(const pzs_selftest *selftest, const axis *axis, uint
 }
 
 /*
- * Find the amplifier or sensor whose modelled response is most similar to that of a healthy one, if
- * the test would not notice a swap of both.
+ * Store, for an amplifier (or sensor) without a finding, the index of the one with the most similar
+ * modelled response, if both are so similar that the self-test would not notice exchanged cables.
  */
 static void note_similar(const pzs_selftest *selftest, const axis *axis, uint32_t line)
 {
@@ -743,9 +784,10 @@ static void note_similar(const pzs_selftest *selftest, const axis *axis, uint32_
 }
 
 /*
- * Mark two amplifiers, or two sensors, as swapped if exchanging them explains their measured
- * responses much better, and if the difference exceeds noise and vibration. One of them is given,
- * and the other one is that of the nearest modelled response.
+ * Find out whether amplifier (or sensor) `line` and the one whose modelled response is nearest to
+ * the measured response of `line` have exchanged cables. Both are marked as swapped if an exchange
+ * explains their measured responses much better, and if their differences from the model exceed
+ * noise and vibration.
  */
 static void find_swap(const pzs_selftest *selftest, const axis *axis, uint32_t line)
 {
@@ -768,7 +810,11 @@ static void find_swap(const pzs_selftest *selftest, const axis *axis, uint32_t l
     axis->line[other].other = (uint16_t)line;
 }
 
-/* Compare one amplifier or sensor with those that it could be swapped with. */
+/*
+ * Compare one amplifier or sensor, if it has no finding, with all others whose cables could have
+ * been exchanged with its own. Numbers below the number of inputs are amplifiers, larger numbers
+ * are sensors.
+ */
 static void compare_pairs(pzs_selftest *selftest, uint32_t number)
 {
     const uint32_t inputs = selftest->state.tables->inputs;
@@ -781,9 +827,9 @@ static void compare_pairs(pzs_selftest *selftest, uint32_t number)
     find_swap(selftest, &axis, line);
 }
 
-/* ---- verdict ---------------------------------------------------------- */
+/* ---- verdict of the self-test ------------------------------------------- */
 
-/* Return the number of amplifiers or sensors with a finding. */
+/* Return the number of amplifiers (or sensors) at which the self-test has found a fault. */
 static uint16_t count_findings(const axis *axis)
 {
     uint16_t count = 0;
@@ -793,8 +839,9 @@ static uint16_t count_findings(const axis *axis)
 }
 
 /*
- * Where a strong and a weak electrode are swapped, the amplifier of the strong one seems to be
- * silent: set its finding to a swap, too. Likewise for sensors.
+ * Mark an amplifier (or sensor) that seems silent as swapped if the self-test has found the other
+ * one of the pair to be swapped with it. If the cables of a strong and a weak electrode are
+ * exchanged, the amplifier of the strong electrode seems to be silent.
  */
 static void complete_swaps(const axis *axis)
 {
@@ -821,8 +868,9 @@ static void give_verdict(pzs_selftest *selftest)
 }
 
 /*
- * Make one tick of the evaluation. Pairs of amplifiers and of sensors come first, because a swap of
- * two strong sensors would otherwise distort the responses to electrodes near them.
+ * Make one tick of the evaluation of the self-test: first look for pairs with exchanged cables,
+ * then for other differences from the model. The exchanged cables of two sensors with large
+ * responses would otherwise look like faults of the amplifiers near these sensors.
  */
 static void evaluate(pzs_selftest *selftest, uint32_t tick)
 {
@@ -833,7 +881,7 @@ static void evaluate(pzs_selftest *selftest, uint32_t tick)
     else if (tick <= lines)
         compare_pairs(selftest, tick - 1u);
     else
-        name_worst(selftest);
+        report_worst(selftest);
     if (tick > 2u * lines)
         give_verdict(selftest);
 }
@@ -857,7 +905,7 @@ pzs_status pzs_selftest_accept(pzs_selftest *selftest)
     return PZS_OK;
 }
 
-/* ---- block ------------------------------------------------------------ */
+/* ---- block of the control loop ------------------------------------------ */
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {
@@ -866,7 +914,7 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
     return PZS_SELFTEST_BLOCK_BYTES(selftest->inputs, selftest->sensors);
 }
 
-/* Begin a test at the present voltages of the controller. */
+/* Begin a self-test, which starts from the present voltages of the controller. */
 static void begin(pzs_selftest *selftest)
 {
     pzs_selftest_state *state = &selftest->state;
@@ -903,7 +951,8 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     const pzs_status status = check(tables, signals, &signals->where);
     if (status != PZS_OK)
         return status;
-    if (signals->control->state.problem->limit_rows != NULL) /* the test moves one input alone */
+    /* A test pulse of a single input could violate the limit row of several inputs. */
+    if (signals->control->state.problem->limit_rows != NULL)
         return PZS_E_ARGUMENT;
     memset(selftest, 0, sizeof *selftest);
     place(selftest, signals);
@@ -911,7 +960,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     return PZS_OK;
 }
 
-/* Make one tick of the self-test. */
+/* Make one tick of the self-test: set voltages and use readings, then evaluate the responses. */
 static void run(pzs_selftest *selftest, const pzs_real *readings)
 {
     pzs_selftest_core *core = &selftest->state.core[0];
