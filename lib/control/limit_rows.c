@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Tables of limit rows, and voltages that keep them (limit_rows.h): check, checksum, way back
- * inside the limits, and what the last gate and the amplifiers do with voltages that violate a row.
+ * Tables of limit rows, and corrections of voltages that violate a row (limit_rows.h): check,
+ * checksum, return of voltages to the limits, and what the last gate and the amplifiers do with
+ * voltages that violate a row.
  *
- * Every way back is a straight line between two sets of voltages. The voltages inside a limit row
- * form a convex set, and so do those that violate a row by at most a given amount. Hence no point
- * of the line violates a row more than its ends do, up to rounding, which is checked.
+ * Every correction moves voltages along the straight line between two sets of voltages. The
+ * voltages inside a limit row form a convex set, and so do those that violate a row by at most a
+ * given amount. Hence no point of the line violates a row more than its two ends do, except by
+ * rounding errors, which are checked.
  */
 #include "limit_rows.h"
 #include "boxls.h"
@@ -14,8 +16,8 @@
 #include "../core/numbers.h"
 
 /*
- * Margin of a limit row, as a multiple of the rounding error of its sum. It also covers rows that
- * are combinations of others.
+ * Margin by which a limit row is narrowed, as a multiple of the rounding error of its sum. The
+ * margin also covers the rounding errors of rows that are linear combinations of other rows.
  */
 #define MARGIN 16
 
@@ -41,7 +43,7 @@ pzs_real pzs_limit_rows_margin(const pzs_problem *problem, uint32_t k)
     return MARGIN * (pzs_real)(sums->start[k + 1u] - sums->start[k]) * PZS_EPSILON * most;
 }
 
-/* Return by how much voltages violate limit row k, or 0 (V). */
+/* Return by how much voltages violate limit row k, or 0 if they do not (V). */
 static pzs_real excess(const pzs_limit_rows *rows, uint32_t k, const pzs_real *voltage)
 {
     const pzs_real sum = pzs_limit_rows_sum(rows, k, voltage);
@@ -58,7 +60,7 @@ bool pzs_limit_rows_hold(const pzs_limit_rows *rows, const pzs_real *voltage)
     return k == rows->sums.count;
 }
 
-/* ---- check --------------------------------------------------------------- */
+/* ---- check of the limit rows -------------------------------------------- */
 
 /* Whether the entries of limit row k are finite numbers and refer to inputs with finite limits. */
 static bool is_row_usable(const pzs_problem *problem, uint32_t k)
@@ -120,9 +122,12 @@ static uint32_t add_row_limits(uint32_t sum, const pzs_problem *problem)
     return sum;
 }
 
-/* ---- ways back inside ---------------------------------------------------- */
+/* ---- return of voltages to the limits ----------------------------------- */
 
-/* Return the first input of limit row k, or -1 if the row has no entries. */
+/*
+ * Return the first input that has a coefficient in limit row k, or -1 if the row has no
+ * coefficients.
+ */
 static int32_t first_input(const pzs_limit_rows *rows, uint32_t k)
 {
     const uint32_t entry = rows->sums.start[k];
@@ -130,8 +135,8 @@ static int32_t first_input(const pzs_limit_rows *rows, uint32_t k)
 }
 
 /*
- * Return the first limit row that voltages violate more than other voltages, `inside`, do, or the
- * number of rows. A sum that is not a number counts as a violation.
+ * Return the first limit row that `voltage` violates more than the voltages `inside` do, or the
+ * number of rows if there is none. A sum that is not a number counts as a violation.
  */
 static uint32_t first_violated(const pzs_limit_rows *rows, const pzs_real *inside,
                                const pzs_real *voltage)
@@ -144,8 +149,8 @@ static uint32_t first_violated(const pzs_limit_rows *rows, const pzs_real *insid
 }
 
 /*
- * Return the part (0 to 1) of the straight way from `inside` to `voltage` at which the sum of limit
- * row k leaves its limits, narrowed by the margin for rounding errors.
+ * Return the fraction (0 to 1) of the straight line from the voltages `inside` to `voltage` at
+ * which the sum of limit row k leaves its limits, narrowed by the margin for rounding errors.
  */
 static pzs_real part_inside(const pzs_problem *problem, uint32_t k, const pzs_real *inside,
                             const pzs_real *voltage)
@@ -206,8 +211,8 @@ static uint32_t first_outside(const pzs_control *control)
 }
 
 /*
- * Move all voltages together towards `goal` [inputs], as far as the step limits allow. Returns
- * whether they have arrived.
+ * Move all voltages along the straight line to `goal` [inputs], as far as the step limits allow.
+ * Returns whether the voltages have arrived at `goal`.
  */
 static bool move_towards(pzs_control *control, const pzs_real *goal)
 {

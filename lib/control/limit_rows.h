@@ -18,44 +18,58 @@ struct pzs_limit_row_calls {
      * *where as pzs_control_init states them.
      */
     pzs_status (*check_rows)(const pzs_problem *problem, int32_t *where);
-    /* Let the row solver and its arrays lie in the workspace of the controller, from `work` on. */
+    /*
+     * Place the row solver (the optimiser for limit rows) and its arrays in the workspace of the
+     * controller, from the address `work` on.
+     */
     void (*arrange)(pzs_control *control, uint8_t *work);
-    /* Set the row solver to its state before the first step. */
+    /* Initialise the row solver (the optimiser for limit rows) before the first control step. */
     void (*prepare)(pzs_control *control);
-    /* Correct what damaged memory may have changed in the row solver, at the start of a tick. */
+    /*
+     * At the start of a tick, correct flags and padding of the row solver (the optimiser for limit
+     * rows) that damaged memory may have changed.
+     */
     void (*repair)(pzs_control *control);
     /*
-     * Optimise the voltages inside bounds and limit rows, as far as the work limit of the optimiser
-     * allows. The voltages must be inside both before the call.
+     * Compute the voltages that minimise the objective inside bounds and limit rows, as far as the
+     * work limit of the optimiser allows. The voltages must be inside bounds and limit rows before
+     * the call.
      */
     void (*optimise)(pzs_control *control);
     /*
-     * Bring the voltages inside the voltage limits in force and the limit rows, at once where the
-     * step limits allow it, otherwise a part of the way. Returns whether they are inside; if not,
-     * *where is an input outside its limits or of a row outside its limits.
+     * Bring voltages that are outside the voltage limits in force or outside limit rows back
+     * inside: at once if the step limits allow it, otherwise a part of the distance in each tick.
+     * Returns whether they are inside; if not, *where is an input that is outside its limits or has
+     * a coefficient in a row outside its limits.
      */
     bool (*bring_inside)(pzs_control *control, int32_t *where);
     /*
-     * Return the largest KKT violation of the present voltages with a gradient [inputs] (m2/V), and
-     * the number of limit rows that bind in *active.
+     * Return the largest violation of the optimality (KKT) conditions (m2/V) by the present
+     * voltages with a gradient [inputs] (m2/V), and store the number of active limit rows in
+     * *active.
      */
     pzs_real (*violation)(const pzs_control *control, const pzs_real *gradient, uint16_t *active);
     /*
-     * Change voltages that violate a limit row more than other voltages do to a point on the
-     * straight way to these, where no row is violated more, or else to these voltages.
-     *   inside  [inputs] in      voltages to return to (V)
-     *   voltage [inputs] in/out  (V)
+     * If voltages violate a limit row more than the voltages `inside` do, move them along the
+     * straight line towards `inside` to a point where they violate no row more, or else replace
+     * them by `inside`.
+     *   inside  [inputs] in      voltages at the end of the line (V)
+     *   voltage [inputs] in/out  voltages to correct (V)
      * Returns the first input of the first row that was violated, or -1 if nothing has changed.
      */
     int32_t (*scale_back)(const pzs_problem *problem, const pzs_real *inside, pzs_real *voltage);
     /*
-     * Return the inputs of each violated limit row to the voltages before a change, until no row is
-     * violated more than before the change. All other inputs keep their new voltages.
+     * Return the inputs of each limit row that a change of voltages violates to their voltages
+     * before the change, until no row is violated more than before. All other inputs keep their new
+     * voltages.
      *   before  [inputs] in      voltages before the change (V)
      *   voltage [inputs] in/out  voltages after the change (V)
      */
     void (*take_back)(const pzs_problem *problem, const pzs_real *before, pzs_real *voltage);
-    /* Continue a checksum with the numbers of all limit rows. */
+    /*
+     * Continue a checksum over the coefficients and limits of all limit rows. Returns the new
+     * checksum.
+     */
     uint32_t (*add_row_limits)(uint32_t sum, const pzs_problem *problem);
 };
 
@@ -66,8 +80,8 @@ static inline uint32_t limit_row_count(const pzs_problem *problem)
 }
 
 /*
- * Return the sum that limit row k limits (V). Each sum runs in the order of its entries, so that
- * optimiser and last gate compute the same bits.
+ * Return the weighted sum of voltages that limit row k limits (V). The terms are added in the order
+ * of the stored coefficients, so that the optimiser and the last gate compute the same bits.
  */
 pzs_real pzs_limit_rows_sum(const pzs_limit_rows *rows, uint32_t k, const pzs_real *voltage);
 

@@ -9,34 +9,37 @@
  * for the voltages v, with Hessian H, base voltages, regularisation gradient r and target gradient
  * t as in boxls.h, and with the matrix A of the limit rows.
  *
- * Quantities. A quantity is the voltage of an input or the sum of a limit row. It either moves, or
- * it stays at its bound (or, for now, between its bounds) and has a multiplier: the derivative of
- * the objective by this quantity, while all moving voltages follow so that the objective is
- * minimal.
+ * Quantities. A quantity is the voltage of an input or the sum of a limit row. A quantity is either
+ * free, or active: kept at its bound (or, until the next release, between its bounds). An active
+ * quantity has a multiplier: the derivative of the objective with respect to this quantity, if all
+ * free voltages follow so that the objective is minimal.
  *
- * Tableau. The symmetric matrix K = [H, -A'; -A, 0] is pivoted on the moving inputs and on the rows
- * that stay, with the exchanges of boxls_tableau.h. One row of the tableau tells how all moving
- * quantities and all multipliers respond when one quantity that stays is moved.
+ * Tableau. The symmetric matrix K = [H, -A'; -A, 0] is pivoted on the free inputs and on the active
+ * rows, with the exchanges of boxls_tableau.h. One row of the tableau states how all free
+ * quantities and all multipliers respond to a change of one active quantity.
  *
  * Round. A round begins with the gradient computed from H and with sums computed from A.
- *   descent  go to the minimum over the moving quantities; one that meets a bound stays there.
- *   release  move a quantity whose multiplier has the wrong sign, until its multiplier is zero (the
- *            quantity then moves freely), or it meets its other bound; a moving quantity that meets
- *            its bound before stays there, and the release goes on. Where that one depends linearly
- *            on the quantities that stay, the two change their roles.
- *   end      correct the rows that stay for rounding errors of the tableau. If a sum has left its
- *            limits nevertheless, scale the step of the round back. A round that does not lower the
- *            objective is undone, but the quantities that stay are kept; after a second one in a
- *            step the tableau is computed anew.
- * Rounds repeat until the multipliers prove the voltages optimal up to rounding errors.
+ *   descent  step to the minimum over the free quantities; a quantity that reaches a bound becomes
+ *            active, and the descent continues.
+ *   release  change an active quantity whose multiplier has the wrong sign until its multiplier is
+ *            zero (the quantity is then free), or until it reaches its other bound. A free quantity
+ *            that reaches a bound before becomes active, and the release continues. If this
+ *            quantity depends linearly on the active ones, the released quantity becomes free at
+ *            the same time.
+ *   end      correct the active rows for rounding errors of the tableau. If a sum is outside its
+ *            limits nevertheless, shorten the step of the round. A round that does not lower the
+ *            objective is undone, but its active set is kept; after a second such round in a
+ *            control step the tableau is computed anew.
+ * Rounds are repeated until the multipliers prove the voltages optimal up to rounding errors.
  *
- * Termination. This is Keller's method for quadratic programs. Each release that moves voltages
- * lowers the objective; while none moves them, released and blocking quantities are those of the
- * least index, which excludes cycles (Chang and Cottle 1980). Iterations are limited besides.
+ * Termination. This is Keller's method for quadratic programs. Each release that changes voltages
+ * lowers the objective. While releases change no voltage, the released and the blocking quantity
+ * are those of the least index, which excludes cycles (Chang and Cottle 1980). The number of
+ * iterations is limited, too.
  *
  * Singular Hessian. The diagonal of H in the tableau is raised by a small shift, so that K is
  * always regular. As each round starts from the true gradient, a round is a proximal-point step:
- * the shift changes the way to the optimum and not the optimum.
+ * the shift changes the iterates but not the optimum.
  *
  * Rounding. Limit rows are narrowed by their margin, so that a sum at a narrowed limit is inside
  * the true limit whatever its rounding error.
@@ -49,53 +52,73 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-#define REBUILDS 3u /* largest number of times that the tableau is computed anew in a step */
-#define ROUNDS 20u  /* largest number of rounds in one call of the optimiser */
+/* Largest number of times that the tableau is computed anew in a control step. */
+#define REBUILDS 3u
+/* Largest number of rounds in one call of the optimiser with limit rows. */
+#define ROUNDS 20u
 /*
- * A violation of the optimality (KKT) conditions below this multiple of its rounding-error bound
- * counts as zero.
+ * A violation of the optimality (KKT) conditions counts as zero if it is below this multiple of its
+ * rounding-error bound.
  */
 #define ROUNDING_FACTOR 4
-/* Factor by which a violation may exceed its rounding-error bound where no round lowers it. */
+/*
+ * The voltages are accepted as optimal if no round lowers the violation of the optimality (KKT)
+ * conditions any more and it is below this multiple of its rounding-error bound.
+ */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
- * Smallest diagonal entry that regularisation and shift together give the Hessian, relative to its
- * largest diagonal entry.
+ * Smallest diagonal entry that regularisation and the shift of the tableau together give the
+ * Hessian, relative to the largest diagonal entry of the Hessian.
  */
 #define LEAST_CURVATURE PZS_BY_BITS(PZS_R(3e-4), PZS_R(1e-9))
 /*
- * Smallest pivot of a quantity that is pivoted while the tableau is computed anew, relative to that
- * of an independent one.
+ * A voltage or limit row is pivoted while the tableau is computed anew only if its pivot exceeds
+ * this fraction of the pivot of a stiff quantity that is linearly independent of all pivoted ones.
  */
 #define LEAST_INDEPENDENCE PZS_BY_BITS(PZS_R(1e-2), PZS_R(1e-6))
-/* Factor of the rounding error by which a pivot must exceed it. */
+/* A pivot counts as different from zero only if it exceeds this multiple of its rounding error. */
 #define CERTAIN PZS_BY_BITS(16, 64)
 /*
- * A quantity that stops a release stays there, and the release goes on, if at least this part of
- * its pivot is its own.
+ * A free voltage or limit row that reaches a bound during a release becomes active there, and the
+ * release goes on, if its own pivot exceeds this fraction of what the released quantity would add
+ * to the pivot. Otherwise it depends almost linearly on the released quantity.
  */
 #define OWN_PART PZS_R(0.01)
-/* Part of the scale of the objective by which it may be above its lower bound at the end. */
-#define GAP PZS_BY_BITS(PZS_R(1e-7), PZS_R(1e-11))
-#define LOOSE_GAP (100 * GAP) /* the same where the rounds are used up */
 /*
- * A row that stays within this multiple of its margin from a bound counts as at the bound; the next
- * step moves it there.
+ * The voltages are accepted as optimal if the objective exceeds a lower bound of its minimum by no
+ * more than this fraction of target_energy, the scale of the objective.
+ */
+#define GAP PZS_BY_BITS(PZS_R(1e-7), PZS_R(1e-11))
+/*
+ * Fraction of target_energy, the scale of the objective, by which the objective may exceed a lower
+ * bound of its minimum after a complete step to the minimum.
+ */
+#define LOOSE_GAP (100 * GAP)
+/*
+ * An active limit row counts as at its bound if the distance is below this multiple of the margin
+ * by which rows are narrowed against rounding errors. The next step moves the row to its bound.
  */
 #define NEAR_BOUND PZS_BY_BITS(2, 64)
-#define SWEEPS 4u      /* largest number of projections on all rows at the end of a round */
-#define CORRECTIONS 2u /* largest number of corrections of the rows at the end of a round */
-/* Number of exchanges for each quantity after which the tableau is computed anew. */
+/* Largest number of projections of the voltages on all limit rows at the end of a round. */
+#define SWEEPS 4u
+/* Largest number of corrections of the active limit rows at the end of a round. */
+#define CORRECTIONS 2u
+/*
+ * The tableau is computed anew after this number of exchanges, multiplied by the number of inputs
+ * and limit rows, because each exchange adds rounding errors.
+ */
 #define WORN 64u
 
-/* Optimiser with limit rows: the parts of the controller on which its functions work. */
+/* The parts of the controller on which the optimiser with limit rows works. */
 typedef struct rows_run {
     const pzs_problem *problem;
     const pzs_limit_rows *rows;
     pzs_row_solver *solver;
-    pzs_optimiser *tableau;   /* active set and vectors of inputs and limit rows */
-    pzs_optimiser *optimiser; /* voltages, bounds and gradients of the inputs */
-    uint32_t inputs, count;   /* number of inputs, and of inputs and limit rows */
+    pzs_optimiser *tableau;   /* tableau, active set, bounds and search direction of the inputs and
+                                 limit rows */
+    pzs_optimiser *optimiser; /* voltages, bounds and gradients of the inputs alone */
+    uint32_t inputs, count; /* `inputs`: number of inputs; `count`: number of inputs plus number of
+                               limit rows */
 } rows_run;
 
 static rows_run run_of(const pzs_control *control)
@@ -110,8 +133,11 @@ static rows_run run_of(const pzs_control *control)
                       .count = solver->extended.inputs};
 }
 
-/* Whether a quantity moves: the voltage of an input in the free set, or the sum of a free row. */
-static inline bool is_moving(const rows_run *run, uint32_t k)
+/*
+ * Whether quantity k (the voltage of an input, or the sum of a limit row) is free, that is, not
+ * kept at a bound.
+ */
+static inline bool is_free(const rows_run *run, uint32_t k)
 {
     return (run->tableau->free_set[k] > 0) == (k < run->inputs);
 }
@@ -122,8 +148,9 @@ static uint32_t entry_count(const rows_run *run)
 }
 
 /*
- * Whether work of `cost` multiply-adds is within the work limit, together with the end of the
- * round: corrections, sums and true gradient.
+ * Whether the work limit of the optimiser allows another `cost` multiply-adds and, after them, the
+ * end of the round: corrections of limit rows, sums of limit rows and the gradient computed from
+ * the Hessian.
  */
 static bool affords(const rows_run *run, uint64_t cost)
 {
@@ -133,11 +160,11 @@ static bool affords(const rows_run *run, uint64_t cost)
     return spent + cost + end <= run->optimiser->work_limit;
 }
 
-/* ---- tableau -------------------------------------------------------------- */
+/* ---- tableau (pivoted KKT matrix) --------------------------------------- */
 
 /*
- * Return the number by which the diagonal of the Hessian is raised in the tableau (m2/V2). A
- * Hessian of zeros gets a positive diagonal, too.
+ * Return the number that the tableau adds to each diagonal entry of the Hessian (m2/V2), so that
+ * the pivoted matrix is regular even if the Hessian is singular or zero.
  */
 static pzs_real shift_of(const rows_run *run)
 {
@@ -148,7 +175,10 @@ static pzs_real shift_of(const rows_run *run)
     return shift > 0 ? shift : 0;
 }
 
-/* Begin to compute the tableau anew: nothing is pivoted, what was pivoted waits for it. */
+/*
+ * Begin to compute the tableau anew from Hessian and limit rows. No quantity is pivoted yet; all
+ * quantities that were pivoted before wait to be pivoted again.
+ */
 static void reset_tableau(const rows_run *run)
 {
     pzs_optimiser *tableau = run->tableau;
@@ -179,28 +209,33 @@ static void reset_tableau(const rows_run *run)
     pzs_tableau_read_pivots(tableau);
 }
 
-/* Update the largest pivot of a moving quantity since the tableau was computed. */
+/*
+ * Update the largest absolute pivot among the free voltages and limit rows since the tableau was
+ * last computed anew. This number scales the rounding errors of all pivots.
+ */
 static void note_size(const rows_run *run)
 {
     pzs_real largest = run->solver->largest_size;
     for (uint32_t k = 0; k < run->count; k++) {
         const pzs_real size = number_absolute(run->tableau->pivot[k]);
-        if (is_moving(run, k) && size > largest)
+        if (is_free(run, k) && size > largest)
             largest = size;
     }
     run->solver->largest_size = largest;
 }
 
 /*
- * Return the absolute value of a pivot of a moving quantity that rounding errors may explain: the
- * quantity then depends linearly on those that stay (V2/m2).
+ * Return the size of a pivot of a free voltage or limit row below which rounding errors may explain
+ * the pivot. The voltage or row then depends linearly on the active ones (V2/m2).
  */
 static pzs_real least_pivot(const rows_run *run)
 {
     return CERTAIN * (pzs_real)run->count * PZS_EPSILON * run->solver->largest_size;
 }
 
-/* Move quantity k between those that move and those that stay. The response vector is overwritten.
+/*
+ * Make free quantity k (voltage or limit row) active, or active quantity k free, by an exchange in
+ * the tableau. The response vector tableau->next_voltage is overwritten.
  */
 static void exchange(const rows_run *run, uint32_t k)
 {
@@ -210,14 +245,18 @@ static void exchange(const rows_run *run, uint32_t k)
     note_size(run);
 }
 
-/* Return the largest diagonal entry of the Hessian in the tableau (m2/V2). */
+/*
+ * Return the largest diagonal entry of the Hessian, including the shift that the tableau adds to
+ * the diagonal (m2/V2).
+ */
 static pzs_real stiffest_of(const rows_run *run)
 {
     return pzs_product_largest(run->optimiser->diagonal, run->optimiser->width) + shift_of(run);
 }
 
 /*
- * Return the pivot of quantity k, which is not pivoted, divided by that of a stiff independent
+ * Return how far quantity k, a voltage or limit row that waits to be pivoted, is linearly
+ * independent of the pivoted ones: its pivot divided by the pivot of a stiff and independent
  * quantity (1).
  */
 static pzs_real independence_of(const rows_run *run, uint32_t k, pzs_real stiffest)
@@ -232,8 +271,9 @@ static pzs_real independence_of(const rows_run *run, uint32_t k, pzs_real stiffe
 }
 
 /*
- * Return the next quantity to pivot of those that wait, the most independent first, or the number
- * of quantities. Those that depend on the pivoted ones are left out.
+ * Return the next voltage or limit row to be pivoted while the tableau is computed anew: of those
+ * that wait, the one that is most independent of the pivoted ones. If all waiting ones depend
+ * linearly on the pivoted ones, return the number of quantities.
  */
 static uint32_t next_pivot(const rows_run *run, pzs_real stiffest)
 {
@@ -251,7 +291,9 @@ static uint32_t next_pivot(const rows_run *run, pzs_real stiffest)
     return next;
 }
 
-/* Continue to compute the tableau, as far as the work limit allows. Returns whether it is complete.
+/*
+ * Continue to compute the tableau anew, as far as the work limit of the optimiser allows. Returns
+ * whether the tableau is complete.
  */
 static bool complete_tableau(const rows_run *run)
 {
@@ -271,9 +313,10 @@ static bool complete_tableau(const rows_run *run)
 }
 
 /*
- * Compute the response of all quantities to quantity k, which stays: by how much each moving
- * quantity and each multiplier change when quantity k rises by 1 V, into next_voltage. Returns the
- * change of the multiplier of k itself.
+ * Compute, into tableau->next_voltage, by how much the value of each free quantity (V) and the
+ * multiplier of each active one (m2/V) change when the value of active quantity k rises by 1 V.
+ * Returns the change of the multiplier of quantity k. A quantity is a voltage or the sum of a limit
+ * row.
  */
 static pzs_real find_response(const rows_run *run, uint32_t k)
 {
@@ -290,9 +333,9 @@ static pzs_real find_response(const rows_run *run, uint32_t k)
 /* ---- start of a round ------------------------------------------------------ */
 
 /*
- * Compute present value, bounds and margin of all quantities. The margin of an input is the largest
- * one of a row, because rows at their narrowed limits may have to move it by so much, but at most
- * an eighth of the distance of its bounds.
+ * Compute present value, bounds and margin of all voltages and limit rows. The margin of a voltage
+ * is the largest margin of a limit row, because a row at its narrowed limit may change a voltage by
+ * so much, but at most an eighth of the distance between the bounds of the voltage.
  */
 static void load_quantities(const rows_run *run)
 {
@@ -319,8 +362,8 @@ static void load_quantities(const rows_run *run)
 }
 
 /*
- * Return the bound at which a row stays whose sum differs from the bound by rounding errors only;
- * otherwise its sum (V).
+ * Return the value at which an active limit row is to be kept (V): its bound if the present sum
+ * differs from the bound by rounding errors only, otherwise the present sum.
  */
 static pzs_real place_of_row(const rows_run *run, uint32_t row)
 {
@@ -334,9 +377,9 @@ static pzs_real place_of_row(const rows_run *run, uint32_t row)
 }
 
 /*
- * Subtract from a gradient [inputs] the forces of the rows that stay: coefficients times
- * multiplier. Returns the largest force, which scales the rounding error (m2/V).
- *   multiplier [quantities] in  (m2/V)
+ * Subtract from a gradient [inputs] the contributions of the active limit rows: coefficients times
+ * multiplier. Returns the largest absolute contribution, which scales the rounding error (m2/V).
+ *   multiplier [inputs + limit rows] in  multipliers, of which those of the rows are used (m2/V)
  */
 static pzs_real subtract_rows(const rows_run *run, const pzs_real *multiplier, pzs_real *gradient)
 {
@@ -344,7 +387,7 @@ static pzs_real subtract_rows(const rows_run *run, const pzs_real *multiplier, p
     pzs_real largest = 0;
     for (uint32_t k = 0; k < sums->count; k++) {
         const uint32_t row = run->inputs + k;
-        for (uint32_t at = sums->start[k]; at < sums->start[k + 1u] && !is_moving(run, row); at++) {
+        for (uint32_t at = sums->start[k]; at < sums->start[k + 1u] && !is_free(run, row); at++) {
             const pzs_real force = sums->value[at] * multiplier[row];
             gradient[sums->dof[at]] -= force;
             if (!(number_absolute(force) <= largest))
@@ -355,25 +398,26 @@ static pzs_real subtract_rows(const rows_run *run, const pzs_real *multiplier, p
 }
 
 /*
- * Set the right side of the equations for the step: the gradient of the moving inputs without the
- * forces of the present multipliers, and the distances of the rows that stay from their places.
+ * Set the right-hand side of the linear equations for the search direction: the gradient at the
+ * free voltages minus the contributions of the present multipliers of active limit rows, and, for
+ * each active row, the distance from its present sum to the value at which it is to be kept.
  */
 static void set_right_side(const rows_run *run)
 {
     pzs_optimiser *tableau = run->tableau;
     pzs_real *right_side = tableau->scratch;
     for (uint32_t row = run->inputs; row < run->count; row++)
-        if (is_moving(run, row) || !number_is_finite(tableau->direction[row]))
+        if (is_free(run, row) || !number_is_finite(tableau->direction[row]))
             tableau->direction[row] = 0;
     memset(right_side, 0, tableau->width * sizeof *right_side);
     memcpy(right_side, run->optimiser->gradient, run->inputs * sizeof *right_side);
     (void)subtract_rows(run, tableau->direction, right_side);
     for (uint32_t i = 0; i < run->inputs; i++) {
         tableau->direction[i] = right_side[i];
-        right_side[i] = is_moving(run, i) ? right_side[i] : 0;
+        right_side[i] = is_free(run, i) ? right_side[i] : 0;
     }
     for (uint32_t row = run->inputs; row < run->count; row++) {
-        if (is_moving(run, row))
+        if (is_free(run, row))
             continue;
         const pzs_real place = place_of_row(run, row);
         right_side[row] = place - tableau->voltage[row];
@@ -383,10 +427,11 @@ static void set_right_side(const rows_run *run)
 }
 
 /*
- * Compute the step to the minimum over the moving quantities: for those the step itself (V), for
- * the others the multiplier after the step (m2/V), into `direction`. Rows that stay are moved to
- * their bounds exactly. The step is a correction of the present multipliers, so that rounding
- * errors of the tableau vanish from round to round.
+ * Compute the step to the minimum of the objective over the free quantities, with the active ones
+ * kept, into tableau->direction: for a free voltage or limit row its change (V), for an active one
+ * its multiplier after the step (m2/V). The sums of active rows are set to their bounds exactly.
+ * The equations are solved for the change of the present multipliers, so that rounding errors of
+ * the tableau decay from round to round.
  */
 static void find_direction(const rows_run *run)
 {
@@ -399,9 +444,9 @@ static void find_direction(const rows_run *run)
     pzs_real slope = 0;
     for (uint32_t k = 0; k < run->count; k++) {
         const bool is_input = k < run->inputs;
-        if (is_input && is_moving(run, k))
+        if (is_input && is_free(run, k))
             slope += tableau->scratch[k] * change[k];
-        if (is_moving(run, k))
+        if (is_free(run, k))
             direction[k] = change[k];
         else
             direction[k] += is_input ? -change[k] : change[k];
@@ -410,9 +455,10 @@ static void find_direction(const rows_run *run)
 }
 
 /*
- * Return the violation of the KKT conditions by the multiplier of quantity k, which stays (m2/V);
- * it is zero or negative where they hold. A quantity within its margin from a bound counts as at
- * the bound.
+ * Return by how much a multiplier (m2/V) of active quantity k, a voltage or limit row, violates the
+ * optimality (KKT) conditions: zero or negative where its sign is right for the bound at which the
+ * quantity is kept. A quantity within its margin from a bound counts as at the bound; one between
+ * its bounds must have the multiplier zero.
  */
 static pzs_real wrong_sign(const rows_run *run, uint32_t k, pzs_real multiplier)
 {
@@ -426,7 +472,10 @@ static pzs_real wrong_sign(const rows_run *run, uint32_t k, pzs_real multiplier)
     return is_high ? multiplier : number_absolute(multiplier);
 }
 
-/* Return the largest absolute coefficient of a limit row, which scales its multiplier. */
+/*
+ * Return the largest absolute coefficient of a limit row. Times the multiplier of the row it is the
+ * largest contribution of the row to a gradient.
+ */
 static pzs_real coefficient_of(const rows_run *run, uint32_t row)
 {
     const pzs_rows *sums = &run->rows->sums;
@@ -438,9 +487,10 @@ static pzs_real coefficient_of(const rows_run *run, uint32_t row)
 }
 
 /*
- * Return the largest KKT violation with the multipliers in `direction`, from the gradient and the
- * rows alone (m2/V).
- *   reduced [inputs] in  gradient minus the forces of the rows that stay
+ * Return the largest violation of the optimality (KKT) conditions (m2/V) from gradient, limit rows
+ * and the multipliers in tableau->direction, without the rounding errors of the tableau. Also
+ * stores an upper bound of the distance of the objective from its minimum in solver->gap.
+ *   reduced [inputs] in  gradient minus the contributions of the active limit rows (m2/V)
  */
 static pzs_real largest_violation(const rows_run *run, const pzs_real *reduced)
 {
@@ -455,7 +505,7 @@ static pzs_real largest_violation(const rows_run *run, const pzs_real *reduced)
             gap += room > 0 ? room * number_absolute(reduced[k]) : 0;
             size = wrong_sign(run, k, reduced[k]);
         }
-        if (k >= run->inputs && !is_moving(run, k))
+        if (k >= run->inputs && !is_free(run, k))
             size = wrong_sign(run, k, tableau->direction[k]) * coefficient_of(run, k);
         if (!(size <= largest))
             largest = size;
@@ -465,8 +515,9 @@ static pzs_real largest_violation(const rows_run *run, const pzs_real *reduced)
 }
 
 /*
- * Compute KKT violation and rounding-error bound of the optimiser at the start of a round. The
- * bound is not below that at the start of the step, so that an optimum at zero counts as found.
+ * Compute the violation of the optimality (KKT) conditions at the start of a round, and its
+ * rounding-error bound. The bound never falls below the bound in the first round of the control
+ * step, so that an optimum with zero gradient counts as found.
  */
 static void measure_violation(const rows_run *run)
 {
@@ -484,39 +535,46 @@ static void measure_violation(const rows_run *run)
     run->tableau->work += 2u * (uint64_t)entry_count(run);
 }
 
-/* ---- iterations ------------------------------------------------------------ */
+/* ---- descent and release iterations ------------------------------------- */
 
-typedef struct stop {
-    pzs_real part;     /* part of a way after which the first moving quantity meets a bound */
-    uint32_t quantity; /* this quantity; the number of quantities if none meets a bound */
-} stop;
+typedef struct blocking_bound {
+    pzs_real part; /* step length, as a fraction of the search direction, at which the first free
+                      quantity reaches a bound (1) */
+    uint32_t quantity; /* index of this first free quantity, a voltage or limit row; number of
+                          quantities if no quantity reaches a bound */
+} blocking_bound;
 
 /*
- * Whether a moving quantity is linearly independent of those that stay, so that it can stop a way.
- *   way        in  change of this quantity on the way
- *   curvature  in  second derivative of the objective along the way (m2/V2), or 0
+ * Whether free quantity k, a voltage or limit row, is linearly independent of the active ones, so
+ * that its bound may end a step.
+ *   change     in  entry of the search direction for the quantity (V)
+ *   curvature  in  second derivative of the objective along the search direction (m2/V2), or 0
  */
-static inline bool may_stop(const rows_run *run, uint32_t k, pzs_real way, pzs_real curvature)
+static inline bool may_block(const rows_run *run, uint32_t k, pzs_real change, pzs_real curvature)
 {
     const pzs_real own = number_absolute(run->tableau->pivot[k]);
-    const pzs_real added = curvature > 0 ? way * way / curvature : 0;
+    const pzs_real added = curvature > 0 ? change * change / curvature : 0;
     return own + added > least_pivot(run);
 }
 
-/* Find the first moving quantity that meets a bound within `most` times sense * way (V). */
-static stop first_stop(const rows_run *run, const pzs_real *way, pzs_real sense, pzs_real most,
-                       pzs_real curvature)
+/*
+ * Find the first free voltage or limit row that reaches a bound on a step along sense * search,
+ * with a step length of at most `most`. search [inputs + limit rows] is a search direction (V), and
+ * `sense` is 1 or -1.
+ */
+static blocking_bound first_bound(const rows_run *run, const pzs_real *search, pzs_real sense,
+                                  pzs_real most, pzs_real curvature)
 {
     const pzs_optimiser *tableau = run->tableau;
-    stop first = {most, run->count};
+    blocking_bound first = {most, run->count};
     for (uint32_t k = 0; k < run->count; k++) {
-        if (!is_moving(run, k))
+        if (!is_free(run, k))
             continue;
-        const pzs_real step = sense * way[k], size = number_absolute(step);
+        const pzs_real step = sense * search[k], size = number_absolute(step);
         const pzs_real to_bound = step < 0 ? tableau->voltage[k] - tableau->lower[k]
                                            : tableau->upper[k] - tableau->voltage[k];
         const pzs_real room = to_bound > 0 ? to_bound : 0;
-        if (room < first.part * size && may_stop(run, k, way[k], curvature)) {
+        if (room < first.part * size && may_block(run, k, search[k], curvature)) {
             first.part = room / size;
             first.quantity = k;
         }
@@ -524,27 +582,34 @@ static stop first_stop(const rows_run *run, const pzs_real *way, pzs_real sense,
     return first;
 }
 
-/* Move all moving quantities by `part` times a way; the one that meets its bound arrives there. */
-static void move_along(const rows_run *run, const pzs_real *way, pzs_real part, stop first)
+/*
+ * Change all free voltages and limit rows by `part` times the search direction `search` [inputs +
+ * limit rows] (V). The quantity that limits the step is set to its bound exactly.
+ */
+static void move_along(const rows_run *run, const pzs_real *search, pzs_real part,
+                       blocking_bound first)
 {
     pzs_optimiser *tableau = run->tableau;
     for (uint32_t k = 0; k < run->count; k++) {
-        if (!is_moving(run, k))
+        if (!is_free(run, k))
             continue;
-        const pzs_real next = tableau->voltage[k] + part * way[k];
+        const pzs_real next = tableau->voltage[k] + part * search[k];
         tableau->voltage[k] = number_clamp(next, tableau->lower[k], tableau->upper[k]);
     }
     if (first.quantity < run->count) {
-        const bool falls = part * way[first.quantity] < 0 ||
-                           (!(part * way[first.quantity] > 0) &&
+        const bool falls = part * search[first.quantity] < 0 ||
+                           (!(part * search[first.quantity] > 0) &&
                             tableau->voltage[first.quantity] <= tableau->lower[first.quantity]);
         tableau->voltage[first.quantity] =
             falls ? tableau->lower[first.quantity] : tableau->upper[first.quantity];
     }
 }
 
-/* Let a moving quantity stay where it is; the rest of its step is taken out of the direction. */
-static void stop_moving(const rows_run *run, uint32_t k)
+/*
+ * Make free quantity k, a voltage or limit row, active at its present value. The search direction
+ * of the other free quantities is corrected for the part of the step that quantity k does not make.
+ */
+static void make_active(const rows_run *run, uint32_t k)
 {
     pzs_real *direction = run->tableau->direction;
     const pzs_real *response = run->tableau->next_voltage;
@@ -556,7 +621,10 @@ static void stop_moving(const rows_run *run, uint32_t k)
         direction[j] -= remaining * response[j];
 }
 
-/* Count one more iteration if the work limit allows it. Returns whether it may be made. */
+/*
+ * Count one more iteration of the optimiser if the work limit allows it. Returns whether the
+ * iteration may be made.
+ */
 static bool may_iterate(const rows_run *run)
 {
     run->optimiser->is_cut = !affords(run, 2u * PZS_ITERATION_WORK(run->count));
@@ -568,27 +636,29 @@ static bool may_iterate(const rows_run *run)
 }
 
 /*
- * Make one descent iteration: move along the direction to its end or to the first bound. Returns
- * whether a bound stopped the move.
+ * Make one descent iteration: change the free voltages along the search direction to the minimum or
+ * to the first bound; the voltage or limit row that reaches this bound becomes active. Returns
+ * whether a bound ended the step.
  */
 static bool descend(const rows_run *run)
 {
     pzs_real *direction = run->tableau->direction;
-    const stop first = first_stop(run, direction, 1, 1, 0);
+    const blocking_bound first = first_bound(run, direction, 1, 1, 0);
     move_along(run, direction, first.part, first);
     if (first.quantity == run->count)
         return false;
     for (uint32_t k = 0; k < run->count; k++)
-        if (is_moving(run, k))
+        if (is_free(run, k))
             direction[k] *= 1 - first.part;
-    stop_moving(run, first.quantity);
+    make_active(run, first.quantity);
     return true;
 }
 
 /*
- * Choose the quantity to release: the one with the largest KKT violation, or, where iterations have
- * moved nothing, the first one. Returns the number of quantities if none violates the KKT
- * conditions.
+ * Choose the active voltage or limit row to be released from its bound: the one whose multiplier
+ * violates the optimality (KKT) conditions most, or, if the last iterations changed no voltage, the
+ * first one whose multiplier violates them. Returns the number of quantities if no multiplier
+ * violates them by more than `rounding` (m2/V).
  */
 static uint32_t next_release(const rows_run *run, pzs_real rounding)
 {
@@ -596,7 +666,7 @@ static uint32_t next_release(const rows_run *run, pzs_real rounding)
     pzs_real most = rounding;
     uint32_t next = run->count;
     for (uint32_t k = 0; k < run->count; k++) {
-        if (is_moving(run, k))
+        if (is_free(run, k))
             continue;
         const pzs_real scale = k < run->inputs ? 1 : coefficient_of(run, k);
         const pzs_real size = scale * wrong_sign(run, k, tableau->direction[k]);
@@ -611,8 +681,9 @@ static uint32_t next_release(const rows_run *run, pzs_real rounding)
 }
 
 /*
- * Let quantity k, which stays, move, and the moving quantity `other`, which has met its bound,
- * stay. The direction becomes the step to the minimum over the quantities that move then.
+ * Make active quantity k free, and free quantity `other`, which has reached its bound, active in
+ * its place. A quantity is a voltage or limit row. The search direction becomes the step to the
+ * minimum over the quantities that are free then.
  */
 static void change_roles(const rows_run *run, uint32_t k, uint32_t other, pzs_real curvature)
 {
@@ -620,35 +691,49 @@ static void change_roles(const rows_run *run, uint32_t k, uint32_t other, pzs_re
     const pzs_real *response = run->tableau->next_voltage;
     const pzs_real rest = -direction[k] / curvature;
     for (uint32_t j = 0; j < run->count; j++)
-        direction[j] = is_moving(run, j) ? rest * response[j] : direction[j] + rest * response[j];
+        direction[j] = is_free(run, j) ? rest * response[j] : direction[j] + rest * response[j];
     direction[k] = rest;
     exchange(run, k);
-    stop_moving(run, other);
+    make_active(run, other);
 }
 
-/* Move quantity k, which stays, by `way` (V); all moving quantities and multipliers follow. */
-static void move_released(const rows_run *run, uint32_t k, pzs_real way, stop first)
+/*
+ * Change the value of active quantity k, a voltage or limit row, by `change` (V). All free
+ * quantities and the multipliers of all active ones change with it.
+ */
+static void move_released(const rows_run *run, uint32_t k, pzs_real change, blocking_bound first)
 {
     pzs_optimiser *tableau = run->tableau;
     const pzs_real *response = tableau->next_voltage;
-    move_along(run, response, way, first);
+    move_along(run, response, change, first);
     for (uint32_t j = 0; j < run->count; j++)
-        if (!is_moving(run, j))
-            tableau->direction[j] += way * response[j];
+        if (!is_free(run, j))
+            tableau->direction[j] += change * response[j];
     tableau->voltage[k] =
-        number_clamp(tableau->voltage[k] + way, tableau->lower[k], tableau->upper[k]);
-    run->solver->is_least_index = !(number_absolute(way) > 0);
+        number_clamp(tableau->voltage[k] + change, tableau->lower[k], tableau->upper[k]);
+    run->solver->is_least_index = !(number_absolute(change) > 0);
 }
 
-/* What a release leaves to do. */
+/*
+ * What follows after one iteration of a release, which moves a voltage or limit row away from its
+ * bound.
+ */
 typedef enum release_end {
-    RELEASE_DONE,    /* the moving quantities are at their minimum again */
-    RELEASE_GOES_ON, /* a moving quantity met its bound and stays; the release is to be repeated */
-    RELEASE_DESCENDS /* released and blocking quantity changed their roles: a descent follows */
+    RELEASE_DONE,    /* the release is complete: the objective is minimal over the free voltages, or
+                        the released one is at its other bound */
+    RELEASE_GOES_ON, /* another voltage or limit row has reached its bound and become active; the
+                        release needs another iteration */
+    RELEASE_DESCENDS /* the released quantity has become free and the one that blocked it active;
+                        descent iterations follow */
 } release_end;
 
-/* Let a moving quantity that has stopped the release of quantity k stay at its bound. */
-static release_end stop_release(const rows_run *run, uint32_t k, uint32_t other, pzs_real curvature)
+/*
+ * Make quantity `other` active at its bound, which it has reached while quantity k was released
+ * from its own bound. If `other` depends almost linearly on quantity k, quantity k becomes free at
+ * the same time. Quantities are voltages and limit rows.
+ */
+static release_end block_release(const rows_run *run, uint32_t k, uint32_t other,
+                                 pzs_real curvature)
 {
     const pzs_real response = run->tableau->next_voltage[other];
     const pzs_real own = number_absolute(run->tableau->pivot[other]);
@@ -662,8 +747,9 @@ static release_end stop_release(const rows_run *run, uint32_t k, uint32_t other,
 }
 
 /*
- * Make one iteration of a release: move quantity k, which violates the KKT conditions, until its
- * multiplier is zero or a bound is met.
+ * Make one iteration of the release of quantity k, an active voltage or limit row whose multiplier
+ * violates the optimality (KKT) conditions: change its value until its multiplier is zero, or until
+ * it or a free quantity reaches a bound.
  */
 static release_end release(const rows_run *run, uint32_t k)
 {
@@ -675,15 +761,15 @@ static release_end release(const rows_run *run, uint32_t k)
     const pzs_real slope = number_absolute(tableau->direction[k]);
     const bool has_minimum = slope < room * curvature;
     const pzs_real sense = falls ? (pzs_real)-1 : (pzs_real)1;
-    const stop first = first_stop(run, tableau->next_voltage, sense,
-                                  has_minimum ? slope / curvature : room, curvature);
+    const blocking_bound first = first_bound(run, tableau->next_voltage, sense,
+                                             has_minimum ? slope / curvature : room, curvature);
     if (!number_is_finite(first.part)) {
         tableau->direction[k] = 0;
         return RELEASE_DONE;
     }
     move_released(run, k, sense * first.part, first);
     if (first.quantity < run->count)
-        return stop_release(run, k, first.quantity, curvature);
+        return block_release(run, k, first.quantity, curvature);
     if (has_minimum) {
         exchange(run, k);
         tableau->direction[k] = 0;
@@ -693,7 +779,10 @@ static release_end release(const rows_run *run, uint32_t k)
     return RELEASE_DONE;
 }
 
-/* Make descent iterations until no bound stops them, or the work limit does. */
+/*
+ * Make descent iterations until the minimum over the free voltages is reached, or until the work
+ * limit ends them.
+ */
 static void descend_fully(const rows_run *run)
 {
     bool is_blocked = true;
@@ -701,7 +790,11 @@ static void descend_fully(const rows_run *run)
         is_blocked = descend(run);
 }
 
-/* Iterate until the tableau predicts no KKT violation: first descents, then releases. */
+/*
+ * Iterate until no multiplier in the tableau violates the optimality (KKT) conditions: first
+ * descents to the minimum over the free voltages, then releases of voltages and limit rows from
+ * their bounds.
+ */
 static void iterate(const rows_run *run)
 {
     const uint32_t most = run->optimiser->iterations + 8u * run->count + 16u;
@@ -723,8 +816,8 @@ static void iterate(const rows_run *run)
 /* ---- end of a round -------------------------------------------------------- */
 
 /*
- * Correct the voltages of the moving inputs so that the rows that stay have the sums at which they
- * stay. Returns false if there was nothing to correct.
+ * Correct the free voltages so that each active limit row has exactly the sum at which it is kept.
+ * Returns false if no row needed a correction.
  */
 static bool correct_rows(const rows_run *run)
 {
@@ -734,7 +827,7 @@ static bool correct_rows(const rows_run *run)
     memset(right_side, 0, tableau->width * sizeof *right_side);
     for (uint32_t k = 0; k < run->rows->sums.count; k++) {
         const uint32_t row = run->inputs + k;
-        if (is_moving(run, row))
+        if (is_free(run, row))
             continue;
         const pzs_real sum = pzs_limit_rows_sum(run->rows, k, run->optimiser->voltage);
         right_side[row] = tableau->voltage[row] - sum;
@@ -755,8 +848,9 @@ static bool correct_rows(const rows_run *run)
 }
 
 /*
- * Move the inputs of a row whose sum is outside its narrowed limits by the shortest way to these,
- * inside their bounds. Returns whether the row was outside by more than half of its margin.
+ * If the sum of limit row k is outside its narrowed limits by more than half of its margin, change
+ * its voltages as little as possible (in the sum of squares) to bring it back, and clamp them to
+ * their bounds. Returns whether the sum was outside.
  */
 static bool project_row(const rows_run *run, uint32_t k)
 {
@@ -780,9 +874,9 @@ static bool project_row(const rows_run *run, uint32_t k)
 }
 
 /*
- * Project the voltages on the rows outside their narrowed limits, one row after the other. The ways
- * are of the size of rounding errors, so that rows at their narrowed limits stay inside the true
- * ones.
+ * Correct the voltages, one limit row after the other, until no sum is outside its narrowed limits.
+ * These corrections are of the size of rounding errors, so that a row at its narrowed limit stays
+ * inside its true limit.
  */
 static void project_rows(const rows_run *run)
 {
@@ -795,7 +889,10 @@ static void project_rows(const rows_run *run)
     }
 }
 
-/* Take the voltages of the iterations over, inside all bounds and limit rows to the last bit. */
+/*
+ * Take the result of the iterations as the new voltages. They are corrected so that they obey all
+ * bounds and limit rows without any rounding error.
+ */
 static void take_voltages(const rows_run *run)
 {
     pzs_optimiser *optimiser = run->optimiser;
@@ -813,7 +910,7 @@ static void take_voltages(const rows_run *run)
     pzs_boxls_true_gradient(optimiser);
 }
 
-/* Return to voltages and gradients at the start of the round. */
+/* Restore the voltages and gradients of the start of the round. */
 static void undo_round(const rows_run *run)
 {
     pzs_optimiser *optimiser = run->optimiser;
@@ -825,7 +922,10 @@ static void undo_round(const rows_run *run)
     optimiser->model_rounding = optimiser->start_rounding;
 }
 
-/* Begin to compute the tableau anew. Returns whether that is allowed once more in this step. */
+/*
+ * Begin to compute the tableau anew if work limit and number of computations in this control step
+ * allow it. Returns whether they do.
+ */
 static bool renew_tableau(const rows_run *run)
 {
     if (run->optimiser->rebuilds >= REBUILDS || !affords(run, PZS_PRODUCT_WORK(run->count)))
@@ -835,25 +935,31 @@ static bool renew_tableau(const rows_run *run)
     return true;
 }
 
-/* Whether the whole step along the direction violates no bound and leaves no wrong multiplier. */
+/*
+ * Whether the complete step along the search direction reaches no bound, and no multiplier violates
+ * the optimality (KKT) conditions after it.
+ */
 static bool is_open(const rows_run *run)
 {
     const pzs_optimiser *tableau = run->tableau;
     const pzs_real rounding = run->optimiser->rounding_bound / 2;
-    const stop first = first_stop(run, tableau->direction, 1, 1, 0);
+    const blocking_bound first = first_bound(run, tableau->direction, 1, 1, 0);
     return first.quantity == run->count && next_release(run, rounding) == run->count;
 }
 
-/* Whether the whole step would lower the objective by no more than rounding errors explain. */
+/*
+ * Whether the complete step along the search direction would lower the objective by no more than
+ * its rounding error.
+ */
 static bool is_negligible(const rows_run *run)
 {
     return run->solver->predicted_decrease <= 4 * PZS_EPSILON * run->optimiser->target_energy;
 }
 
 /*
- * Whether the voltages are optimal at the start of a round: no KKT violation exceeds its
- * rounding-error bound, or no voltages inside the bounds have an objective that is lower by more
- * than GAP times its scale, target_energy.
+ * Whether the voltages are optimal at the start of a round: either the violation of the optimality
+ * (KKT) conditions is below its rounding-error bound, or the objective exceeds a lower bound of its
+ * minimum by at most GAP times target_energy, the scale of the objective.
  */
 static bool is_converged(const rows_run *run, bool is_whole)
 {
@@ -864,7 +970,11 @@ static bool is_converged(const rows_run *run, bool is_whole)
            (is_whole && run->solver->gap <= GAP * optimiser->target_energy);
 }
 
-/* Make one round with a complete tableau. Returns whether another round may help. */
+/*
+ * Make one round of the optimiser with a complete tableau: compute the search direction, iterate,
+ * and keep the new voltages if the objective has decreased. Returns whether another round may lower
+ * the objective.
+ */
 static bool make_round(const rows_run *run)
 {
     pzs_optimiser *optimiser = run->optimiser;
@@ -886,7 +996,7 @@ static bool make_round(const rows_run *run)
     memcpy(optimiser->start_gradient, optimiser->gradient, bytes);
     optimiser->start_rounding = optimiser->model_rounding;
     if (is_whole) {
-        move_along(run, run->tableau->direction, 1, (stop){1, run->count});
+        move_along(run, run->tableau->direction, 1, (blocking_bound){1, run->count});
         optimiser->iterations++;
     } else {
         iterate(run);
@@ -903,7 +1013,10 @@ static bool make_round(const rows_run *run)
     return run->solver->failures % 2u != 0 || renew_tableau(run);
 }
 
-/* Complete the tableau. Returns whether the remaining work allows a round. */
+/*
+ * Compute the rest of the tableau if it is incomplete. Returns whether the work limit then allows
+ * another round of the optimiser.
+ */
 static bool may_make_round(const rows_run *run)
 {
     const bool is_complete = !run->tableau->is_rebuilding || complete_tableau(run);
@@ -932,8 +1045,8 @@ void pzs_optimise_rows(pzs_control *control)
     for (uint32_t round = 0; round < ROUNDS && again; round++)
         again = may_make_round(&run) && make_round(&run);
     /*
-     * A violation slightly above its rounding-error bound is accepted, because rounding errors
-     * prevent a lower one.
+     * A violation of the optimality (KKT) conditions slightly above its rounding-error bound is
+     * accepted, because rounding errors prevent a smaller one.
      */
     optimiser->is_optimal |=
         !optimiser->is_cut && optimiser->kkt_violation <= TOLERATED * optimiser->rounding_bound;
@@ -948,11 +1061,11 @@ pzs_real pzs_violation_rows(const pzs_control *control, const pzs_real *gradient
     (void)subtract_rows(&run, run.tableau->direction, reduced);
     *active = 0;
     for (uint32_t row = run.inputs; row < run.count; row++)
-        *active = (uint16_t)(*active + !is_moving(&run, row));
+        *active = (uint16_t)(*active + !is_free(&run, row));
     return largest_violation(&run, reduced);
 }
 
-/* ---- state ------------------------------------------------------------------ */
+/* ---- state of the optimiser --------------------------------------------- */
 
 void pzs_arrange_rows(pzs_control *control, uint8_t *work)
 {

@@ -323,7 +323,8 @@ static void set_voltages(pzs_selftest *selftest, uint32_t position)
 
 /*
  * Add a reading of sensor i to the weighted sums of its readings during a pulse. A missing reading
- * is replaced by the last one. even, odd in  even and odd weight of the reading (1)
+ * is replaced by the last one.
+ *   even, odd in  even and odd weight of the reading (1)
  */
 static void add_reading(pzs_selftest_state *state, uint32_t i, pzs_real reading, pzs_real even,
                         pzs_real odd)
@@ -464,8 +465,9 @@ typedef struct line_sums {
 /*
  * Compare the measured column of an amplifier (or row of a sensor) in the matrix of responses with
  * the modelled one of index `modelled`. Entries of sensors (or amplifiers) with a finding do not
- * count. noise [sensors] in  squared response of each sensor to noise and vibration, times the
- * squared height of a pulse (squared unit of each sensor)
+ * count.
+ *   noise [sensors] in  squared response of each sensor to noise and vibration, times the squared
+ *                       height of a pulse (squared unit of each sensor)
  */
 static line_sums compare_lines(const pzs_selftest *selftest, const axis *axis, uint32_t measured,
                                uint32_t modelled, const pzs_real *noise)
