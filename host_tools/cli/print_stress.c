@@ -6,7 +6,10 @@
 #include "../model/stress_summary.h"
 #include "../text/words.h"
 
-/* Return the name of a layer; without a name in the scene "layer" and its number from 1. */
+/*
+ * Return the name of a layer. A layer without a name in the scene is called "layer" followed by its
+ * number, counted from 1.
+ */
 static const char *layer_name(const design *design, int layer, char text[SCENE_NAME])
 {
     if (design->layer[layer].name[0])
@@ -18,7 +21,9 @@ static const char *layer_name(const design *design, int layer, char text[SCENE_N
 
 /* ---- text ------------------------------------------------------------- */
 
-/* Print the value and the place of an extreme, or a dash in the place of the value if it is absent.
+/*
+ * Print an extreme stress, strain or reserve factor and the place where it occurs; print a dash if
+ * the extreme has no value.
  */
 static void print_extreme(const stress_field *field, const char *name, const stress_extreme *found,
                           const char *unit)

@@ -22,7 +22,8 @@ static void put_number(zip_archive *archive, uint32_t number, int bytes)
 }
 
 /*
- * Write the fields of a member that its own header and the directory of the archive have in common.
+ * Write the fields that the header of an archive member and the entry of the member in the
+ * archive's directory have in common.
  */
 static void put_member(zip_archive *archive, const zip_member *member)
 {
@@ -75,12 +76,12 @@ int zip_add(zip_archive *archive, const char *name, const zip_part *part, size_t
 static void put_entry(zip_archive *archive, const zip_member *member)
 {
     put_bytes(archive, "PK\1\2", 4);
-    put_number(archive, 20, 2); /* version of the ZIP format that the writer of the archive uses */
+    put_number(archive, 20, 2); /* version of the ZIP format with which the archive is written */
     put_member(archive, member);
     put_number(archive, 0, 2); /* length of the member's comment: 0 bytes */
-    put_number(archive, 0, 4); /* number of the disk on which the member starts, and internal
-                                  attributes of the member */
-    put_number(archive, 0, 4); /* external attributes of the member */
+    put_number(archive, 0, 4); /* number of the disk on which the member starts, then internal
+                                  attributes of the member: all 0 */
+    put_number(archive, 0, 4); /* external attributes of the member: none */
     put_number(archive, member->offset, 4);
     put_bytes(archive, member->name, strlen(member->name));
 }
@@ -93,7 +94,7 @@ int zip_end(zip_archive *archive)
     const uint32_t end = (uint32_t)archive->offset;
     put_bytes(archive, "PK\5\6", 4);
     put_number(archive, 0, 4); /* numbers of this disk and of the disk on which the archive's
-                                  directory starts */
+                                  directory starts: both 0 */
     put_number(archive, (uint32_t)archive->members, 2);
     put_number(archive, (uint32_t)archive->members, 2);
     put_number(archive, end - begin, 4);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Writer of ZIP archives whose members are stored without compression, each with its CRC-32
- * checksum. Equal members give equal archives, because the archive contains no times.
+ * checksum. Archives with equal members are equal byte for byte, because their members carry a
+ * fixed date.
  */
 #ifndef ZIP_ARCHIVE_H
 #define ZIP_ARCHIVE_H
@@ -13,8 +14,8 @@
 enum { ZIP_NAME = 96, ZIP_MOST = 256 };
 
 /*
- * Facts about a member of a ZIP archive, which stand before the member and again in the directory
- * at the end of the archive.
+ * Facts about a member of a ZIP archive. They are written before the contents of the member, and
+ * again in the directory at the end of the archive.
  */
 typedef struct zip_member {
     char name[ZIP_NAME]; /* path of the member inside the archive */
@@ -28,7 +29,10 @@ typedef struct zip_archive {
     uint64_t offset; /* number of bytes of the archive written so far */
 } zip_archive;
 
-/* A block of memory that is a part of the contents of a member of a ZIP archive. */
+/*
+ * A block of memory. The contents of an archive member are one or several of these blocks, one
+ * after the other.
+ */
 typedef struct zip_part {
     const void *data;
     size_t bytes;
@@ -39,7 +43,7 @@ void zip_begin(zip_archive *archive, FILE *file);
 /*
  * Write a member of a ZIP archive.
  *   name         in  path of the member inside the archive
- *   part [parts] in  contents of the member, in this order
+ *   part [parts] in  blocks of memory that form the contents of the member, in their order
  * Returns 0, or -1 if the archive would exceed ZIP_MOST members or 4 GB, or if the name is too
  * long.
  */

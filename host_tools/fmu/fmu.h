@@ -24,18 +24,20 @@ void fmu_identifier(const design *design, fmu_kind kind, char *name);
 
 /* Facts about a written FMU, for a message to the user. */
 typedef struct fmu_summary {
-    int inputs, outputs; /* number of input variables; number of output variables */
-    int left_out;        /* number of events of the scene that the FMU does not contain */
-    double period;       /* period of a control tick, the length of each step of the FMU (s) */
+    int inputs, outputs; /* number of input variables, and number of output variables, of the FMU */
+    int left_out;  /* number of events of the scene that the FMU does not contain, such as faults of
+                      electrodes and sensors */
+    double period; /* period of a control tick, the length of each step of the FMU (s) */
 } fmu_summary;
 
 /*
- * Write an FMU. An equal scene gives equal bytes, unless a shared library is built.
- *   nominal in   analysis of the scene after analysis_influence; for a controller after the
- *       preparation of the tables for a firmware with the control image
+ * Write an FMU as a ZIP archive. The same scene gives the same bytes, unless a shared library is
+ * built.
+ *   nominal in   analysis of the scene after analysis_influence; for a controller, also after the
+ *       tables for a firmware with the control image have been prepared
  *   builds  in   true: compile the sources of the FMU with the C compiler of this computer
  *   summary out  facts about the FMU
- * Returns 0, or -1 with error filled.
+ * Returns 0, or -1 with a message in `error`.
  */
 int fmu_write(FILE *file, const analysis *nominal, fmu_kind kind, bool builds, fmu_summary *summary,
               char *error);

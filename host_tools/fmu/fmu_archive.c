@@ -21,8 +21,8 @@ void fmu_identifier(const design *design, fmu_kind kind, char *name)
 }
 
 /*
- * Compute the identifier by which modelDescription.xml and the shared library of an FMU recognise
- * each other (GUID), from a checksum of all source files.
+ * Set the identifier that modelDescription.xml and the shared library of an FMU must share (GUID),
+ * from a checksum of all source files.
  */
 static void set_guid(fmu *fmu)
 {
@@ -55,8 +55,8 @@ static int add_text(const fmu *fmu, zip_archive *archive, const char *name,
 }
 
 /*
- * Add the licence of the sources to the ZIP archive, if the source folder of the project has one.
- * Returns 0, or -1.
+ * Add the licence of the sources to the ZIP archive, if the source folder of the project contains
+ * the licence file. Returns 0, or -1 on failure.
  */
 static int add_licence(zip_archive *archive)
 {
@@ -117,7 +117,7 @@ static void close_fmu(fmu *fmu)
     free(fmu);
 }
 
-/* Collect all variables and source files of an FMU. Returns 0, or -1 with error filled. */
+/* Collect all variables and source files of an FMU. Returns 0, or -1 with a message in `error`. */
 static int fill(fmu *fmu, fmu_summary *summary, char *error)
 {
     const design *design = fmu->design;

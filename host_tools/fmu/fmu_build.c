@@ -28,7 +28,7 @@ static bool write_sources(const fmu *fmu, const char *folder)
 
 /*
  * Compile all C files of a folder to a shared library, with the C compiler that the environment
- * variable CC names. Returns 0, or -1.
+ * variable CC names. Returns 0, or -1 on failure.
  */
 static int compile(const char *folder, const char *library)
 {

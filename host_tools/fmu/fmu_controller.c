@@ -13,15 +13,17 @@ static const char *const sources[] = {"include/pzs*.h",
                                       "host_tools/fmu/component/controller_model.c",
                                       NULL};
 
-/* Number of loads of the scene whose factors are announced to the controller in advance. */
+/*
+ * Return the number of loads of the scene whose factors are announced to the controller in advance.
+ */
 static int known_loads(const fmu *fmu)
 {
     return loop_feeds(fmu->design) ? fmu->design->loads : 0;
 }
 
 /*
- * Append the integer and text variables of a controller: status and iterations, and the command and
- * mode of a supervisor if the scene has one.
+ * Append the integer and text variables of a controller to an FMU: status and number of iterations,
+ * and, if the scene has a supervisor, the command to it and its mode.
  */
 static void add_states(fmu *fmu)
 {

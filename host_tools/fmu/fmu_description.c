@@ -15,8 +15,8 @@ static const char *const kind_name[] = {[FMU_PLANT] = "plant", [FMU_CONTROLLER] 
 /* ---- units ------------------------------------------------------------ */
 
 /*
- * Whether one of the first `index` variables of the FMU has the same unit as variable number
- * `index`.
+ * Return whether one of the variables before variable `index` of the FMU has the same unit as this
+ * variable, so that the unit is already defined.
  */
 static bool is_defined(const fmu *fmu, int index)
 {
@@ -27,7 +27,8 @@ static bool is_defined(const fmu *fmu, int index)
 }
 
 /*
- * Write the XML definition of a unit, with its powers of the SI base units if pzs knows the unit.
+ * Write the XML definition of a unit, with its exponents of the SI base units if pzs knows the
+ * unit.
  */
 static void put_unit_definition(FILE *file, const char *text)
 {
@@ -148,8 +149,8 @@ void fmu_write_description(const fmu *fmu, FILE *file)
 /* ---- generated C files ------------------------------------------------ */
 
 /*
- * Write macros with the number of variables of a type, and with the number of those that a
- * simulator may set.
+ * Write C macros with the number of variables of a type, and with the number of those variables
+ * that a simulator may set.
  */
 static void write_counts(const fmu *fmu, fmu_type type, const char *name, FILE *file)
 {

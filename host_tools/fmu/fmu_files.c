@@ -39,7 +39,8 @@ static const char *file_name(const char *path)
 }
 
 /*
- * Copy a line of C source. In a line with #include, the folders before the file name are removed.
+ * Copy a line of C source. In an #include line, the folders before the file name are removed,
+ * because all sources of an FMU are in one folder.
  */
 static void copy_line(const char *line, FILE *to)
 {

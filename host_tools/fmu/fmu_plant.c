@@ -29,8 +29,9 @@ static const char *const sources[] = {"include/pzs_base.h",
 /* ---- checks ----------------------------------------------------------- */
 
 /*
- * Refuse a plant whose response cannot be written as constant matrices: a nonlinear structure, or
- * sensors of charge, voltage or contact. Returns 0, or -1 with error filled.
+ * Refuse a plant whose response cannot be written as constant matrices: a plant with a nonlinear
+ * structure, or with sensors of charge, voltage or contact. Returns 0, or -1 with a message in
+ * `error`.
  */
 static int check_plant(const fmu *fmu, const plant *plant, char *error)
 {
@@ -50,7 +51,10 @@ static int check_plant(const fmu *fmu, const plant *plant, char *error)
     return imperfections_check(fmu->design, error);
 }
 
-/* Number of events of the scene that a simulator cannot repeat through the inputs of the plant. */
+/*
+ * Return the number of events of the scene that a simulator cannot repeat by setting the inputs of
+ * the plant.
+ */
 static int count_left_out(const scene_simulate *simulate)
 {
     int count = simulate->fault_chance > 0;
@@ -65,9 +69,10 @@ static int count_left_out(const scene_simulate *simulate)
 /* ---- variables -------------------------------------------------------- */
 
 /*
- * Value of a load factor before the first step: that of the events at tick 0, otherwise 1; or the
- * temperature change before the first step, otherwise 0 (K).
- *   load in  index of the load; the number of loads stands for the temperature change
+ * Return the value of a load factor before the first step of the FMU, which is 1 unless events of
+ * the scene change it at tick 0. The index after the last load stands for the temperature change
+ * (K), which is 0 unless events change it.
+ *   load in  index of the load
  */
 static double first_load(const fmu *fmu, int load)
 {
@@ -118,12 +123,14 @@ static void add_variables(fmu *fmu, const plant *plant, const double *start)
  * the shape from sensors, displacements at these sensors.
  */
 typedef struct plant_rows {
-    int count, sensors, first_sensor; /* number of rows; number of sensors; index of the first row
-                                         that belongs to a sensor */
-    int *row;          /* [count] index of each row among the output rows of the structure */
-    double *noise;     /* [sensors] standard deviation of the noise of each sensor */
-    double *influence; /* [count][inputs] static displacement per unit of each input */
-    double *shape;     /* [count][modes] displacement per unit of each modal coordinate */
+    int count, sensors, first_sensor; /* number of rows, number of sensors, and index of the first
+                                         row that belongs to a sensor */
+    int *row;      /* [count] index of each row in the list of all outputs of the structure */
+    double *noise; /* [sensors] standard deviation of the noise of each sensor (unit of the reading)
+                    */
+    double *influence; /* [count][inputs] static displacement of each row per unit of each input */
+    double *shape;     /* [count][modes] displacement of each row per unit of each vibration mode's
+                          modal coordinate */
 } plant_rows;
 
 static void close_rows(plant_rows *rows)
@@ -134,7 +141,7 @@ static void close_rows(plant_rows *rows)
     free(rows->shape);
 }
 
-/* Append the rows of the sensors from which the shape is estimated. */
+/* Append the rows for the sensors from which the scene estimates the shape. */
 static void list_sensors(plant_rows *rows, const plant *plant)
 {
     const scene_estimate *estimate = &plant->analysis.design.estimate;
@@ -148,7 +155,10 @@ static void list_sensors(plant_rows *rows, const plant *plant)
     }
 }
 
-/* Copy the needed rows of the plant's influence matrix and of its mode shapes. */
+/*
+ * Copy the rows that the FMU needs from the influence matrix and the vibration mode shapes of the
+ * plant.
+ */
 static void copy_rows(plant_rows *rows, const plant *plant)
 {
     const design *design = &plant->analysis.design;
@@ -276,8 +286,8 @@ static bool write_tables(fmu *fmu, const plant *plant)
 /* ---- the FMU ---------------------------------------------------------- */
 
 /*
- * Voltages of the controller before its first tick (V): the reference voltages, clamped to the
- * voltage limits. Returns allocated memory, or NULL.
+ * Return the voltages of the controller before its first tick (V): the reference voltages, clamped
+ * to the voltage limits. The result is allocated memory, or NULL if memory runs out.
  */
 static double *first_voltages(const design *design)
 {

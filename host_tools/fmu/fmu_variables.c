@@ -55,8 +55,8 @@ void fmu_add_amplifiers(fmu *fmu, fmu_variable kind, const char *group, const do
 }
 
 /*
- * Append the coordinates of a target node, or of an output of a measured influence matrix, to the
- * description of a variable.
+ * Append the coordinates of a target node to the description of a variable. For a measured
+ * influence matrix they are the coordinates that the scene gives for the output, if any.
  */
 static void add_place(const design *design, int target, char about[FMU_NAME])
 {

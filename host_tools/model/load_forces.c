@@ -9,8 +9,8 @@
 #include "node_forces.h"
 
 /*
- * Whether a load acts along a vector that the scene gives, instead of along a displacement
- * component.
+ * Return whether a load acts along a vector that the scene gives. Otherwise the load acts along a
+ * displacement component.
  */
 static bool has_vector(const scene_load *load)
 {
@@ -18,8 +18,9 @@ static bool has_vector(const scene_load *load)
 }
 
 /*
- * Force of a load at a node per unit of the load, in components of the local axes of the node. A
- * pressure acts along the thickness direction.
+ * Compute the vector of a load at a node, in the local axes of the node: the direction of the load
+ * times its value, on the true area of the loaded face if the load asks for this. A pressure acts
+ * along the thickness direction.
  */
 static void load_vector(const mesh *mesh, const scene_load *load, int node, double value,
                         double vector[3])
@@ -36,8 +37,9 @@ static void load_vector(const mesh *mesh, const scene_load *load, int node, doub
 }
 
 /*
- * Add the nodal forces of a concentrated force on the face that the load names, by the virtual work
- * of the force. A force on the middle surface is divided equally between both faces.
+ * Add the nodal forces of a concentrated force to a vector [free_dof]. The force acts on the face
+ * that the load names; the nodal forces do the same virtual work. A force on the middle surface is
+ * divided equally between both faces.
  */
 static void add_force(const mesh *mesh, const scene_load *load, int node, double factor,
                       const double direction[3], double *dense)
@@ -48,10 +50,11 @@ static void add_force(const mesh *mesh, const scene_load *load, int node, double
 }
 
 /*
- * Components, in the local axes of node `to`, of a load that is given in the local axes of node
- * `from`. A pressure has the same components at both nodes, because a vector interpolated along a
- * chord would lose angle^2/6 of its length. A load of fixed direction keeps its vector in the
- * Cartesian element formulation, and its components in the published one.
+ * Express a load vector, given in the local axes of the node `from`, in the local axes of the node
+ * `to`. In the Cartesian element formulation a load of fixed direction keeps its direction in
+ * space; in the published formulation it keeps its components. A pressure always keeps its
+ * components, because the interpolation of its vector between two nodes would lose a part angle^2/6
+ * of its length, with the angle between the normals at both nodes.
  */
 static void carry(const mesh *mesh, const scene_load *load, int from, int to,
                   const double direction[3], double out[3])
@@ -85,9 +88,10 @@ double load_chords(const mesh *mesh, int element, int corner, scene_face face, d
 }
 
 /*
- * Add the in-plane force on the middle surface that a pressure causes at a corner of an element
- * because the chords of the element are inclined to the tangent plane.
- *   direction [3] in  pressure at the corner as a vector
+ * Add the in-plane nodal force that a pressure causes at a corner of an element. The force arises
+ * because the straight sides of the element are inclined to the plane tangent to the curved surface
+ * at the corner.
+ *   direction [3] in  pressure at the corner as a vector in the local axes of the corner
  */
 static void add_lean(const mesh *mesh, const scene_load *load, int element, int corner, double size,
                      const double direction[3], double *dense)
@@ -101,9 +105,9 @@ static void add_lean(const mesh *mesh, const scene_load *load, int element, int 
 }
 
 /*
- * Weight of the load value at node `column` in the consistent nodal force on node `row`, for a
- * distributed load on an element (count = 4; in 1/36 of the area) or on an edge (count = 2; in 1/6
- * of the length).
+ * Return the weight with which the value of a distributed load at the node `column` enters the
+ * consistent nodal force at the node `row`: as a multiple of 1/36 of the area of an element (count
+ * = 4 nodes), or of 1/6 of the length of an edge (count = 2 nodes).
  */
 static double consistent_weight(int count, int row, int column)
 {
@@ -117,9 +121,10 @@ static double consistent_weight(int count, int row, int column)
 }
 
 /*
- * Add the nodal forces of a distributed load on an edge or an element with consistent weights.
- *   place  in  corner metric of the element, or NULL for an edge
- *   size   in  length of the edge or area of the element
+ * Add the consistent nodal forces of a distributed load on an edge or on an element.
+ *   place  in  geometry of the element at its corners, or NULL for an edge
+ *   value  in  value of the load at each of the `count` nodes
+ *   size   in  length of the edge (m) or area of the element (m2)
  */
 static void add_distributed(const mesh *mesh, const scene_load *load, const laminate_place *place,
                             const int *node, const double *value, int count, double size,
@@ -139,8 +144,8 @@ static void add_distributed(const mesh *mesh, const scene_load *load, const lami
 }
 
 /*
- * Whether a load on a face acts on an element. Without a set the load acts on all elements, else on
- * those of its set.
+ * Return whether a load on a face acts on an element. A load without an element set acts on all
+ * elements, otherwise only on the elements of its set.
  */
 static bool is_loaded(const mesh *mesh, const scene_load *load, uint32_t element)
 {
@@ -151,7 +156,10 @@ static bool is_loaded(const mesh *mesh, const scene_load *load, uint32_t element
                         element);
 }
 
-/* Mass of an element per area of the middle surface, by the densities of its plies. */
+/*
+ * Return the mass of an element per area of its middle surface (kg/m2), from the densities of its
+ * plies.
+ */
 static double mass_per_area(const mesh *mesh, const laminate_place *place)
 {
     double mass = 0;
@@ -165,7 +173,8 @@ static double mass_per_area(const mesh *mesh, const laminate_place *place)
 
 /*
  * Add the nodal forces of a load on one element.
- *   factor in  factor of the load's value: 1 for a force per area, the mass per area for a weight
+ *   factor in  factor by which the value of the load is multiplied: 1 for a force per area, the
+ *       mass per area for a weight
  */
 static void add_element(const mesh *mesh, const scene_load *load, int element, const double *value,
                         double factor, double *dense)
@@ -202,8 +211,8 @@ void weight_forces(const mesh *mesh, const scene_load *load, const double *value
 }
 
 /*
- * Nodal forces of a load on an edge of the mesh, or on an edge set of a mesh from a file. The
- * length of an element side is that of its chord.
+ * Add the nodal forces of a load on an edge of the mesh, or on an edge set of a mesh from a file.
+ * The length of a side of an element is the straight distance between its two nodes.
  */
 void line_forces(const mesh *mesh, const scene_load *load, const double *value, double *dense)
 {

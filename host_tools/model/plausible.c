@@ -34,7 +34,8 @@ static const struct rule {
     const char *name;
     subject_type of;
     measure *measure;
-    double low, high; /* range of the measured number without a warning, both ends included */
+    double low, high; /* range in which the measured number causes no warning; both ends belong to
+                         the range */
     const char *unit, *cure;
 } rules[] = {
     {"displacement", SUBJECT_RESULT, measure_displacement, 0, 1, "times the thickness",
@@ -143,7 +144,10 @@ static const struct rule {
      "the two cannot be told apart; a column may have been written twice"},
 };
 
-/* Whether a measured number equals that of a stored warning: equal rule, position and value. */
+/*
+ * Return whether a measured number is already the subject of a stored warning: with the same rule,
+ * the same position in the scene file and the same value.
+ */
 static int is_repeated(const plausible_warning *warning, const struct rule *rule,
                        const measured *found)
 {
@@ -152,8 +156,9 @@ static int is_repeated(const plausible_warning *warning, const struct rule *rule
 }
 
 /*
- * Entry of the list for a new warning: the warning of the same rule on an earlier result, or the
- * next free entry. NULL where a worse or equal warning is stored, or the list is full.
+ * Return the entry of the list of warnings for a new warning: the warning that the same rule gave
+ * on an earlier result, or the next free entry. NULL if the stored warning is at least as severe,
+ * or if the list is full.
  */
 static plausible_warning *warning_entry(plausible *warnings, const struct rule *rule,
                                         const measured *found)

@@ -16,10 +16,11 @@ enum { PLAUSIBLE_MOST = 24 };
 
 typedef struct plausible_warning {
     const char *rule;    /* name of the rule that led to the warning */
-    double value, limit; /* number that was found, and end of the usual range that it exceeds; in SI
-                            units, or a ratio */
-    const char *unit;    /* unit of the number that was found and of the range that it exceeds */
-    scene_at at;         /* position in the scene file; line 0: the scene as a whole */
+    double value, limit; /* measured number, and end of the usual range beyond which the number
+                            lies; in SI units, or ratios */
+    const char *unit;    /* unit of the measured number and of the usual range */
+    scene_at at; /* position in the scene file to which the warning refers; line 0: the scene as a
+                    whole */
     char text[SCENE_ERROR]; /* warning as text: "file:line:column: what was found; what to do" */
 } plausible_warning;
 
@@ -38,51 +39,56 @@ void plausible_mesh(plausible *warnings, const mesh *mesh);
 
 /*
  * Apply the plausibility rules on a displacement of a structure. Where several displacements are
- * examined, the worst result of each rule is kept.
+ * examined, the warning about the worst of them is kept for each rule.
  *   displacement [free_dof] in
- *   is_linear               in  1 where it was computed with linear kinematics
- *   name                    in  name of the result in the text of a warning
+ *   is_linear               in  true if the displacement was computed with linear kinematics
+ *   name                    in  name of the displacement in the text of a warning
  */
 void plausible_result(plausible *warnings, const mesh *mesh, const double *displacement,
                       int is_linear, const char *name);
 
 /*
  * Apply the plausibility rules on computed voltages.
- *   voltage [amplifiers] in  (V)
+ *   voltage [amplifiers] in  voltages of the amplifiers (V)
  */
 void plausible_voltages(plausible *warnings, const scene *scene, const double *voltage,
                         const char *name);
 
-/* Numbers of an optimum of the voltages that are compared with their usual ranges. */
+/*
+ * Properties of the optimal voltages for a target, which the plausibility rules compare with their
+ * usual ranges.
+ */
 typedef struct plausible_optimum {
     double target; /* root mean square of the displacements that the voltages are to cause, without
                       the free functions (shapes added at no cost), relative to the largest entry of
                       the target; 0 where that entry is 0 */
-    double error;  /* relative shape error of the optimum within the voltage limits */
-    double share;  /* largest absolute voltage of the optimum relative to the largest limit; NAN
-                      without limits */
-    int dependent; /* number of amplifiers whose influence columns depend linearly on those of
-                      others, without regularisation */
+    double error;  /* relative RMS error of the shape that the optimal voltages reach within the
+                      voltage limits */
+    double share;  /* largest absolute value of the optimal voltages relative to the largest voltage
+                      limit; NAN without limits */
+    int dependent; /* number of amplifiers whose columns of the influence matrix depend linearly on
+                      the columns of other amplifiers; counted without regularisation */
 } plausible_optimum;
 
 /* Apply the plausibility rules on the optimum of the voltages for a target. */
 void plausible_target(plausible *warnings, const scene *scene, const plausible_optimum *optimum);
 
 /*
- * Apply the plausibility rules on the load path to an equilibrium.
- *   difference      in  relative difference to the result with twice as many load steps
- *       (analysis_path_difference)
+ * Apply the plausibility rules on the load stepping to an equilibrium.
+ *   difference      in  relative difference between the result and the one with twice as many load
+ *       steps (analysis_path_difference)
  *   negative_pivots in  number of negative pivots of the tangent stiffness at the equilibrium
  */
 void plausible_path(plausible *warnings, const scene *scene, double difference,
                     unsigned negative_pivots);
 
 /*
- * Warn where the control loop is stable with its vibration model, but not if the sensor readings
- * are one tick older than the scene states, or where the target displaces the structure by so many
- * thicknesses that the linear vibration model may be wrong.
+ * Warn about a stable control loop with a vibration model in two cases: the loop becomes unstable
+ * if the sensor readings are one tick older than the scene states; or the target displaces the
+ * structure by so many thicknesses that the linear vibration model may be wrong.
  *   older     in  largest number of ticks by which the readings may be older than the scene states
- *   amplitude in  largest displacement of the target over the thickness of the structure
+ *       while the loop stays stable
+ *   amplitude in  largest displacement of the target divided by the thickness of the structure
  */
 void plausible_loop(plausible *warnings, const scene *scene, int older, double amplitude);
 

@@ -32,8 +32,8 @@ static int is_isotropic(const scene_material *material)
 }
 
 /*
- * Young's moduli and shear moduli of a material. The shear modulus of an isotropic material follows
- * from Young's modulus and is not compared.
+ * Measure the Young's moduli and shear moduli of a material. The shear modulus of an isotropic
+ * material is left out, because it follows from Young's modulus.
  */
 int measure_modulus(const subject *of, int k, measured *found)
 {
@@ -69,14 +69,17 @@ int measure_density(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Largest Young's modulus of a material (Pa). */
+/* Return the largest Young's modulus of a material (Pa). */
 static double stiffest(const scene *scene, const scene_material *material)
 {
     const double most = fmax(material->e[0], fmax(material->e[1], material->e[2]));
     return plausible_si(scene, most, &modulus_unit);
 }
 
-/* Density of a material that is stiffer than 1 GPa; lighter ones are foams, which are softer. */
+/*
+ * Measure the density of a material whose Young's modulus exceeds 1 GPa. Softer materials are left
+ * out, because foams may have lower densities.
+ */
 int measure_light_material(const subject *of, int k, measured *found)
 {
     if (!measure_density(of, k, found))
@@ -87,8 +90,8 @@ int measure_light_material(const subject *of, int k, measured *found)
 }
 
 /*
- * Piezoelectric strain constants, or stress constants divided by the largest modulus, which are of
- * similar size.
+ * Measure the piezoelectric strain constants of a material. Stress constants are divided by the
+ * largest Young's modulus, which gives numbers of similar size.
  */
 int measure_piezo(const subject *of, int k, measured *found)
 {
@@ -114,8 +117,9 @@ int measure_piezo(const subject *of, int k, measured *found)
 /* ---- constants of a material compared with each other ----------------- */
 
 /*
- * Speed of longitudinal waves sqrt(E/density) with the largest Young's modulus (m/s), which lies in
- * a narrow range in solids: 20 m/s in soft rubber to 17,500 m/s in diamond. NAN without a density.
+ * Return the speed of longitudinal waves in a material, sqrt(E/density) with the largest Young's
+ * modulus E (m/s). In solids the speed lies between 20 m/s (soft rubber) and 17,500 m/s (diamond).
+ * NAN without a density.
  */
 static double wave_speed(const scene *scene, const scene_material *material)
 {
@@ -148,12 +152,12 @@ int measure_wave_speed(const subject *of, int k, measured *found)
 }
 
 /*
- * Speed of sound in a material that is denser than filled polymers, which are the densest soft
- * materials: metals, glasses and ceramics are stiff.
+ * Measure the speed of sound in a material that is denser than filled polymers. Such a material is
+ * a metal, a glass or a ceramic, in which sound is fast.
  */
 int measure_dense_wave_speed(const subject *of, int k, measured *found)
 {
-    static const double densest_polymer = 2150; /* kg/m3 */
+    static const double densest_polymer = 2150; /* largest density of a filled polymer (kg/m3) */
     if (!has_material(of, k, found))
         return 0;
     const scene_material *material = &of->scene->material[k];
@@ -164,12 +168,12 @@ int measure_dense_wave_speed(const subject *of, int k, measured *found)
 }
 
 /*
- * Speed of sound along the fibres of a solid ply: a material that is denser than wood and at least
- * three times as stiff along direction 1 as along direction 2.
+ * Measure the speed of sound along the fibres of a ply. A material counts as a ply if it is denser
+ * than wood and at least three times as stiff along direction 1 as along direction 2.
  */
 int measure_ply_wave_speed(const subject *of, int k, measured *found)
 {
-    static const double densest_wood = 1000; /* kg/m3 */
+    static const double densest_wood = 1000; /* largest density of wood (kg/m3) */
     if (!has_material(of, k, found))
         return 0;
     const scene_material *material = &of->scene->material[k];
@@ -181,8 +185,8 @@ int measure_ply_wave_speed(const subject *of, int k, measured *found)
 }
 
 /*
- * Largest piezoelectric strain constant of a material (m/V): of d31, d32, d33, d24 and d15, or of
- * the stress constants divided by the largest Young's modulus.
+ * Return the largest piezoelectric strain constant of a material (m/V), from d31, d32, d33, d24 and
+ * d15, or from the stress constants divided by the largest Young's modulus.
  */
 static double strongest_piezo(const scene *scene, const scene_material *material)
 {
@@ -197,9 +201,10 @@ static double strongest_piezo(const scene *scene, const scene_material *material
 }
 
 /*
- * Largest piezoelectric constant times the square root of the largest Young's modulus. The number
- * is the electromechanical coupling factor times the square root of the permittivity, which covers
- * little more than two decades from quartz and PVDF to single crystals.
+ * Measure the largest piezoelectric strain constant of a material times the square root of its
+ * largest Young's modulus. This number is the electromechanical coupling factor times the square
+ * root of the permittivity; from quartz and PVDF to single crystals it varies by little more than a
+ * factor of 100.
  */
 int measure_piezo_coupling(const subject *of, int k, measured *found)
 {
@@ -216,12 +221,13 @@ int measure_piezo_coupling(const subject *of, int k, measured *found)
 }
 
 /*
- * Largest Young's modulus of a material whose piezoelectric constants across the poling exceed
- * those of polymers: ceramics, crystals and composites of them.
+ * Measure the largest Young's modulus of a material whose piezoelectric constants d31 and d32
+ * exceed those of polymers. Such a material is a ceramic, a crystal or a composite of them.
  */
 int measure_soft_piezo(const subject *of, int k, measured *found)
 {
-    static const double strongest_polymer = 6e-11; /* m/V */
+    static const double strongest_polymer = 6e-11; /* largest constant d31 of a piezoelectric
+                                                      polymer (m/V) */
     if (!has_material(of, k, found))
         return 0;
     const scene_material *material = &of->scene->material[k];
@@ -234,8 +240,9 @@ int measure_soft_piezo(const subject *of, int k, measured *found)
 }
 
 /*
- * Smaller over larger of d31 and d32, of which neither is 0. Drawn polymers and crystals have two
- * constants that differ by a factor of up to 50.
+ * Measure the ratio of the smaller to the larger of the piezoelectric constants d31 and d32 of a
+ * material, where neither is 0. In drawn polymers and crystals the two constants differ by a factor
+ * of up to 50.
  */
 int measure_uneven_piezo(const subject *of, int k, measured *found)
 {

@@ -12,8 +12,8 @@
 enum { COMPARED = 512 };
 
 /*
- * Whether the measured matrix has a k-th actuator; if so, found->at is set to the position of the
- * matrix in the scene file.
+ * Return whether the measured influence matrix has a column for actuator k. If so, found->at is set
+ * to the position of the matrix in the scene file.
  */
 static int has_column(const subject *of, int k, measured *found)
 {
@@ -48,7 +48,10 @@ int measure_matrix_shape(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Whether the limits of the scene hold amplifier k at one voltage. */
+/*
+ * Return whether the lower and the upper voltage limit of amplifier k are equal, so that its
+ * voltage cannot change.
+ */
 static int is_held(const scene *scene, int k)
 {
     int held = 0;
@@ -97,7 +100,7 @@ int measure_strong_column(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Cosine of the angle between columns j and k of the influence matrix. */
+/* Return the cosine of the angle between the columns j and k of the influence matrix. */
 static double cosine(const scene *scene, int j, int k)
 {
     const size_t amplifiers = (size_t)scene->amplifiers;

@@ -11,8 +11,8 @@
 /* ---- general meshes ----------------------------------------------------- */
 
 /*
- * Whether k is 0 and the mesh is irregular, for rules with a single number on irregular meshes.
- * Meshes along lines of curvature have no such number.
+ * Return whether k is 0 and the mesh is irregular. Rules on irregular meshes measure a single
+ * number, with the index k = 0; meshes along lines of curvature have none.
  */
 static int is_first(const subject *of, int k, measured *found)
 {
@@ -67,7 +67,8 @@ int measure_narrow(const subject *of, int k, measured *found)
 /* ---- laminates ---------------------------------------------------------- */
 
 /*
- * Shorter side of the structure: the second largest extent of the nodes along the coordinate axes.
+ * Return the shorter side of the structure: the second largest extent of its nodes along the three
+ * coordinate axes.
  */
 static double shorter_side(const mesh *mesh)
 {
@@ -97,7 +98,8 @@ int measure_slenderness(const subject *of, int k, measured *found)
 
 /*
  * Compute the bending and shear stiffnesses of the laminate, and the squared wave number of a half
- * wave over the shorter side of the structure.
+ * wave with the length of the shorter side of the structure. Returns whether the rule with index k
+ * applies.
  */
 static int bending_of(const subject *of, int k, measured *found, laminate_bending *bending,
                       double *wave)
@@ -110,8 +112,9 @@ static int bending_of(const subject *of, int k, measured *found, laminate_bendin
 }
 
 /*
- * Deflection by transverse shear that the assumption of a uniform shear strain leaves out, compared
- * with a shear strain computed from equilibrium, relative to the bending deflection.
+ * Measure the error of the deflection by transverse shear if the shear strain is assumed to be
+ * uniform through the thickness instead of being computed from equilibrium, relative to the
+ * deflection by bending.
  */
 int measure_shear(const subject *of, int k, measured *found)
 {
@@ -137,7 +140,7 @@ int measure_faces(const subject *of, int k, measured *found)
 
 /* ---- springs ------------------------------------------------------------ */
 
-/* Position in the scene file of a spring entry or stack actuator. */
+/* Return the position in the scene file of a spring entry or of a stack actuator. */
 static scene_at at_of_item(const scene *scene, int item)
 {
     return item < scene->springs ? scene->spring[item].at
@@ -145,8 +148,8 @@ static scene_at at_of_item(const scene *scene, int item)
 }
 
 /*
- * Number of those springs of a spring entry or stack actuator of the scene that no free dof
- * elongates, so that they have no effect.
+ * Measure how many springs of a spring entry or stack actuator of the scene have no effect, because
+ * no free dof elongates them.
  */
 int measure_held_spring(const subject *of, int k, measured *found)
 {
@@ -162,7 +165,9 @@ int measure_held_spring(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Number of entries of the factored stiffness matrix relative to the number without springs. */
+/*
+ * Measure by which factor springs increase the number of entries of the factored stiffness matrix.
+ */
 int measure_long_spring(const subject *of, int k, measured *found)
 {
     const mesh_springs *springs = &of->mesh->springs;

@@ -19,11 +19,13 @@ typedef struct subject {
     bool is_linear;
     const char *name;
     const struct plausible_optimum *optimum;
-    double path_difference; /* relative difference to the displacement with twice as many load steps
-                               (analysis_path_difference) */
+    double path_difference;   /* difference between the displacement and the one computed with twice
+                                 as many load steps, relative to the displacement
+                                 (analysis_path_difference) */
     unsigned negative_pivots; /* number of negative pivots of the tangent stiffness at the
                                  equilibrium */
-    double amplitude; /* largest displacement of the target over the thickness of the structure */
+    double amplitude;         /* largest displacement of the target divided by the thickness of the
+                                 structure */
     int older; /* largest number of ticks by which the sensor readings may be older than the scene
                   states while the control loop stays stable */
 } subject;
@@ -32,14 +34,14 @@ enum { WHAT = 200 };
 
 /* One measured number, its position in the scene file and its description. */
 typedef struct measured {
-    double value; /* measured number; NAN where there is nothing to compare */
+    double value; /* measured number; NAN if the rule does not apply */
     scene_at at;
-    char what[WHAT]; /* description of the number, for example "thickness of layer 1" */
+    char what[WHAT]; /* description of the measured number, for example "thickness of layer 1" */
 } measured;
 
 /*
- * Function that measures the k-th number of an object for a plausibility rule. Returns whether
- * there is a k-th number.
+ * Function that measures the k-th number of an object (`of`) for a plausibility rule and stores the
+ * number in `found`. Returns whether there is a k-th number.
  */
 typedef int measure(const subject *of, int k, measured *found);
 
@@ -94,25 +96,25 @@ measure measure_target, measure_unreached, measure_idle, measure_dependent;
  */
 measure measure_age, measure_amplitude, measure_amplitude_at_target;
 
-/* Convert a number of a scene to SI units; NAN where the units of the scene are unknown. */
+/* Convert a number of a scene to SI units. Returns NAN if the units of the scene are unknown. */
 double plausible_si(const scene *scene, double value, const units_unit *unit);
 
 /*
- * Find pair k, counted over all actuators of the scene, of an actuator and one of the patch grids
- * to which it applies its voltages. Returns 0 where there is no such pair.
+ * Find the k-th pair of an actuator and a patch grid to which the actuator applies voltages,
+ * counted over all actuators of the scene. Returns 0 if there is no such pair.
  */
 int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
                     const scene_drive **drive);
 
 /*
- * Largest absolute voltage of an actuator's amplifiers (V): of the array `voltage`, or, where it is
- * NULL, of the voltages that the limits allow.
+ * Return the largest absolute voltage of an actuator's amplifiers (V): the largest one in the array
+ * `voltage`, or, if this is NULL, the largest one that the voltage limits allow.
  */
 double plausible_voltage(const scene *scene, const scene_actuator *actuator, const double *voltage);
 
 /*
  * Store in found->value the electric field that an actuator's voltage causes in the layer of the
- * patch grid that it drives; NAN where the material has its own field limit.
+ * patch grid that it drives (V/m); NAN if the scene gives a field limit for the material.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found);
 

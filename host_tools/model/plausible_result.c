@@ -13,8 +13,8 @@
 /* ---- voltages --------------------------------------------------------- */
 
 /*
- * Electric field of the computed voltages. The rule applies only where the rule on the scene's
- * voltage limits gives no warning.
+ * Measure the electric field that the computed voltages cause. The rule applies only if the
+ * electric field at the voltage limits of the scene causes no warning.
  */
 int measure_found_field(const subject *of, int k, measured *found)
 {
@@ -34,7 +34,10 @@ int measure_found_field(const subject *of, int k, measured *found)
 
 /* ---- displacement and strain ------------------------------------------ */
 
-/* Displacement of a node along one component, from the displacement vector of the structure. */
+/*
+ * Return the displacement of a node along one component, from the displacement vector of the
+ * structure.
+ */
 static double displacement_of(const mesh *mesh, const double *displacement, int node,
                               scene_component component, scene_face face)
 {
@@ -67,15 +70,15 @@ int measure_displacement(const subject *of, int k, measured *found)
 }
 
 /*
- * Edge vectors of an element along both directions on one face: in the undeformed state (x), and
- * their change by the displacement (u).
+ * Edge vectors of one face of an element along both of its directions (x), and their changes by the
+ * displacement (u).
  */
 typedef struct cell {
     double position[2][3], displacement[2][3];
 } cell;
 
 /*
- * Positions of both faces at all nodes, undeformed and displaced.
+ * Compute the positions of both faces of the shell at all nodes, undeformed and displaced.
  *   point, moved [nodes][2][3] out
  */
 static void face_points(const mesh *mesh, const double *displacement, double (*point)[2][3],
@@ -109,8 +112,8 @@ static cell cell_of(const mesh *mesh, int element, int face, double (*point)[2][
 }
 
 /*
- * Largest absolute principal strain of one face of an element: eigenvalues of the strain relative
- * to the metric, both in the basis of the edge vectors.
+ * Return the largest absolute principal strain of one face of an element: the largest eigenvalue of
+ * its strain relative to its metric, both in the basis of the edge vectors of the face.
  */
 static double principal_strain(const cell *cell, int is_linear)
 {
@@ -210,8 +213,9 @@ int measure_idle(const subject *of, int k, measured *found)
 /* ---- certified loop --------------------------------------------------- */
 
 /*
- * Displacement of the target in thicknesses, for a loop with the influence matrix of the undeformed
- * shape or with that of the shape at the target; NAN for the other kind.
+ * Measure the largest displacement of the target, divided by the thickness. The rule applies to a
+ * control loop whose influence matrix belongs to the undeformed shape (at_target false) or to the
+ * shape at the target (at_target true); the number is NAN for a loop of the other type.
  */
 static int measure_target_amplitude(const subject *of, int k, bool at_target, measured *found)
 {

@@ -14,8 +14,8 @@ static const units_unit field_unit = {{-1, 0, 1, 0, 0, 0}, 0, 0};
 /* ---- electric fields -------------------------------------------------- */
 
 /*
- * Find pair k, counted over all actuators of the scene, of an actuator and one of the patch grids
- * to which it applies its voltages. Returns 0 where there is no such pair.
+ * Find the k-th pair of an actuator and a patch grid to which the actuator applies voltages,
+ * counted over all actuators of the scene. Returns 0 if there is no such pair.
  */
 int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
                     const scene_drive **drive)
@@ -32,8 +32,8 @@ int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
 }
 
 /*
- * Largest absolute voltage that the scene's limits allow for an amplifier (V); the amplifier's own
- * limits take precedence over the common ones.
+ * Return the largest absolute voltage that the limits of the scene allow for an amplifier (V).
+ * Limits of the amplifier itself take precedence over limits for all amplifiers.
  */
 static double allowed(const scene *scene, int amplifier)
 {
@@ -47,8 +47,8 @@ static double allowed(const scene *scene, int amplifier)
 }
 
 /*
- * Largest absolute voltage of an actuator's amplifiers (V): of the array `voltage`, or, where it is
- * NULL, of the voltages that the limits allow.
+ * Return the largest absolute voltage of an actuator's amplifiers (V): the largest one in the array
+ * `voltage`, or, if this is NULL, the largest one that the voltage limits allow.
  */
 double plausible_voltage(const scene *scene, const scene_actuator *actuator, const double *voltage)
 {
@@ -60,8 +60,8 @@ double plausible_voltage(const scene *scene, const scene_actuator *actuator, con
 
 /*
  * Store in found->value the electric field that an actuator's voltage causes in the layer of the
- * patch grid that it drives; NAN where the material has its own field limit, which the design
- * enforces.
+ * patch grid that it drives (V/m); NAN if the scene gives a field limit for the material, because
+ * the design then enforces this limit.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found)
 {
@@ -103,8 +103,8 @@ int measure_applied_field(const subject *of, int k, measured *found)
 /* ---- electrodes ------------------------------------------------------- */
 
 /*
- * Area of an electrode as a number of elements; an element that is partly covered counts with its
- * covered fraction.
+ * Return the area of an electrode as a number of elements. An element that the electrode covers
+ * only in part counts as the covered fraction.
  */
 static double elements_of(const scene_outlines *outlines, int electrode)
 {
@@ -135,7 +135,10 @@ int measure_electrode(const subject *of, int k, measured *found)
 
 /* ---- mesh at local loads ---------------------------------------------- */
 
-/* Length of the longer of the two elements next to a mesh line, along one direction. */
+/*
+ * Return the length of the longer of the two elements on both sides of a mesh line, along one
+ * direction.
+ */
 static double element_at(const scene_line *line, int i)
 {
     const double before = i > 0 ? line->point[i] - line->point[i - 1] : 0;
@@ -156,10 +159,11 @@ typedef struct bend {
 } bend;
 
 /*
- * Number of elements that the dent under a point force needs on a quarter turn: two for each of the
- * (R/h)^(1/4) (R/L)^(1/2) waves of a shell of radius R, thickness h and length L, at most one for
- * each bending length sqrt(R h). A strip narrower than the bending length bends like a ring without
- * a dent and needs none.
+ * Return the number of elements that a point force requires on a quarter turn of a curved shell of
+ * radius R, thickness h and length L. The dent under the force has (R/h)^(1/4) (R/L)^(1/2) waves on
+ * a quarter turn, each of which requires two elements; one element for each bending length sqrt(R
+ * h) is always enough. The result is 0 for a strip narrower than the bending length, which bends
+ * like a ring without a dent.
  */
 static double elements_needed(const bend *bend)
 {
@@ -186,8 +190,8 @@ static bend bend_at(const scene *scene, const int node[2], int direction)
 }
 
 /*
- * Measure a point force along one direction: number of elements that its dent needs over the number
- * present.
+ * Measure the mesh at a point force along one direction: the number of elements that the dent under
+ * the force requires, divided by the number of elements present.
  */
 static void measure_point(const scene *scene, const scene_load *load, int direction,
                           measured *found)
@@ -206,8 +210,8 @@ static void measure_point(const scene *scene, const scene_load *load, int direct
 }
 
 /*
- * Measure a load on an edge: size of the elements across the edge over the shortest bending length
- * along the edge.
+ * Measure the mesh at a load on an edge: the size of the elements at right angles to the edge,
+ * divided by the shortest bending length of the shell along the edge.
  */
 static void measure_edge(const scene *scene, const scene_load *load, int direction, measured *found)
 {

@@ -12,8 +12,8 @@ static const units_unit force_unit = {{0, 1, -1, 0, 0, 0}, 0, 0};
 static const units_unit energy_unit = {{1, 1, -2, 0, 0, 0}, 0, 0};
 
 /*
- * Stacks of actuator k, with found->at set to their position in the scene file. Returns 0 where the
- * scene has no actuator k; *stacks is NULL where the actuator has patches.
+ * Find the stacks of actuator k and set found->at to their position in the scene file. Returns 0 if
+ * the scene has no actuator k; *stacks is NULL if the actuator drives patches.
  */
 static int stacks_of(const subject *of, int k, const scene_spring **stacks, measured *found)
 {
@@ -48,8 +48,9 @@ int measure_stack_stroke(const subject *of, int k, measured *found)
 }
 
 /*
- * Stiffness times squared stroke of a stack. The number is a part of the capacitance of the stack,
- * which the coupling of the ceramic limits.
+ * Measure the stiffness of a stack times the square of its stroke per volt. This number is the part
+ * of the stack's capacitance that takes part in the electromechanical coupling, so that the
+ * coupling factor of the ceramic limits it.
  */
 int measure_stack_energy(const subject *of, int k, measured *found)
 {
@@ -64,7 +65,7 @@ int measure_stack_energy(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Force per volt of a voice coil, or of a stack that is given by its force. */
+/* Measure the force per volt of a voice coil, or of a stack for which the scene gives a force. */
 int measure_coil(const subject *of, int k, measured *found)
 {
     const scene_spring *stacks;
@@ -79,7 +80,7 @@ int measure_coil(const subject *of, int k, measured *found)
 
 /* ---- stacks at one point ------------------------------------------------ */
 
-/* Whether two springs act alike: the same displacements elongate both. */
+/* Return whether two springs are elongated by the same displacements of the structure. */
 static bool acts_alike(const mesh_springs *springs, int one, int other)
 {
     const uint32_t entries = springs->start[one + 1] - springs->start[one];
@@ -94,7 +95,10 @@ static bool acts_alike(const mesh_springs *springs, int one, int other)
     return true;
 }
 
-/* Number of the first stack before `row` that acts like it; -1 where there is none. */
+/*
+ * Return the number of the first stack before `row` that the same displacements elongate as the
+ * stack `row`, or -1 if there is none.
+ */
 static int stack_like(const mesh_springs *springs, int first, int row)
 {
     for (int other = first; other < row; other++)
@@ -103,7 +107,10 @@ static int stack_like(const mesh_springs *springs, int first, int row)
     return -1;
 }
 
-/* Number of stacks of actuator k that act at the point and in the direction of an earlier stack. */
+/*
+ * Measure how many stacks of actuator k act at the same point and in the same direction as an
+ * earlier stack.
+ */
 int measure_repeated_stack(const subject *of, int k, measured *found)
 {
     const scene *scene = of->scene;

@@ -102,8 +102,9 @@ double strain_of_output(const mesh *mesh, const scene_output *output, int elemen
 }
 
 /*
- * Add the strain of an output in one element, as a linear function of the dof, multiplied by a
- * factor, to a dense row [free_dof].
+ * Add the strain that an output of the scene has in one element to a linear function of the
+ * displacements: the strain in the element per unit of each free dof, multiplied by `factor`, is
+ * added to dense [free_dof].
  */
 static void add_element(const mesh *mesh, const scene_output *output, int element, double factor,
                         double *dense)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Strains of elements at their centres, and strains at nodes as outputs of a scene: the mean over
- * those elements at a node in which the layer is present, weighted with their areas.
+ * Strains of elements at their centres, and strains at nodes as outputs of a scene. The strain at a
+ * node is the mean over the elements at the node in which the layer of the output is present,
+ * weighted with the areas of the elements.
  */
 #ifndef STRAIN_H
 #define STRAIN_H
@@ -10,11 +11,13 @@
 #include "../mesh/mesh.h"
 
 /*
- * Compute the strains of the constant mode 00 of an element at a displacement of its nodes.
- *   displacement [4 dof_per_node] in
- *   strain       [10]             out  in the order of pzs_element_type.d
- * The strains are quadratic in the displacement. Linear strains are half the difference of the
- * strains at a small multiple of the displacement and at its negative.
+ * Compute the ten strains of an element that are constant over the element (strain mode 00) from
+ * the displacements of its nodes.
+ *   displacement [4 dof_per_node] in  displacements of the four nodes of the element
+ *   strain       [10]             out strains in the order of pzs_element_type.d
+ * The strains are quadratic in the displacement. If is_nonlinear is false, their linear part is
+ * returned: half the difference of the strains at a small multiple of the displacement and at the
+ * negative of that multiple, scaled back.
  */
 void strain_of_element(const mesh *mesh, int element, const double *displacement, bool is_nonlinear,
                        double strain[10]);
@@ -28,32 +31,34 @@ void strain_turn_stress(const double stress[6], double angle, double turned[6]);
 void strain_turn(const double strain[6], double angle, double turned[6]);
 
 /*
- * Return the strain of an output, along the direction of its angle, in an element that has the
- * given ten strains (strain [10] in).
+ * Return the strain that an output of the scene measures in an element: the strain component of the
+ * output, at the height of the output, in axes turned by the angle of the output.
+ *   strain [10] in  strains of the element in the order of pzs_element_type.d
  */
 double strain_of_output(const mesh *mesh, const scene_output *output, int element,
                         const double strain[10]);
 
 /*
- * Return whether an output of a strain or stress at a node takes its value from an element: the
- * node is a corner of the element, and the layer of the output is present in the element.
+ * Return whether an element contributes to an output that is a strain or stress at a node: the node
+ * must be a corner of the element, and the layer of the output must be present in the element.
  */
 bool strain_is_in(const mesh *mesh, const scene_output *output, int element, int node);
 
 /*
- * Return the sum of the areas of the elements from which an output at a node takes its value (m2).
+ * Return the total area of the elements that contribute to an output that is a strain or stress at
+ * a node (m2).
  */
 double strain_area(const mesh *mesh, const scene_output *output, int node);
 
 /*
- * Add the strain of an output at a node, as a linear function of the dof, to a dense row
- * [free_dof].
+ * Add the strain that an output of the scene has at a node to a linear function of the
+ * displacements: the strain per unit of each free dof is added to dense [free_dof].
  */
 void strain_row(const mesh *mesh, const scene_output *output, int node, double *dense);
 
 /*
- * Check that the layer of an output is present in an element at a node. Returns 0, or -1 with error
- * filled.
+ * Check that at least one element at a node contains the layer whose strain or stress an output of
+ * the scene measures there. Returns 0, or -1 with a message in `error`.
  */
 int strain_check(const mesh *mesh, const scene_output *output, int node, char *error);
 

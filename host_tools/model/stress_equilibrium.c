@@ -9,14 +9,14 @@
 
 /*
  * SAMPLES: largest number of heights at which an element has recovered stresses. PATTERNS: number
- * of gradients of forces and moments whose sizes are corrected; they are the gradients of the
- * forces 11 and 22 and of the moments 11 and 22 per length, each along its own direction.
+ * of gradients that the correction of the transverse shear stresses adjusts: the gradients of the
+ * normal forces 11 and 22 and of the bending moments 11 and 22, each along its own direction.
  */
 enum { SAMPLES = LAMINATE_LAYERS * STRESS_HEIGHTS, PATTERNS = 4 };
 
 /*
- * Directions of principal curvature at the centre of an element, and the neighbours from which
- * gradients along these directions are formed.
+ * Directions of principal curvature at the centre of an element, and the neighbouring elements from
+ * which the gradients of the stresses along these directions are formed.
  */
 typedef struct stencil {
     int element;
@@ -28,10 +28,11 @@ typedef struct stencil {
     int neighbour[STRESS_NEIGHBOURS];
     double turn[STRESS_NEIGHBOURS]; /* angle from the first direction of principal curvature to the
                                        shell axis 1 of each neighbour (rad) */
-    double weight[STRESS_NEIGHBOURS][2]; /* the gradient of a quantity along both directions is the
-                                            sum, over the neighbours, of these weights times the
-                                            difference between the value at the neighbour and that
-                                            at the element (1/m) */
+    double weight[STRESS_NEIGHBOURS][2]; /* [neighbour][direction] weights of a gradient (1/m): the
+                                            derivative of a quantity along a direction of principal
+                                            curvature is the sum, over the neighbours, of the weight
+                                            times the value at the neighbour less the value at the
+                                            element */
 } stencil;
 
 /*
@@ -41,8 +42,9 @@ typedef struct stencil {
 typedef double gradient[SAMPLES][2][3];
 
 /*
- * Transverse shear stresses at each sample height: s_13 times c_1^2 c_2 and s_23 times c_2^2 c_1,
- * in which c_a = 1 + k_a z is the length at height z over that on the reference surface (Pa).
+ * Transverse shear stresses s_13 and s_23 at each sample height, multiplied by c_1^2 c_2 and by
+ * c_2^2 c_1 (Pa). The factor c_a = 1 + k_a z, with the principal curvature k_a and the height z, is
+ * a length along direction a at the height z relative to the reference surface.
  */
 typedef double profile[SAMPLES][2];
 
@@ -69,8 +71,8 @@ static void turn_plane(const double stress[3], double angle, double turned[3])
 }
 
 /*
- * Compute the curvatures 11, 22 and 12 of the surface of an element in the shell axes; for a
- * nonlinear state those of the deformed surface.
+ * Compute the curvatures 11, 22 and 12 of the surface of an element in its shell axes (1/m). In a
+ * nonlinear state they are the curvatures of the deformed surface.
  */
 static void curvatures(const stress_field *field, int element, double k[3])
 {
@@ -102,13 +104,13 @@ static void curvatures(const stress_field *field, int element, double k[3])
 }
 
 /*
- * Find the directions of principal curvature of an element. Where the twist of the surface is
- * negligible, they are the shell axes.
+ * Find the two directions of principal curvature of an element. If the surface has a negligible
+ * twist (curvature 12), the shell axes are used as these directions.
  */
 static void find_directions(const stress_field *field, stencil *stencil)
 {
-    const double negligible = 1e-4; /* largest negligible twist of the surface (1/m) times thickness
-                                       (m) */
+    const double negligible = 1e-4; /* largest product of the twist of the surface (1/m) and the
+                                       thickness (m) that is treated as zero */
     const stress_element *own = &field->element[stencil->element];
     double k[3], turned[3];
     curvatures(field, stencil->element, k);
@@ -124,8 +126,9 @@ static void find_directions(const stress_field *field, stencil *stencil)
 }
 
 /*
- * Compute the weights of the neighbours in a least-squares gradient. Where all neighbours lie in
- * one row, the gradient is that along the row.
+ * Compute the weights of the neighbouring elements in the least-squares fit of a gradient. If all
+ * neighbours lie on one line through the element, only the component of the gradient along this
+ * line is not zero.
  */
 static void find_weights(const stress_field *field, stencil *stencil)
 {
@@ -176,8 +179,8 @@ static stress_sample *samples_of(const stress_field *field, int element)
 /* ---- integration through the thickness ---------------------------------------- */
 
 /*
- * Compute the factors c_1 and c_2 of the lengths along the directions of principal curvature at the
- * height of a sample, over those on the reference surface.
+ * Compute the factors c_1 and c_2 at a sample height: lengths along the two directions of principal
+ * curvature at this height relative to lengths on the reference surface.
  */
 static void stretches(const stress_field *field, const stencil *stencil, int sample, double c[2])
 {
@@ -187,9 +190,11 @@ static void stretches(const stress_field *field, const stencil *stencil, int sam
 }
 
 /*
- * Integrate a rate over the thickness, from 0 at the inner face of the package. The integral is
- * exact where the rate is quadratic within each layer. An absent layer leaves the integral
- * unchanged. rate, sum [samples] in and out
+ * Integrate values at the sample heights over the thickness of the package of layers, starting with
+ * 0 at its inner face. The integral is exact where the values are quadratic within each layer. A
+ * layer that is absent in the element adds nothing.
+ *   rate [samples] in   values to be integrated
+ *   sum  [samples] out  integral from the inner face to each sample height
  */
 static void integrate(const stress_field *field, int element, const double *rate, double *sum)
 {
@@ -207,8 +212,9 @@ static void integrate(const stress_field *field, int element, const double *rate
 }
 
 /*
- * Compute the profile of the transverse shear stresses that is in equilibrium with a gradient of
- * the in-plane stresses and is 0 at the inner face.
+ * Compute the transverse shear stresses, scaled as in the type `profile`, that are in equilibrium
+ * with a given gradient of the in-plane stresses and vanish at the inner face of the package of
+ * layers.
  */
 static void balance(const stress_field *field, const stencil *stencil, gradient slope, profile out)
 {
@@ -229,7 +235,7 @@ static void balance(const stress_field *field, const stencil *stencil, gradient 
 
 /*
  * Compute the two values of a profile of transverse shear stresses at the outer face of the package
- * (left[0], left[1]) and its two shear resultants (left[2], left[3]; N/m).
+ * of layers (left[0], left[1]; Pa) and its two shear resultants (left[2], left[3]; N/m).
  */
 static void resultants_of(const stress_field *field, const stencil *stencil, profile values,
                           double left[4])
@@ -275,9 +281,9 @@ static void fit_gradient(const stress_field *field, const stencil *stencil, grad
 }
 
 /*
- * Compute the in-plane stresses 11, 22 and 12 of a ply at height z, free of normal stress 33, under
- * membrane strains and curvatures of the package. bent [6] in  strains 11 22 12, then curvatures 11
- * 22 12
+ * Compute the in-plane stresses 11, 22 and 12 of a ply at height z from the membrane strains and
+ * curvatures of the package of layers. The normal stress 33 is zero.
+ *   bent [6] in  membrane strains 11 22 12, then curvatures 11 22 12 (1/m)
  */
 static void plane_stress(const laminate_ply *ply, const double bent[6], double z, double stress[3])
 {
@@ -292,9 +298,10 @@ static void plane_stress(const laminate_ply *ply, const double bent[6], double z
 }
 
 /*
- * Compute the gradient of the in-plane stresses that belongs to a unit gradient of a force or a
- * moment of the package along its own direction. flex [6][6] in  strains and curvatures of the
- * package per force and moment pattern     in  0 or 1: force 11 or 22; 2 or 3: moment 11 or 22
+ * Compute the gradient of the in-plane stresses that a unit gradient of one force or moment of the
+ * package of layers causes along the direction of this force or moment.
+ *   flex [6][6]  in  membrane strains and curvatures of the package per unit of force and moment
+ *   pattern      in  0 or 1: normal force 11 or 22; 2 or 3: bending moment 11 or 22
  */
 static void unit_gradient(const stress_field *field, const stencil *stencil, double flex[6][6],
                           int pattern, gradient slope)
@@ -335,8 +342,8 @@ void stress_shear_resultants(const stress_field *field, int element, double shea
 }
 
 /*
- * Compute the membrane strains and curvatures of an element's plies per unit of force and moment of
- * the package. Returns 0, or -1 if the plies have no bending stiffness.
+ * Compute the membrane strains and curvatures that a unit of each force and moment causes in the
+ * plies of an element. Returns 0, or -1 if the plies have no bending stiffness.
  */
 static int flexure_of(const stress_field *field, int element, double flex[6][6])
 {
@@ -353,8 +360,9 @@ static int flexure_of(const stress_field *field, int element, double flex[6][6])
 
 /*
  * Solve a system of linear equations by elimination with row exchanges.
- *   matrix [PATTERNS][PATTERNS + 1] in/out  coefficients, and the right-hand side as last column
- *   x      [PATTERNS]               out
+ *   matrix [PATTERNS][PATTERNS + 1] in/out  coefficients, with the right-hand side as the last
+ *       column
+ *   x      [PATTERNS]               out     solution
  * Returns 0, or -1 if the matrix is singular.
  */
 static int solve_system(double matrix[PATTERNS][PATTERNS + 1], double x[PATTERNS])
@@ -381,9 +389,10 @@ static int solve_system(double matrix[PATTERNS][PATTERNS + 1], double x[PATTERNS
 }
 
 /*
- * Add gradients of the two forces and of the two moments of the package to a profile of transverse
- * shear stresses, of such sizes that the profile vanishes at the outer face and has the shear
- * resultants of the element. Returns 0, or -1 if the plies cannot carry the shear.
+ * Correct a profile of transverse shear stresses by adding gradients of the two normal forces and
+ * of the two bending moments of the package of layers. After the correction the profile vanishes at
+ * the outer face and has the shear resultants of the element. Returns 0, or -1 if the plies cannot
+ * carry the shear.
  */
 static int correct(const stress_field *field, const stencil *stencil, profile values)
 {
@@ -454,9 +463,9 @@ static void turn_vector(const double vector[2], double angle, double turned[2])
 }
 
 /*
- * Compute the rate at which c_1 c_2 s_33 changes along the thickness at each sample height (Pa/m);
- * s_33 is the normal stress 33, and c_a the length along direction a over that on the reference
- * surface.
+ * Compute the derivative of c_1 c_2 s_33 along the thickness at each sample height (Pa/m). Here
+ * s_33 is the normal stress 33, and c_a is a length along direction a at the sample height relative
+ * to the reference surface.
  */
 static void normal_rate(const stress_field *field, const stencil *stencil, double *rate)
 {
@@ -479,8 +488,8 @@ static void normal_rate(const stress_field *field, const stencil *stencil, doubl
 }
 
 /*
- * Compute the mean of values at the sample heights over the thickness of the plies that are present
- * in an element.
+ * Return the mean, over the thickness of the plies that are present in an element, of values given
+ * at the sample heights.
  */
 static double mean_of(const stress_field *field, int element, const double *value)
 {

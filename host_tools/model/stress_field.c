@@ -38,8 +38,8 @@ double stress_height(const stress_field *field, int layer, int height)
 /* ---- axes --------------------------------------------------------------- */
 
 /*
- * Compute the unit vector along direction 1 (a = 0) or 2 (a = 1) of an element from the positions
- * of its corners.
+ * Compute the unit vector along direction 1 (a = 0) or direction 2 (a = 1) of an element, which
+ * connects the midpoints of two opposite sides.
  */
 static void chord_of(const mesh *mesh, int element, int a, double unit[3])
 {
@@ -53,8 +53,8 @@ static void chord_of(const mesh *mesh, int element, int a, double unit[3])
 }
 
 /*
- * Compute the shell axes of an element of a general mesh from its two directions, whose components
- * in these axes are known (natural_base.h).
+ * Compute the shell axes of an element of a general mesh from the element's two directions. The
+ * components of these directions in the shell axes are stored with the element (natural_base.h).
  */
 static void general_axes(const mesh *mesh, int element, double axis[3][3])
 {
@@ -71,8 +71,8 @@ static void general_axes(const mesh *mesh, int element, double axis[3][3])
 }
 
 /*
- * Compute the shell axes of an element along lines of curvature: its two directions, turned by
- * equal and opposite small angles so that they are orthogonal.
+ * Compute the shell axes of an element whose sides follow lines of curvature: the element's two
+ * directions, turned by equal and opposite small angles so that they become orthogonal.
  */
 static void line_axes(const mesh *mesh, int element, double axis[3][3])
 {
@@ -115,8 +115,10 @@ static void gather(const mesh *mesh, int element, const double *displacement, do
 /* ---- prescribed fields ------------------------------------------------------ */
 
 /*
- * Add the voltages that the patches of one drive have in an element to the voltages of its layers
- * (voltage [layers] in/out, V).
+ * Add the voltages that an actuator or sensor applies in an element through one grid of patches.
+ *   value   in      voltages of the electrodes of the actuator or sensor (V)
+ *   part    work    [most_parts]
+ *   voltage in/out  [layers] voltages of the layers of the element (V)
  */
 static void add_drive(const stress_field *field, int element, const scene_drive *drive,
                       const double *value, design_part *part, double *voltage)
@@ -128,10 +130,10 @@ static void add_drive(const stress_field *field, int element, const scene_drive 
 }
 
 /*
- * Add the voltages that the electrodes of actuators or sensors have in an element to the voltages
- * of its layers. value   [electrodes] in      voltages of the electrodes of all these actuators or
- * sensors (V) part    [most_parts] work voltage [layers]     in/out  voltages of the layers of the
- * element (V)
+ * Add the voltages that the electrodes of actuators or sensors apply in an element.
+ *   value   [electrodes] in      voltages of the electrodes of all these actuators or sensors (V)
+ *   part    [most_parts] work
+ *   voltage [layers]     in/out  voltages of the layers of the element (V)
  */
 static void add_electrodes(const stress_field *field, int element, const scene_actuator *actuator,
                            int count, const double *value, design_part *part, double *voltage)
@@ -143,8 +145,8 @@ static void add_electrodes(const stress_field *field, int element, const scene_a
 }
 
 /*
- * Add the temperatures of the inner and of the outer face of the package under all temperature
- * inputs and temperature loads (temperature [2] in/out, K).
+ * Add the temperatures that all temperature inputs and temperature loads cause on the inner and on
+ * the outer face of the package of layers (temperature [2] in/out, K).
  */
 static void add_temperatures(const stress_state *state, double temperature[2])
 {
@@ -163,8 +165,8 @@ static void add_temperatures(const stress_state *state, double temperature[2])
 }
 
 /*
- * Return the largest number of electrodes of one grid of patches that cover parts of the same
- * element.
+ * Return the largest number of electrodes of one grid of patches that lie, at least in part, on the
+ * same element.
  */
 static int most_parts(const design *design)
 {
@@ -196,8 +198,8 @@ static int fill_voltages(stress_field *field)
 /* ---- element states --------------------------------------------------------- */
 
 /*
- * Add the prescribed resultants of a field in an element, multiplied by a factor, to a sum of
- * resultants times the area of the element (resultant [10] in/out).
+ * Add the stress resultants that voltages or temperatures prescribe in an element, multiplied by a
+ * factor and by the area of the element (resultant [10] in/out).
  */
 static void add_prescribed(const mesh *mesh, int element, const laminate_field *given,
                            double factor, double resultant[10])
@@ -209,8 +211,9 @@ static void add_prescribed(const mesh *mesh, int element, const laminate_field *
 }
 
 /*
- * Return the thickness of the plies that are present in an element, in which each height counts by
- * its area over that of the reference surface (m).
+ * Return the total thickness of the plies that are present in an element (m). Each height is
+ * weighted with the area of the surface at this height relative to the area of the reference
+ * surface.
  */
 static double present_thickness(const mesh *mesh, int element)
 {
@@ -229,8 +232,8 @@ static double present_thickness(const mesh *mesh, int element)
 }
 
 /*
- * Compute the stress resultants of an element: the stiffness of the strain mode 00 times the
- * strains, plus the resultants that voltages and temperatures prescribe.
+ * Compute the stress resultants of an element: its stiffness matrix of the constant strains (strain
+ * mode 00) times the strains, plus the resultants that voltages and temperatures prescribe.
  */
 static void fill_resultants(const stress_field *field, int element)
 {
@@ -272,8 +275,8 @@ static void fill_element(const stress_field *field, int element)
 /* ---- plies -------------------------------------------------------------------- */
 
 /*
- * Compute the stress that the voltage and the temperature of a layer prescribe at height z while
- * the strains are zero, in the shell axes (stress [6] out, Pa).
+ * Compute the stress that the voltage and the temperature of a layer cause at height z if all
+ * strains are zero, in the shell axes (stress [6] out, Pa).
  */
 static void prescribed_stress(const stress_field *field, int element, int layer, double z,
                               double stress[6])
@@ -418,7 +421,8 @@ void stress_layer_of(const stress_field *field, int element, int layer, stress_l
 
 bool stress_are_neighbours(const stress_field *field, int first, int second)
 {
-    const double least_cosine = 0.766; /* cosine of 40 degrees, beyond which a fold is assumed */
+    const double least_cosine = 0.766; /* cosine of 40 degrees: two elements whose normals enclose a
+                                          larger angle are separated by a fold */
     const mesh *mesh = &field->state.design->mesh;
     const stress_element *a = &field->element[first], *b = &field->element[second];
     const size_t layers = (size_t)field->layers;
@@ -448,7 +452,10 @@ int stress_neighbours(const stress_field *field, int element, int list[STRESS_NE
     return count;
 }
 
-/* List the elements at each node of the mesh in field->node_element, with field->node_start. */
+/*
+ * Fill the lists of the elements at each node of the mesh: field->node_element with the element
+ * numbers, and field->node_start with the index at which the list of each node begins.
+ */
 static void fill_node_elements(stress_field *field)
 {
     const mesh *mesh = &field->state.design->mesh;

@@ -2,13 +2,14 @@
 /*
  * Stresses and strains of a solved structure, recovered from its displacement on the host.
  *
- * Strains and in-plane stresses are those of the element at its centre. The in-plane strains vary
- * linearly through the package (exactly in the metric of the shell). With the element option lin33
- * each ply thickens freely under one normal stress s; without the option the thickness strain is
- * linear, too. The transverse shear stresses and the normal stress 33 follow from the equilibrium
- * of the in-plane stresses through the thickness (stress_equilibrium.c). At large rotation the
- * strains are those of Green and Lagrange and the stresses the second ones of Piola and Kirchhoff,
- * in the directions of the undeformed shell.
+ * Strains and in-plane stresses are those at the centre of each element. The in-plane strains vary
+ * linearly through the thickness; on a curved shell, the different lengths at each height are taken
+ * into account exactly. With the element option lin33 the thickness strain of each ply follows from
+ * one normal stress 33 that all plies share; without this option the thickness strain is linear
+ * through the thickness, too. The transverse shear stresses and the normal stress 33 follow from
+ * the equilibrium of the in-plane stresses through the thickness (stress_equilibrium.c). At large
+ * rotations the strains are those of Green and Lagrange and the stresses are the second
+ * Piola-Kirchhoff stresses, in the directions of the undeformed shell.
  */
 #ifndef STRESS_FIELD_H
 #define STRESS_FIELD_H
@@ -51,7 +52,7 @@ typedef struct stress_element {
     double temperature[2]; /* temperatures of the inner and of the outer face of the package (K) */
 } stress_element;
 
-/* Stress and strain at one height of a layer, in the axes of the layer's material. */
+/* Stress and strain at one height of a layer, in the material axes of the layer. */
 typedef struct stress_point {
     double strain[STRESS_COMPONENTS]; /* engineering strains in Voigt order (1) */
     double stress[STRESS_COMPONENTS]; /* stresses in Voigt order (Pa) */
@@ -65,40 +66,42 @@ typedef struct stress_layer {
 } stress_layer;
 
 /*
- * Stresses at one height of a layer in the shell axes: in-plane stresses 11 22 12, transverse shear
- * stresses 13 23, normal stress 33 (Pa).
+ * Stresses at one height of a layer in the shell axes of the element: in-plane stresses 11 22 12,
+ * transverse shear stresses 13 23, normal stress 33 (Pa).
  */
 typedef struct stress_sample {
     double plane[3], shear[2], normal;
 } stress_sample;
 
 /*
- * Recovered stresses of a structure. Neighbours of an element are elements that share a node with
- * it, have equal plies under equal voltages, and lie in about the same plane. Gradients, and
- * averages at nodes, are formed among neighbours alone.
+ * Recovered stresses of a structure. Two elements are neighbours if they share a node, have equal
+ * plies under equal voltages, and no fold lies between them. Gradients of stresses, and averages at
+ * nodes, are formed only among neighbours.
  */
 typedef struct stress_field {
     stress_state state;
     int elements, layers;
     stress_element *element; /* [elements] state of each element at its centre */
-    double *voltage; /* [elements][layers] voltage across each layer (V), multiplied by the part of
-                        the element that the electrode covers */
+    double *voltage; /* [elements][layers] voltage across each layer (V), multiplied by the fraction
+                        of the element that the electrode covers */
     stress_sample *sample; /* [elements][layers][STRESS_HEIGHTS] stresses in the shell axes; zero in
                               layers that are absent in the element */
-    int *node_start;       /* [nodes + 1] index of the first entry of each node in node_element */
-    int *node_element; /* numbers of the elements that have each node as a corner, one node after
-                          the other */
+    int *node_start; /* [nodes + 1] index in node_element at which the list of elements of each node
+                        begins */
+    int *node_element; /* numbers of the elements that have a node as a corner: the list of node 0,
+                          then that of node 1, and so on */
 } stress_field;
 
 /*
- * Compute the states of all elements and the in-plane stresses of their layers; the transverse
- * stresses of the samples are not filled. The design and the arrays of the state must outlive the
- * field. Returns 0, or -1 if memory runs out; the field must be freed in both cases.
+ * Compute the states of all elements and the in-plane stresses of their layers. The transverse
+ * shear stresses and the normal stress 33 are left to stress_equilibrium. The field refers to the
+ * design and to the arrays of the state, which must remain valid until the field is freed. Returns
+ * 0, or -1 if memory runs out; the field must be freed in both cases.
  */
 int stress_field_fill(stress_field *field, const stress_state *state);
 void stress_free(stress_field *field);
 
-/* Whether a layer is present in an element. */
+/* Return whether a layer is present in an element. */
 bool stress_is_present(const stress_field *field, int element, int layer);
 
 /*
@@ -120,16 +123,18 @@ double stress_height(const stress_field *field, int layer, int height);
 bool stress_are_neighbours(const stress_field *field, int first, int second);
 
 /*
- * List the neighbours of an element (as stress_are_neighbours tells), without the element itself.
- *   list [STRESS_NEIGHBOURS] out  numbers of the neighbours
+ * List the neighbours of an element: the elements that share a node with it, have equal plies under
+ * equal voltages, and are not separated from it by a fold.
+ *   list [STRESS_NEIGHBOURS] out  numbers of the neighbouring elements
  * Returns the number of neighbours.
  */
 enum { STRESS_NEIGHBOURS = 64 };
 int stress_neighbours(const stress_field *field, int element, int list[STRESS_NEIGHBOURS]);
 
 /*
- * Compute the centre of an element, the mean of its corners, and its shell axes 1, 2 and 3 (rows of
- * axis).
+ * Compute the centre of an element, which is the mean of its corners, and its shell axes.
+ *   place [3]    out  centre of the element
+ *   axis  [3][3] out  unit vectors of the shell axes 1, 2 and 3 as rows
  */
 void stress_axes(const mesh *mesh, int element, double place[3], double axis[3][3]);
 

@@ -4,7 +4,10 @@
 #include "strain.h"
 #include "stress_summary.h"
 
-/* Return the value of an output of a stress in one element. */
+/*
+ * Return the value that an output of the scene has in one element; the output is a stress component
+ * or the von Mises stress of a layer (Pa).
+ */
 static double stress_in(const stress_field *field, const scene_output *output, int element)
 {
     stress_layer layer;
@@ -15,7 +18,8 @@ static double stress_in(const stress_field *field, const scene_output *output, i
 }
 
 /*
- * Return the value of an output of a strain or stress at a node, in the solved state of the field.
+ * Return the value of an output of the scene that is a strain or stress at a node: the mean over
+ * the elements at the node that contain the layer of the output, weighted with their areas.
  */
 static double value_at(const stress_field *field, const scene_output *output, int node)
 {

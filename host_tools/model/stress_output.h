@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Outputs of a scene that are strains or stresses at nodes: the mean over those elements at a node
- * in which the layer is present, weighted with their areas.
+ * Outputs of a scene that are strains or stresses at nodes. The value at a node is the mean over
+ * the elements at the node in which the layer of the output is present, weighted with the areas of
+ * the elements.
  */
 #ifndef STRESS_OUTPUT_H
 #define STRESS_OUTPUT_H
@@ -9,8 +10,9 @@
 #include "stress.h"
 
 /*
- * Compute the values of all outputs of strains and stresses in a solved state.
- *   value [entries of design.place_node] in/out  values of the other outputs are left unchanged
+ * Compute the values of all outputs of a scene that are strains or stresses, for a solved state.
+ *   value in/out  one value for each node of each output, in the order of design.place_node; values
+ *       of outputs of other types are left unchanged
  * Returns 0, or -1 if memory runs out.
  */
 int stress_outputs(const stress_state *state, double *value);

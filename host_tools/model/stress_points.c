@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Averages at nodes that do not cross borders of patches or folds (stress_points.h). */
+/*
+ * Averages of element values at nodes, formed separately on each side of a patch border or of a
+ * fold (stress_points.h).
+ */
 #include "stress_points.h"
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +13,7 @@ static double area_of(const stress_field *field, int element)
     return mesh->place[mesh->element_type[element]].area;
 }
 
-/* Set the number of the point that an element has at one of its nodes. */
+/* Store the number of the averaging point to which an element belongs at one of its nodes. */
 static void set_point(stress_points *points, const stress_field *field, int element, int node,
                       int point)
 {
@@ -21,8 +24,8 @@ static void set_point(stress_points *points, const stress_field *field, int elem
 }
 
 /*
- * Return the number of the point that an element has at one of its nodes, or -1 if the element has
- * none there yet.
+ * Return the number of the averaging point to which an element belongs at one of its nodes, or -1
+ * if the element has not been assigned to a point at this node yet.
  */
 static int point_of(const stress_points *points, const stress_field *field, int element, int node)
 {
@@ -34,8 +37,8 @@ static int point_of(const stress_points *points, const stress_field *field, int 
 }
 
 /*
- * Give the elements at a node their points: one point for each group of elements that are
- * neighbours of each other.
+ * Assign the elements at a node to averaging points: one point for each group of elements that are
+ * connected as neighbours (equal plies, equal voltages, no fold).
  */
 static void split_node(stress_points *points, const stress_field *field, int node)
 {

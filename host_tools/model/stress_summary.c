@@ -57,8 +57,8 @@ bool stress_load(const stress_field *field, double *value)
 }
 
 /*
- * Store a value and its place if no value is stored yet, or if `order` times the value exceeds
- * `order` times the stored one: order 1 keeps the largest value, order -1 the smallest.
+ * Store a value and its place in an extreme, if the extreme is empty or the value is more extreme
+ * than the stored one: larger for order = 1, smaller for order = -1.
  */
 static void keep(stress_extreme *extreme, double order, double value, stress_extreme place)
 {
@@ -69,8 +69,8 @@ static void keep(stress_extreme *extreme, double order, double value, stress_ext
 }
 
 /*
- * Store a value and its place if no value is stored yet, or if the magnitude of the value exceeds
- * that of the stored one.
+ * Store a value and its place in an extreme, if the extreme is empty or the magnitude of the value
+ * exceeds the magnitude of the stored value.
  */
 static void keep_larger(stress_extreme *extreme, double value, stress_extreme place)
 {

@@ -8,36 +8,43 @@
 #include <string.h>
 
 /*
- * Duration of a pulse: number of periods of the first mode, and fewest and most ticks. Six periods
- * leave a margin of 10 % for the natural frequency.
+ * Duration of a test pulse: number of periods of the first vibration mode, and smallest and largest
+ * number of ticks. Six periods allow for an error of 10 % in the natural frequency.
  */
 static const double periods = 6, fewest_ticks = 64, most_ticks = 60000;
 
 /*
- * Part of a limit that a pulse uses at most, because limits are rounded inwards in single
- * precision.
+ * Fraction of the voltage range and of the step limit of an amplifier that a test pulse uses at
+ * most. The fraction is below 1 because the tables hold the limits in single precision, rounded
+ * inwards.
  */
 static const double margin = 0.99;
 
-/* Largest plausible noise of a sensor, as a multiple of the noise that the scene states. */
+/*
+ * Noise of a sensor above which the self-test reports the sensor as too noisy, as a multiple of the
+ * noise that the scene states.
+ */
 static const double noise_margin = 5;
 
 /*
- * Least plausible noise of a sensor, relative to the root mean square response of all sensors to a
- * pulse: the noise of a scene that states none.
+ * Smallest noise above which the self-test reports a sensor as too noisy, relative to the root mean
+ * square response of all sensors to a test pulse; needed where the scene states little or no noise.
  */
 static const double least_noise = 0.02;
 
 /* ---- tables ----------------------------------------------------------- */
 
-/* Height of the pulse of an amplifier (V); 0 where its voltage cannot change. */
+/*
+ * Return the height of the test pulse of an amplifier (V); 0 if the amplifier cannot change its
+ * voltage.
+ */
 static double height_of(const design *design, int amplifier, double amplitude)
 {
     const double range = design->upper[amplifier] - design->lower[amplifier];
     return design->step_limit[amplifier] > 0 ? fmin(amplitude, margin * range / 2) : 0;
 }
 
-/* Duration of a pulse (ticks). */
+/* Return the duration of a test pulse (ticks). */
 static uint16_t window_of(const analysis *analysis, const double *height)
 {
     const design *design = &analysis->design;
@@ -54,7 +61,7 @@ static uint16_t window_of(const analysis *analysis, const double *height)
     return (uint16_t)fmin(ceil(ticks), most_ticks);
 }
 
-/* Noise of each sensor that the scene states, in the unit of the sensor. */
+/* List the noise that the scene states for each sensor, in the unit of the sensor's reading. */
 static void list_noise(const design *design, const estimator *estimator, size_t sensors,
                        double *noise)
 {
@@ -69,7 +76,10 @@ static void list_noise(const design *design, const estimator *estimator, size_t 
     }
 }
 
-/* Root mean square response of all sensors to a pulse of 1 V, in units of each sensor's scale. */
+/*
+ * Return the root mean square, over all sensors and amplifiers, of the response of a sensor to 1 V
+ * at an amplifier. Each response is multiplied by the scale of its sensor.
+ */
 static double mean_response(const pzs_selftest_tables *tables, const double *direct,
                             const double *scale)
 {
@@ -82,8 +92,10 @@ static double mean_response(const pzs_selftest_tables *tables, const double *dir
 }
 
 /*
- * Set the scales of the sensors, so that the mean square of all scaled responses to 1 V is 1, and
- * the largest plausible noise. Sensors of different units are compared by their noise.
+ * Set the scale of each sensor, so that the mean square of all scaled responses to 1 V is 1, and
+ * the noise above which a sensor is reported as too noisy. The scales are inversely proportional to
+ * the noise of the sensors where the scene states it, so that sensors with different units can be
+ * compared.
  */
 static void set_scales(const pzs_selftest_tables *tables, const double *direct, double amplitude,
                        double *scale, double *noise)
@@ -145,7 +157,7 @@ uint32_t wiring_test_ticks(const wiring_test *test)
     return PZS_SELFTEST_TICKS(tables->inputs, tables->sensors, tables->pulse_ticks, tables->delay);
 }
 
-/* ---- texts ------------------------------------------------------------ */
+/* Append formatted text to a text; text that does not fit into the array is cut off. */
 
 /* Append formatted text to a text, as far as there is room. */
 static void append(char text[SCENE_ERROR], const char *format, ...)
@@ -169,7 +181,10 @@ void wiring_test_text(const wiring_test *test, const analysis *analysis, char te
         append(text, " (%.3g s)", ticks / rate);
 }
 
-/* Describe the finding about one amplifier or sensor; `other` is the name of a swapped one. */
+/*
+ * Append what the self-test found about one amplifier or sensor to a text; `other` is the name of
+ * the amplifier or sensor with which this one is exchanged.
+ */
 static void append_finding(char text[SCENE_ERROR], const char *name, const pzs_wiring *finding,
                            const char *other)
 {
@@ -184,7 +199,7 @@ static void append_finding(char text[SCENE_ERROR], const char *name, const pzs_w
         append(text, " %.3g", finding->gain);
 }
 
-/* Append the findings about the amplifiers. */
+/* Append what the self-test found about each amplifier to a text. */
 static void append_amplifiers(const pzs_selftest *selftest, const design *design,
                               char text[SCENE_ERROR])
 {

@@ -10,37 +10,38 @@
 #include "estimator.h"
 
 typedef struct wiring_test {
-    bool is_used;   /* true where the scene has a self-test; otherwise all other members are zero */
-    double *memory; /* one allocation that holds all arrays of the tables */
+    bool is_used; /* true if the scene asks for a self-test; otherwise all other members are zero */
+    double *memory; /* memory for all arrays of the self-test tables, in one allocation */
     pzs_selftest_tables tables;
 } wiring_test;
 
 /*
- * Make the tables of the self-test. A pulse lasts as long as the scene says, otherwise six periods
- * of the first mode where the natural frequencies are known, and at least as long as its height and
- * the step limits require.
- *   analysis  in  after design_control, and after certificate_make where the modes matter; must
- *       outlive the self-test
- *   estimator in  estimator of the controller; must outlive the self-test; NULL: every target node
- *       is measured
+ * Make the tables of the self-test of amplifiers, cables and sensors. A test pulse lasts as long as
+ * the scene says. If the scene gives no duration, the pulse lasts six periods of the first
+ * vibration mode, where the natural frequencies are known. In any case it lasts long enough for its
+ * height under the step limits of the amplifiers.
+ *   analysis  in  analysis after design_control, and after certificate_make if the natural
+ *       frequencies are to be used; must outlive the self-test
+ *   estimator in  estimator of the controller, which must outlive the self-test; NULL: every target
+ *       node is measured
  * Returns whether memory was available; call wiring_test_close in either case.
  */
 bool wiring_test_open(wiring_test *test, const analysis *analysis, const estimator *estimator);
 void wiring_test_close(wiring_test *test);
 
-/* Number of ticks of the self-test. */
+/* Return the duration of the whole self-test (ticks). */
 uint32_t wiring_test_ticks(const wiring_test *test);
 
 /*
- * Describe the self-test in one line: its duration, and the amplifiers whose responses are too
- * small beside the noise that the scene states.
+ * Describe the self-test in one line of text: height of the test pulses, duration of each pulse and
+ * duration of the whole test.
  */
 void wiring_test_text(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR]);
 
 /*
- * List the findings of a self-test as text, separated by semicolons; the text is empty where there
- * are none.
- *   selftest in  self-test on the host, at its end
+ * List what a self-test has found as text, separated by semicolons; the text is empty if nothing
+ * was found.
+ *   selftest in  self-test that has run to its end on the host
  */
 void wiring_test_findings(const pzs_selftest *selftest, const analysis *analysis,
                           char text[SCENE_ERROR]);

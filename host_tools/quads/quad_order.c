@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Order of the nodes that gives the factor of the stiffness matrix a small envelope (quad_steps.h):
- * the best of the orders of the algorithm of Cuthill and McKee, started from a node or from all
- * nodes on one side of the mesh, and of Sloan's algorithm, and of the reverse of each of these
- * orders.
+ * Numbering of the mesh nodes that gives the factor of the stiffness matrix a small envelope
+ * (quad_steps.h). Three types of orders are compared, each also reversed, and the best one is kept:
+ * orders of the algorithm of Cuthill and McKee from a single node; orders of this algorithm from
+ * all nodes on one side of the mesh; and orders of Sloan's algorithm.
  */
 #include "quad_graph.h"
 #include "quad_steps.h"
@@ -17,7 +17,7 @@ static uint32_t valence(const quad_graph *graph, uint32_t node)
     return graph->start[node + 1] - graph->start[node];
 }
 
-/* Move the last node of a list forward until no node before it has more neighbours. */
+/* Move the last node of a list forward until no node before this node has more neighbours. */
 static void sift(const quad_graph *graph, uint32_t *list, size_t count)
 {
     for (size_t i = count - 1; i > 0; i--) {
@@ -30,11 +30,11 @@ static void sift(const quad_graph *graph, uint32_t *list, size_t count)
 }
 
 /*
- * List all nodes in levels: level 0 consists of the first `count` nodes of the order, and each
- * further level of the new neighbours of the level before. Among the neighbours of a node, those
- * with fewer neighbours of their own come first.
- *   order  [nodes] in/out  the first `count` nodes in, all nodes out
- *   level  [nodes] work
+ * List all nodes of the mesh by levels. Level 0 consists of the first `count` nodes of `order`.
+ * Each further level consists of the neighbours of the previous level that are not listed yet.
+ * Among the neighbours of a node, those with fewer neighbours come first.
+ *   order [nodes] in/out  first `count` nodes in, all nodes out
+ *   level [nodes] out     level of each node
  * Returns the number of levels.
  */
 static uint32_t list_levels(const quad_graph *graph, size_t count, uint32_t *order, uint32_t *level)
@@ -58,7 +58,10 @@ static uint32_t list_levels(const quad_graph *graph, size_t count, uint32_t *ord
     return level[order[count - 1]] + 1;
 }
 
-/* Return the node with the fewest neighbours among those in the last level of an order. */
+/*
+ * Return the node with the fewest neighbours in the last level of an order that list_levels has
+ * made.
+ */
 static uint32_t end_node(const quad_graph *graph, const uint32_t *order, const uint32_t *level)
 {
     const uint32_t last = order[graph->nodes - 1];
@@ -70,8 +73,8 @@ static uint32_t end_node(const quad_graph *graph, const uint32_t *order, const u
 }
 
 /*
- * Find an order that starts from a node at an end of the mesh: the search moves on to the farthest
- * node as long as the number of levels grows.
+ * Find an order of the nodes by levels that starts from a node at an end of the mesh. The search
+ * for this node moves to a node of the last level as long as this increases the number of levels.
  */
 static void order_from_node(const quad_graph *graph, uint32_t *order, uint32_t *level)
 {
@@ -113,8 +116,9 @@ static void find_range(const quad_mesh *mesh, int axis, double range[2])
 }
 
 /*
- * Find an order that starts from all nodes at the lower end of the mesh along a global axis, sorted
- * along the longer one of the other two axes.
+ * Find an order of the nodes by levels that starts from all nodes with the lowest coordinate along
+ * a global axis. These nodes are sorted along that one of the other two axes in which the mesh is
+ * longer.
  */
 static void order_from_side(const quad_mesh *mesh, const quad_graph *graph, int axis,
                             uint32_t *order, uint32_t *level)
@@ -139,14 +143,16 @@ static void order_from_side(const quad_mesh *mesh, const quad_graph *graph, int 
     list_levels(graph, count, order, level);
 }
 
-/* Search for the order of the nodes with the smallest envelope. */
+/* Search for the node order whose envelope of the stiffness matrix is smallest. */
 typedef struct search {
     const quad_graph *graph;
-    uint32_t *best;    /* [nodes] best order so far */
-    uint32_t *other;   /* [nodes] another order, to be compared with the best one */
-    uint32_t *level;   /* [nodes] number of elements between each node and the start of an order */
+    uint32_t *best;    /* [nodes] best node order found so far */
+    uint32_t *other;   /* [nodes] another node order, to be compared with the best one */
+    uint32_t *level;   /* [nodes] distance of each node from the start of a node order, counted in
+                          elements */
     uint32_t *place;   /* [nodes] work array */
-    uint64_t envelope; /* envelope of the best order; UINT64_MAX: there is none yet */
+    uint64_t envelope; /* size of the envelope of the best node order; UINT64_MAX: no order has been
+                          found yet */
 } search;
 
 static void reverse(uint32_t *order, size_t count)
@@ -158,7 +164,9 @@ static void reverse(uint32_t *order, size_t count)
     }
 }
 
-/* Keep the other order of a search if it is better than the best one. */
+/*
+ * Replace the best node order of a search by the other one if the other one has a smaller envelope.
+ */
 static void compare(search *search)
 {
     const uint64_t envelope = quad_envelope(search->graph, search->other, search->place);
@@ -168,7 +176,7 @@ static void compare(search *search)
     memcpy(search->best, search->other, search->graph->nodes * sizeof *search->best);
 }
 
-/* Compare the other order of a search and its reverse with the best one. */
+/* Compare the other node order of a search, and its reverse, with the best one. */
 static void compare_both(search *search)
 {
     compare(search);
@@ -176,7 +184,10 @@ static void compare_both(search *search)
     compare(search);
 }
 
-/* Compare the orders of the reverse Cuthill-McKee algorithm. */
+/*
+ * Compare the node orders of the algorithm of Cuthill and McKee with the best order: one from a
+ * node at an end of the mesh, and three from the nodes on one side of the mesh.
+ */
 static void try_levels(search *search, const quad_mesh *mesh)
 {
     order_from_node(search->graph, search->other, search->level);
@@ -204,9 +215,9 @@ static int try_sloan(search *search, uint32_t first)
 }
 
 /*
- * Fill the levels of a search with the distance of each node from the lower end of the mesh along a
- * global axis, in mean lengths of the elements' sides, at most the number of nodes. Returns the
- * node at the upper end.
+ * Set the level of each node to its distance from the lower end of the mesh along a global axis,
+ * counted in mean side lengths of the elements and at most the number of nodes. Returns the node at
+ * the upper end.
  */
 static uint32_t measure_levels(const search *search, const quad_mesh *mesh, int axis)
 {
@@ -224,8 +235,9 @@ static uint32_t measure_levels(const search *search, const quad_mesh *mesh, int 
 }
 
 /*
- * Compare orders of Sloan's algorithm between the two ends of the mesh, as its graph or as the
- * global axes show them. Returns 0, or -1 when memory runs out.
+ * Compare node orders of Sloan's algorithm between two opposite ends of the mesh with the best
+ * order. The ends are those of the longest search by levels, then the lowest and highest nodes
+ * along each global axis. Returns 0, or -1 when memory runs out.
  */
 static int try_fronts(search *search, const quad_mesh *mesh)
 {
@@ -250,8 +262,10 @@ int quad_renumber(quad_mesh *mesh)
     if (search.best && search.other && search.level && search.place &&
         quad_graph_make(&graph, mesh) == 0) {
         try_levels(&search, mesh);
-        search.envelope -= search.envelope / 50; /* an order of equal widths that is 2 % larger
-                                                    takes no longer to factor */
+        search.envelope -= search.envelope / 50; /* an order of Sloan's algorithm must have an
+                                                    envelope at least 2 % smaller to be chosen,
+                                                    because the rows of the other orders have more
+                                                    uniform lengths and are factored faster */
         status = try_fronts(&search, mesh);
     }
     quad_graph_free(&graph);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Order of the nodes of a mesh by the algorithm of S. W. Sloan (Int. J. Numer. Meth. Engng. 23,
- * 1986, 239-251), which keeps the front small: the nodes without a number that have a neighbour
- * with a number (quad_graph.h).
+ * Numbering of the nodes of a mesh by the algorithm of S. W. Sloan (Int. J. Numer. Meth. Engng. 23,
+ * 1986, 239-251). The algorithm keeps the front small, which is the set of the nodes that have no
+ * number yet but have a neighbour with a number (quad_graph.h).
  */
 #include "quad_graph.h"
 
@@ -10,21 +10,23 @@
 #include <stdlib.h>
 
 /*
- * State of a node. NEAR_FRONT: the node waits for a number, but none of its neighbours has a number
- * yet. IN_FRONT: the node waits for a number, and a neighbour has one.
+ * State of a node. UNSEEN: the node is not a candidate for the next number yet. NEAR_FRONT: the
+ * node is a candidate, but none of its neighbours has a number. IN_FRONT: the node is a candidate,
+ * and a neighbour has a number. NUMBERED: the node has its number.
  */
 typedef enum node_state { UNSEEN, NEAR_FRONT, IN_FRONT, NUMBERED } node_state;
 
 typedef struct sloan {
     const quad_graph *graph;
-    int64_t *priority; /* [nodes] the waiting node of the highest priority gets the next number */
-    node_state *state; /* [nodes] state of each node */
-    uint32_t *waiting; /* [nodes] nodes near the front or in it, as a binary heap: the priority at
-                          index i is not below those at 2 i + 1 and 2 i + 2 */
-    uint32_t *slot;    /* [nodes] index of each waiting node in the heap */
-    uint32_t count;    /* number of waiting nodes */
-    int64_t growth_weight; /* what the priority of a node gains when its number would add one
-                              neighbour less to the front */
+    int64_t *priority; /* [nodes] priority of each node; the candidate with the highest priority
+                          gets the next number */
+    node_state *state; /* [nodes] state of each node in the numbering */
+    uint32_t *waiting; /* [nodes] candidates for the next number as a binary heap: the priority at
+                          index i is at least that at the indices 2 i + 1 and 2 i + 2 */
+    uint32_t *slot;    /* [nodes] index of each candidate in the heap `waiting` */
+    uint32_t count;    /* number of candidates for the next number */
+    int64_t growth_weight; /* increase of a node's priority for each node that numbering it would no
+                              longer add to the front */
 } sloan;
 
 /* ---- waiting nodes ------------------------------------------------------ */
@@ -43,7 +45,10 @@ static void swap_slots(sloan *run, uint32_t first, uint32_t second)
     run->slot[run->waiting[second]] = second;
 }
 
-/* Move the node at an index of the heap towards its top, to the place of its priority. */
+/*
+ * Move the node at an index of the heap towards the top until its priority does not exceed that of
+ * the node above.
+ */
 static void lift(sloan *run, uint32_t slot)
 {
     for (; slot > 0 && priority_at(run, slot) > priority_at(run, (slot - 1) / 2);
@@ -51,7 +56,10 @@ static void lift(sloan *run, uint32_t slot)
         swap_slots(run, slot, (slot - 1) / 2);
 }
 
-/* Remove the node of the highest priority from the waiting nodes. Returns this node. */
+/*
+ * Remove the candidate with the highest priority from the heap. Returns the number of this node in
+ * the mesh.
+ */
 static uint32_t take_next(sloan *run)
 {
     const uint32_t node = run->waiting[0];
@@ -75,7 +83,10 @@ static void add_waiting(sloan *run, uint32_t node)
     lift(run, run->count++);
 }
 
-/* Raise the priority of a node, because its number would add one neighbour less to the front. */
+/*
+ * Raise the priority of a node, because numbering this node would now add one node less to the
+ * front.
+ */
 static void raise_priority(sloan *run, uint32_t node)
 {
     run->priority[node] += run->growth_weight;
@@ -87,14 +98,14 @@ static void raise_priority(sloan *run, uint32_t node)
 
 /* ---- front -------------------------------------------------------------- */
 
-/* Raise the priority of a node's neighbours, because the node has come into the front. */
+/* Raise the priority of all neighbours of a node that has just come into the front. */
 static void enter_front(sloan *run, uint32_t node)
 {
     for (uint32_t k = run->graph->start[node]; k < run->graph->start[node + 1]; k++)
         raise_priority(run, run->graph->neighbour[k]);
 }
 
-/* Give a waiting node its number, and bring its neighbours into the front. */
+/* Give the next number to a candidate, and bring its neighbours without a number into the front. */
 static void give_number(sloan *run, uint32_t node)
 {
     const bool was_near = run->state[node] == NEAR_FRONT;

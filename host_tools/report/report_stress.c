@@ -7,8 +7,10 @@
 #include "report_page.h"
 
 /*
- * Average values of the elements at the nodes, weighted with the areas of the elements (load
- * [elements] in, value [nodes] out).
+ * Compute values at nodes as the mean of the values of the elements at each node, weighted with the
+ * areas of the elements.
+ *   load  [elements] in   values of the elements
+ *   value [nodes]    out  values at the nodes
  */
 static void average_load(const stress_field *field, const double *load, double *value)
 {
@@ -79,7 +81,7 @@ static void write_components(const page *page, const stress_summary *summary)
     put_table_end(page->file);
 }
 
-/* Return the value of an extreme, or NAN where the summary has none. */
+/* Return the value of an extreme, or NAN if the extreme has no value. */
 static double value_of(const stress_extreme *found)
 {
     return found->element >= 0 ? found->value : (double)NAN;

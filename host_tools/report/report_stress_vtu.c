@@ -8,23 +8,24 @@
 #include "../text/words.h"
 #include "report.h"
 
-/* A VTK file of stresses under construction. */
+/* Contents of a VTK file of stresses that is being made. */
 typedef struct stress_file {
     const stress_field *field;
     stress_points points;
-    report_array *array; /* [room] arrays of the file */
+    report_array *array; /* [room] arrays of values that the VTK file will contain */
     int arrays, room;
-    char unit[WORDS_UNIT]; /* unit of stresses, in parentheses after a blank; empty if the scene
-                              names no units */
+    char unit[WORDS_UNIT]; /* unit of stresses, in parentheses after a blank; an empty text if the
+                              scene names no units */
     char field_unit[WORDS_UNIT], flux_unit[WORDS_UNIT]; /* units of electric fields and of electric
                                                            displacements, in parentheses */
-    char line_unit[WORDS_UNIT]; /* units of the resultants: of forces, moments and shear forces */
+    char line_unit[WORDS_UNIT]; /* units of the stress resultants: of forces, moments and transverse
+                                   shear forces */
     bool is_full;               /* true after an allocation of memory has failed */
 } stress_file;
 
 /*
- * Begin an array with a name: the text, the name of a layer and that of a height. Returns its
- * values, or NULL if memory runs out.
+ * Begin an array of the VTK file. Its name consists of a text, the name of a layer and the name of
+ * a height. Returns the memory for the values of the array, or NULL if memory runs out.
  */
 static double *add_array(stress_file *out, bool of_cells, int components, const char *text,
                          int layer, const char *height, const char *unit)
@@ -49,7 +50,10 @@ static double *add_array(stress_file *out, bool of_cells, int components, const 
     return array->value;
 }
 
-/* Add an array of the points under the name of the last array: averages of its values in cells. */
+/*
+ * Add an array of values at the points of the VTK file, which are averages of the given values of
+ * its cells. The array has the same name as the last array of cell values.
+ */
 static void add_average(stress_file *out, const double *of_cells)
 {
     const report_array cells = out->array[out->arrays - 1];
@@ -58,7 +62,9 @@ static void add_average(stress_file *out, const double *of_cells)
         stress_points_average(&out->points, out->field, of_cells, cells.components, value);
 }
 
-/* Add the stress or the strain at one height of a layer, in the cells and averaged at the points.
+/*
+ * Add the stresses or the strains at one height of a layer to the VTK file: as values of the cells,
+ * and averaged at the points.
  */
 static void add_height(stress_file *out, int layer, int height, bool is_strain)
 {
@@ -78,7 +84,10 @@ static void add_height(stress_file *out, int layer, int height, bool is_strain)
         add_average(out, value);
 }
 
-/* Add presence, electric field, electric displacement and least reserve factor of a layer. */
+/*
+ * Add four arrays for a layer to the VTK file: presence of the layer in each cell, electric field,
+ * electric displacement and smallest reserve factor.
+ */
 static void add_layer(stress_file *out, int layer)
 {
     const stress_field *field = out->field;
@@ -131,7 +140,10 @@ static void add_all(stress_file *out, const double *vector)
     }
 }
 
-/* Compose the units of the arrays from those of the scene; without units they stay empty. */
+/*
+ * Make the texts of the units of the arrays from the units of the scene. The texts are empty if the
+ * scene names no units.
+ */
 static void name_units(stress_file *out)
 {
     const design *design = out->field->state.design;

@@ -46,8 +46,9 @@ static const choice fixes[] = {{"clamped", U1 | U2 | U3},
                                {NULL, 0}};
 
 /*
- * Return the bits of the dof that take the prescribed displacement of a support: the mean of both
- * faces for a displacement u1, u2 or u3, else the single dof that the scene names.
+ * Return the dof, as bits, to which a support applies its prescribed displacement: the mean
+ * displacement of both faces if the scene names u1, u2 or u3, otherwise the single dof that the
+ * scene names.
  */
 static unsigned moved_by(int fix)
 {
@@ -60,8 +61,8 @@ static unsigned moved_by(int fix)
 }
 
 /*
- * Find the dof that a word such as `simple` or `symmetric` constrains at the edge of a surface.
- * Returns 0, or -1 after writing the error message of the YAML tree.
+ * Find the dof that a word such as `simple` or `symmetric` constrains at an edge of a surface.
+ * Returns 0, or -1 after an error message about the scene.
  */
 static int fix_edge(reader *reader, int node, const scene_support *support, int *fix)
 {
@@ -86,8 +87,8 @@ static int fix_edge(reader *reader, int node, const scene_support *support, int 
 }
 
 /*
- * Return whether a word of the scene names a single displacement, which may have a prescribed
- * value.
+ * Return whether a word of the scene names a single displacement component, which may have a
+ * prescribed value.
  */
 static bool is_single(int fix)
 {
@@ -134,8 +135,8 @@ static const form *const fix_forms[] = {&fix_word_form, &fix_words_form, NULL};
 static const form fix_form = {.type = FORM_ANY, .any = fix_forms};
 
 /*
- * Read the direction of axis e1 at the nodes of a support; the published element does not support
- * it. Returns 0, or -1 after writing the error message of the YAML tree.
+ * Read the direction of axis e1 at the nodes of a support. Such a direction is an error with the
+ * published element formulation. Returns 0, or -1 after an error message about the scene.
  */
 static int read_direction_of(reader *reader, int node, void *to, const void *rule)
 {
@@ -193,7 +194,10 @@ typedef struct load_text {
     bool area_given, is_pressure;
 } load_text;
 
-/* Key that names the type of a load, and the function that reads its value. */
+/*
+ * Key of the scene that names the type of a load, and the function that reads the value of this
+ * key.
+ */
 typedef struct load_key {
     scene_load_type type;
     int (*read)(reader *reader, int node, scene_load *load);
@@ -253,7 +257,10 @@ static int read_temperature(reader *reader, int node, scene_load *load)
                                                   : read_constant(reader, node, &load->value, NULL);
 }
 
-/* Refuse a set of the mesh file that holds no edges or no elements where a load needs them. */
+/*
+ * Refuse a set of the mesh file that contains no edges if a load acts on edges, or no elements if a
+ * load acts on elements.
+ */
 static int require_set(reader *reader, int node, const scene_where *where, bool of_elements)
 {
     const quad_mesh *mesh = &reader->s->quads->mesh;
@@ -341,7 +348,10 @@ static int read_direction(reader *reader, int node, void *to, const void *rule)
     return read_place_function(reader, node, &text->load->value, NULL);
 }
 
-/* Read the axis of a moment; a point load with the key `about` is a moment instead of a force. */
+/*
+ * Read the axis of a moment from the key `about`. A point load with this key is a moment; without
+ * the key it is a force.
+ */
 static int read_about(reader *reader, int node, void *to, const void *rule)
 {
     load_text *text = to;
@@ -422,8 +432,8 @@ static int read_follower(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Read the face on which a load acts. Half of a point load or line load acts on each face unless
- * the scene names a face.
+ * Read the face of the shell on which a load acts. If the scene names no face, half of a point load
+ * or line load acts on each face.
  */
 static int read_on(reader *reader, int node, void *to, const void *rule)
 {
@@ -439,7 +449,7 @@ static int read_on(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Read the element set to which a load on a face is limited. */
+/* Read the name of the element set to which a load on a face is limited. */
 static int read_load_set(reader *reader, int node, void *to, const void *rule)
 {
     load_text *text = to;

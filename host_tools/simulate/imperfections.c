@@ -17,8 +17,9 @@ static bool has_bandwidth(const imperfection_tables *tables)
 }
 
 /*
- * First-order lag of the amplifiers. The resulting voltage is the mean over the interval.
- *   voltage [amplifiers] in/out  (V)
+ * Apply the first-order lag of the amplifiers to their voltages. The result is the mean voltage
+ * over a time interval.
+ *   voltage [amplifiers] in/out  commands to the amplifiers in, mean output voltages out (V)
  */
 static void apply_lag(const imperfections *on, double *voltage, double interval)
 {
@@ -94,8 +95,8 @@ static double through_play(electrode *electrode, double voltage, double half_ran
 
 /*
  * Apply the hysteresis model to the voltages. After a full cycle the mean output of the play
- * operators has a loop width of 5/16 of the voltage range; the factor 16/5 scales this width to the
- * hysteresis that the scene states.
+ * operators has a loop whose width is 5/16 of the voltage range. The factor 16/5 scales this width
+ * to the hysteresis that the scene states.
  */
 static void apply_hysteresis(const imperfections *on, double *voltage, double interval)
 {
@@ -125,7 +126,10 @@ static void add_creep(const imperfections *on, double *voltage, double interval)
     }
 }
 
-/* Imperfections between the amplifiers and the ceramic, in the order of their effect. */
+/*
+ * Table of the imperfections between the amplifiers and the ceramic, in the order in which they
+ * act.
+ */
 static const struct {
     bool (*is_present)(const imperfection_tables *tables);
     void (*apply)(const imperfections *on, double *voltage, double interval);
@@ -149,9 +153,9 @@ void imperfections_actuate(const imperfections *on, const double *output, double
 }
 
 /*
- * Compute the voltages that act on the ceramic when all amplifiers have just moved to one of their
- * limits. An infinite limit is passed on unchanged.
- *   electrode [amplifiers] work
+ * Compute the voltages that act on the ceramic just after all amplifiers have moved to their lower
+ * limits, or all to their upper limits. Infinite limits are copied to the result.
+ *   electrode [amplifiers] work  copies of the states of the electrodes
  */
 static void act_at_limit(const imperfections *on, electrode *electrode, const double *limit,
                          double *effect)
@@ -176,8 +180,8 @@ bool imperfections_stroke(const imperfections *on, double *lowest, double *highe
         return false;
     act_at_limit(on, copy, on->tables.lower, lowest);
     act_at_limit(on, copy, on->tables.upper, highest);
-    for (int k = 0; k < on->tables.amplifiers; k++) { /* a reversed wire exchanges lowest and
-                                                         highest voltage */
+    for (int k = 0; k < on->tables.amplifiers; k++) { /* an amplifier with exchanged wires exchanges
+                                                         its lowest and its highest voltage */
         const double one = lowest[k], other = highest[k];
         lowest[k] = fmin(one, other);
         highest[k] = fmax(one, other);
@@ -209,7 +213,7 @@ static double quantise(const imperfections *on, int sensor, double value)
     return quantum > 0 ? quantum * floor(value / quantum + 0.5) : value;
 }
 
-/* Imperfections of the sensors, in the order of their effect. */
+/* Table of the imperfections of the sensors, in the order in which they act. */
 static double (*const sensor_stages[])(const imperfections *on, int sensor,
                                        double value) = {add_drift, add_outlier, quantise};
 enum { SENSOR_STAGES = sizeof sensor_stages / sizeof *sensor_stages };

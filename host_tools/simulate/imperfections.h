@@ -17,13 +17,13 @@ enum { PLAYS = 4, CREEPS = 3 };
 typedef enum electrode_fault { ELECTRODE_GOOD, ELECTRODE_DEAD, ELECTRODE_STUCK } electrode_fault;
 
 /*
- * State of an electrode between its amplifier and the piezoelectric ceramic.
+ * State of the electrode that an amplifier drives on the piezoelectric ceramic.
  *
  * Hysteresis is a Prandtl-Ishlinskii model: a part of the voltage passes through play operators
- * with half widths of 1/8, 2/8, 3/8 and 4/8 of A, where A is half the voltage range. The loop of a
- * full cycle is `hysteresis` times the voltage range wide, and hysteresis changes no voltage by
- * more than `hysteresis` times A. Creep is the sum of three first-order lags with time constants a
- * decade apart.
+ * with half widths of 1/8, 2/8, 3/8 and 4/8 of A, where A is half the voltage range. With h, the
+ * hysteresis that the scene states, the loop of a full cycle is h times the voltage range wide, and
+ * hysteresis changes no voltage by more than h A. Creep is the sum of three first-order lags; their
+ * time constants differ by factors of ten.
  */
 typedef struct electrode {
     electrode_fault fault;
@@ -32,25 +32,25 @@ typedef struct electrode {
     double play[PLAYS];   /* output of each play operator of the hysteresis model (V) */
     double creep[CREEPS]; /* output of each first-order lag of the creep model (V) */
     int failed_at;        /* number of the tick in which the latest fault of the electrode began */
-    int announced_at, repaired_at; /* number of the tick in which the fault is announced to the
-                                      controller; number of that in which the fault ends by itself;
-                                      -1: never */
-    bool is_held; /* true: the controller treats the electrode as held, because the fault was
-                     announced or detected */
+    int announced_at, repaired_at; /* announced_at: number of the tick in which the fault is
+                                      announced to the controller; repaired_at: number of the tick
+                                      in which the fault ends by itself; -1: never */
+    bool is_held; /* true: the controller treats the electrode as having a fixed voltage, because
+                     its fault was announced or detected */
 } electrode;
 
 /*
- * State of a sensor: the ticks at which its not-a-number readings and its stuck reading end, and
- * its drift.
+ * State of a sensor: the ticks until which the sensor gives no reading (NaN) or repeats a stuck
+ * reading, and the drift of the sensor.
  */
 typedef struct sensor {
     int nan_until, stuck_until;
-    double slope; /* drift of the reading (unit of the reading per second) */
+    double slope; /* drift of the sensor's reading (unit of the reading per second) */
 } sensor;
 
 /*
- * Constants of the imperfections of a plant. A plant does not have an imperfection whose constant
- * is 0.
+ * Constants of the imperfections of a plant. Where a constant is 0, the plant does not have the
+ * imperfection.
  */
 typedef struct imperfection_tables {
     int amplifiers;
@@ -71,12 +71,12 @@ typedef struct imperfection_tables {
 } imperfection_tables;
 
 /*
- * Number of parts into which an interval is divided while voltages or loads vary within the
- * interval.
+ * Number of parts into which the simulation divides a time interval in which voltages or loads
+ * vary.
  */
 enum { IMPERFECTION_PARTS = 8 };
 
-/* Electrodes, sensors and time of a running loop, on which the imperfections act. */
+/* Electrodes, sensors and time of a running simulation, on which the imperfections act. */
 typedef struct imperfections {
     imperfection_tables tables;
     electrode *electrode; /* [amplifiers] state of the electrode of each amplifier */
@@ -86,24 +86,28 @@ typedef struct imperfections {
     double time;      /* time since the start of the simulation (s) */
 } imperfections;
 
-/* Whether the voltages on the ceramic vary between the ticks. */
+/*
+ * Return whether the voltages on the ceramic vary between two ticks, because the amplifiers have a
+ * first-order lag.
+ */
 bool imperfections_vary(const imperfection_tables *tables);
 
 /*
- * Let a time interval pass under constant commands to the amplifiers.
- *   output [amplifiers] in   voltages that the amplifiers are to give (V)
- *   interval            in   (s)
- *   effect [amplifiers] out  mean voltages that act on the ceramic in the interval, or, for the
- *       interval 0, the voltages at this instant (V)
+ * Advance the amplifiers and electrodes by a time interval with constant commands to the
+ * amplifiers.
+ *   output [amplifiers] in   commanded output voltages of the amplifiers (V)
+ *   interval            in   length of the interval (s)
+ *   effect [amplifiers] out  mean voltages that act on the ceramic in the interval; for an interval
+ *       of length 0, the voltages that act at this instant (V)
  */
 void imperfections_actuate(const imperfections *imperfections, const double *output,
                            double interval, double *effect);
 
 /*
- * Stroke of the electrodes in their present state: the voltages that would act on the ceramic if
- * all amplifiers moved to a limit at once. Hysteresis makes the stroke smaller than the voltage
- * limits, and creep makes it larger with time; a faulty electrode has no stroke. The state of the
- * electrodes does not change.
+ * Compute the stroke of the electrodes: the lowest and highest voltages that would act on the
+ * ceramic if all amplifiers moved to their lower or upper limits at once. Hysteresis makes the
+ * stroke smaller than the voltage limits, and creep makes it larger with time; a faulty electrode
+ * has no stroke. The states of the electrodes do not change.
  *   lowest, highest [amplifiers] out  (V), infinite where the voltage limit is infinite
  * Returns whether memory was available.
  */
@@ -113,7 +117,7 @@ bool imperfections_stroke(const imperfections *imperfections, double *lowest, do
 void imperfections_draw(const imperfections *imperfections);
 
 /*
- * Reading of a sensor with its imperfections.
+ * Return the reading of a sensor after drift, outliers and quantisation.
  *   value in  true value plus noise
  */
 double imperfections_sense(const imperfections *imperfections, int sensor, double value);

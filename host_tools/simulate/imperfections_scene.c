@@ -11,7 +11,7 @@
  */
 static const double usual_hysteresis = 0.1;
 
-/* Whether a material strains in an electric field. */
+/* Return whether a material is piezoelectric: an electric field strains it. */
 static bool is_piezoelectric(const scene_material *material)
 {
     return material->has_d || material->has_e;
@@ -59,8 +59,8 @@ imperfection_tables imperfections_of_scene(const design *design)
 }
 
 /*
- * Largest deviation from 1 among the gains by which the plant's influence matrix differs from the
- * measured one.
+ * Return the largest deviation from 1 of the gains by which the plant's influence matrix differs
+ * from the measured influence matrix of the scene.
  */
 static double largest_gain_error(const design *design)
 {

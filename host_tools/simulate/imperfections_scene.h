@@ -7,20 +7,21 @@
 #include "imperfections.h"
 
 /*
- * Width of the hysteresis loop of the ceramic relative to the voltage range: the value given in the
- * scene, otherwise 0.1 for a piezoceramic between finite voltage limits and 0 for other actuators.
+ * Return the width of the hysteresis loop of the ceramic relative to the voltage range: the value
+ * that the scene gives; without one, 0.1 for a piezoceramic between finite voltage limits, and 0
+ * for other actuators.
  */
 double imperfections_hysteresis(const design *design);
 
 /*
- * Refuse hysteresis without finite voltage limits, because its width is relative to the voltage
- * range. Returns 0, or -1 with error filled.
+ * Refuse a scene with hysteresis but without finite voltage limits, because the width of the
+ * hysteresis loop is relative to the voltage range. Returns 0, or -1 with a message in `error`.
  */
 int imperfections_check(const design *design, char *error);
 
 /*
- * Return the constants of the imperfections of a scene. Their arrays are those of the design, which
- * must outlive them.
+ * Return the constants of the imperfections of a scene. The arrays in the result belong to the
+ * design, which must remain valid as long as the result is used.
  */
 imperfection_tables imperfections_of_scene(const design *design);
 

@@ -55,8 +55,8 @@ static void clean_up(int signal_number)
     if (folder_used)
         remove_folder();
     signal(signal_number, SIG_DFL);
-    raise(signal_number); /* The signal is blocked while its handler runs, and ends the program as
-                             soon as the handler returns. */
+    raise(signal_number); /* The signal remains blocked until this handler returns; then the signal
+                             ends the program. */
 }
 
 void interrupt_install(void)

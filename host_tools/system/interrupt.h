@@ -17,18 +17,22 @@ enum { INTERRUPT_FILES = 8, INTERRUPT_PATH = 4096 };
 void interrupt_install(void);
 
 /*
- * Register a file before it is created. It is removed on a signal until it is unregistered. Returns
- * the number of its slot, or -1 if no slot is free.
+ * Register a temporary file before the file is created. A signal that ends pzs removes the file
+ * unless it has been unregistered. Returns the number of the slot of the file, or -1 if no slot is
+ * free.
  */
 int interrupt_file(const char *path);
 void interrupt_forget_file(int slot);
 
-/* Register a folder that is removed with all its contents on a signal; NULL: none. */
+/*
+ * Register a temporary folder, which a signal that ends pzs removes with all its contents. NULL: no
+ * folder.
+ */
 void interrupt_folder(const char *path);
 
 /*
- * Register the process number of a child program that leads a process group, or 0 for none. The
- * whole group is ended on a signal.
+ * Register the process number of a child program that leads a process group, or 0 for none. A
+ * signal that ends pzs also ends all processes of the group.
  */
 void interrupt_group(int process);
 

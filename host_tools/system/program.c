@@ -25,8 +25,8 @@ int program_begin(const char *const *argument, int *to, int *from)
             dup2(out[1], 1);
             close(in[0]), close(in[1]), close(out[0]), close(out[1]);
         }
-        unsetenv("MAKEFLAGS"); /* remove variables of an enclosing make, which would share its job
-                                  slots with the build */
+        unsetenv("MAKEFLAGS"); /* remove the variables of a make that runs pzs, because the make of
+                                  the build would otherwise share the job slots of the outer one */
         execvp(argument[0], (char *const *)(uintptr_t)argument);
         perror(argument[0]);
         _exit(127);
@@ -35,8 +35,8 @@ int program_begin(const char *const *argument, int *to, int *from)
         close(in[0]), close(out[1]);
         *to = in[1];
         *from = out[0];
-        fcntl(*to, F_SETFD, FD_CLOEXEC); /* The next program that is started must not inherit these
-                                            pipes. */
+        fcntl(*to, F_SETFD, FD_CLOEXEC); /* The pipes are closed on exec, so that the next program
+                                            that is started does not inherit them. */
         fcntl(*from, F_SETFD, FD_CLOEXEC);
     }
     return (int)process;

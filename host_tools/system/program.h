@@ -5,10 +5,10 @@
 
 /*
  * Start a program, either with its standard input and output connected to pipes, or without pipes
- * and as leader of a process group.
+ * and as the leader of a process group.
  *   argument in   name and arguments of the program, ended by NULL
- *   to, from out  file descriptors of the pipes to and from the program; NULL: no pipes
- * Returns the process number, or -1.
+ *   to, from out  file descriptors of the pipes to the program and from the program; NULL: no pipes
+ * Returns the process number, or -1 on failure.
  */
 int program_begin(const char *const *argument, int *to, int *from);
 

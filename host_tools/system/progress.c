@@ -15,7 +15,7 @@
 
 enum {
     QUIET_SECONDS = 2,
-    INTERVAL = 500000 /* period of the timer that updates the display (us) */,
+    INTERVAL = 500000 /* period of the timer that updates the progress display (microseconds) */,
     LINE = 160,
     DIGITS = 20
 };
@@ -49,7 +49,7 @@ static void put_number(text *line, long value)
     put(line, digits + at);
 }
 
-/* Return the time since progress_start (whole seconds). */
+/* Return the time since the call of progress_start (whole seconds). */
 static long seconds(void)
 {
     struct timespec now;

@@ -12,15 +12,21 @@
 /* Start the timer of the progress display. */
 void progress_start(void);
 
-/* Set the description of the present stage, a constant string, and reset all counts. */
+/*
+ * Set the description of the present stage of a command and reset all counts. The text is not
+ * copied and must remain valid.
+ */
 void progress_stage(const char *what);
 
-/* Set the number of completed parts of the present stage and their total; total = 0: unknown. */
+/*
+ * Set the number of completed parts of the present stage and the total number of its parts; total =
+ * 0: the total is unknown.
+ */
 void progress_count(int done, int total);
 
 /*
- * Display a counter of linear solves during the stage. The counter must remain valid until the next
- * stage.
+ * Display a counter of linear solves during the present stage. The counter must remain valid until
+ * the next stage begins.
  */
 void progress_solves(const uint32_t *counter);
 

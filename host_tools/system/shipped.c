@@ -12,8 +12,8 @@
 static const char ending[] = ".yaml";
 
 /*
- * Find a file or folder whose path is relative to the folder above the folder of this program.
- * Returns whether it exists.
+ * Find a file or folder whose path is relative to the parent of the folder of this program. Returns
+ * whether it exists.
  */
 static int beside_program(const char *inside, char path[SHIPPED_PATH])
 {
@@ -66,7 +66,10 @@ int shipped_is_name(const char *name)
     return !strchr(name, '/') && !is_scene_file(name);
 }
 
-/* Shorten a path below the current folder to the path from there, which messages show. */
+/*
+ * Shorten the path of a file below the current folder to the path relative to this folder, for
+ * messages.
+ */
 static void shorten(char path[SHIPPED_PATH])
 {
     char here[SHIPPED_PATH];

@@ -19,15 +19,16 @@ enum { SHIPPED_PATH = 4096 };
 const char *shipped_folder(void);
 
 /*
- * Return the folder of the sources, which the build of a firmware requires: the environment
- * variable PZS_SOURCES, or else a folder that is found as shipped_folder finds the scenes. The text
- * is valid until the next call.
+ * Return the folder of the sources, which the build of a firmware requires: the value of the
+ * environment variable PZS_SOURCES if it is set, otherwise the first existing folder in the order
+ * in which shipped_folder searches the scenes. The text is valid until the next call.
  */
 const char *shipped_sources(void);
 
 /*
- * Write the path of a scene file: `name` itself if it is a path or ends with .yaml, or else the
- * file of the shipped scene with this name, relative to the current folder if it lies below it.
+ * Write the path of a scene file. If `name` is a path or ends with .yaml, the result is `name`;
+ * otherwise it is the path of the shipped scene with this name, relative to the current folder if
+ * the file lies below this folder.
  */
 void shipped_path(const char *name, char path[SHIPPED_PATH]);
 
@@ -39,7 +40,8 @@ void shipped_suggest(suggestion *suggestion, const char *name);
 
 /*
  * Function that shipped_each calls with the name of each shipped scene, in alphabetical order.
- * shipped_each returns the sum of the results, or -1 if the folder does not exist.
+ * shipped_each returns the sum of the values that the calls return, or -1 if the folder of the
+ * scenes does not exist.
  */
 typedef int shipped_visit(void *context, const char *name);
 int shipped_each(shipped_visit *visit, void *context);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The controller of a scene as the model in an FMU: the control loop of the library with the tables
- * that `pzs tables` writes. Each step of the FMU runs one tick of the loop, with the target and the
- * readings that the simulator has set before.
+ * The controller of a scene as the model in an FMU (functional mock-up unit): the control loop of
+ * the library with the tables that `pzs tables` writes. Each step of the FMU runs one tick of the
+ * loop, with the target and the sensor readings that the simulator has set before the step.
  */
 #include <stdio.h>
 #include <string.h>
@@ -10,30 +10,32 @@
 #include "fmu_model.h"
 #include "fmu_tables.h"
 
-enum { LOADS = CONTROLLER_KNOWN_LOADS }; /* number of loads whose factors the simulator announces */
+enum {
+    LOADS = CONTROLLER_KNOWN_LOADS
+}; /* number of loads whose factors the simulator announces to the controller */
 
 /*
- * Value reference of the first variable of each group of variables, separately for reals, integers
- * and texts.
+ * FMI value reference of the first variable of each group of variables, counted separately for
+ * real, integer and text variables.
  */
 enum {
     TARGET = 0,                            /* wanted displacements of the target nodes */
-    READING = TARGET + CONTROLLER_OUTPUTS, /* readings of the sensors; NaN: the sensor gives nothing
-                                            */
+    READING = TARGET + CONTROLLER_OUTPUTS, /* readings of the sensors; NaN where a sensor gives no
+                                              reading */
     NOW = READING + CONTROLLER_READINGS,   /* announced load factors at the time of the readings */
-    NEXT = NOW + LOADS,                    /* announced load factors under the next voltages */
-    VOLTAGE = NEXT + LOADS,                /* voltages for the amplifiers (V) */
-    REALS = VOLTAGE + CONTROLLER_INPUTS,   /* number of real variables */
-    COMMAND = 0,                    /* command to the supervisor, in a supervised loop alone */
-    STATUS = CONTROLLER_SUPERVISED, /* status of the tick, a value of pzs_status */
-    ITERATIONS = STATUS + 1,        /* iterations of the optimiser */
-    MODE = ITERATIONS + CONTROLLER_SUPERVISED, /* mode of the supervisor, in a supervised loop alone
-                                                */
+    NEXT = NOW + LOADS,     /* announced load factors at the time when the next voltages act */
+    VOLTAGE = NEXT + LOADS, /* voltages for the amplifiers (V) */
+    REALS = VOLTAGE + CONTROLLER_INPUTS, /* number of real variables */
+    COMMAND = 0, /* command to the supervisor; only in an FMU of a supervised control loop */
+    STATUS = CONTROLLER_SUPERVISED,            /* status of the tick, a value of pzs_status */
+    ITERATIONS = STATUS + 1,                   /* iterations of the optimiser in the latest tick */
+    MODE = ITERATIONS + CONTROLLER_SUPERVISED, /* mode of the supervisor; only in an FMU of a
+                                                  supervised control loop */
     STATUS_TEXT = 0                            /* status of the tick as a text */
 };
 
 /*
- * This declaration does not compile unless the numbers of variables agree with
+ * This declaration fails to compile if the numbers of variables differ from those in
  * modelDescription.xml.
  */
 typedef char sizes_agree[REALS == FMU_REALS_USED && VOLTAGE == FMU_REAL_INPUTS &&
@@ -43,8 +45,8 @@ typedef char sizes_agree[REALS == FMU_REALS_USED && VOLTAGE == FMU_REAL_INPUTS &
 
 typedef struct controller {
     pzs_loop loop;
-    pzs_real known[2][LOADS + 1]; /* announced load factors: at the time of the readings [0], under
-                                     the next voltages [1] */
+    pzs_real known[2][LOADS + 1]; /* announced load factors: known[0] at the time of the readings,
+                                     known[1] at the time when the next voltages act */
     pzs_real work[CONTROLLER_LOOP_BYTES / sizeof(pzs_real) + 1];
 } controller;
 
@@ -74,8 +76,9 @@ static void give_command(controller *controller, const fmu_values *values)
 }
 
 /*
- * Describe an error of the control loop in the message of the FMU: block, text of the status, and
- * index of the input or output concerned. Returns fmi2Error.
+ * Describe an error of the control loop in the message of the FMU: the block of the loop that
+ * failed, the text of the status, and the index of the input or output concerned. Returns
+ * fmi2Error.
  */
 static fmi2Status refuse(const controller *controller, pzs_status status, fmu_values *values)
 {
@@ -120,5 +123,6 @@ fmi2Status fmu_model_step(void *memory, fmu_values *values)
     publish(controller, status, values);
     if (PZS_IS_ERROR(status) && status != PZS_E_LATCHED)
         return refuse(controller, status, values);
-    return fmi2OK; /* After a latched stop the park voltages are valid outputs. */
+    return fmi2OK; /* After a latched stop the loop continues to output valid voltages: the park
+                      voltages. */
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Functions of FMI 2.0 for Co-Simulation around one model (fmu_model.h). All memory belongs to an
- * instance, so that a program may run several instances of an FMU.
+ * Functions of FMI 2.0 for Co-Simulation, which connect a simulator to the model in the FMU
+ * (fmu_model.h). Each instance owns all of its memory, so that a program may run several instances
+ * of an FMU.
  */
 #include "fmu_model.h"
 #include <math.h>
@@ -12,12 +13,12 @@
 typedef enum instance_mode { INSTANTIATED, INITIALISING, STEPPING, TERMINATED } instance_mode;
 
 typedef struct instance {
-    fmi2CallbackFunctions tool; /* functions of the simulator */
-    char *name;                 /* name of the instance in messages */
+    fmi2CallbackFunctions tool; /* callback functions that the simulator provides */
+    char *name;                 /* name of the instance in messages to the simulator */
     instance_mode mode;
     double time; /* simulated time at the end of the last step (s) */
     fmu_values values;
-    void *model; /* memory of the model [fmu_model_bytes()] */
+    void *model; /* memory of the model, fmu_model_bytes() bytes */
 } instance;
 
 /*
@@ -33,8 +34,8 @@ typedef struct snapshot {
 } snapshot;
 
 /*
- * Declare and begin to define a function of the standard. Strict compilers demand a declaration
- * before the definition.
+ * Begin the definition of a function of the FMI standard with its declaration, because strict
+ * compilers demand a declaration before the definition.
  */
 #define DEFINE(type, name, ...)                                                                    \
     FMI2_FUNCTION(type, name)(__VA_ARGS__);                                                        \
@@ -68,8 +69,8 @@ static fmi2Status unsupported(fmi2Component component, const char *name)
 }
 
 /*
- * Check that an instance is in a given mode. Returns fmi2OK, or fmi2Error after a message that
- * names the function called too early or too late.
+ * Check that an instance of the FMU is in the mode that a function requires. Returns fmi2OK, or
+ * fmi2Error after a message that names the function called too early or too late.
  */
 static fmi2Status demand(const instance *of, instance_mode mode, const char *function)
 {
@@ -125,7 +126,7 @@ static void set_start(instance *of)
     of->time = 0;
 }
 
-/* Return the reason why an FMU cannot be instantiated, or NULL. */
+/* Return the reason why an instance of the FMU cannot be created, or NULL if there is none. */
 static const char *refusal(fmi2Type type, fmi2String guid)
 {
     if (type != fmi2CoSimulation)
@@ -188,7 +189,7 @@ DEFINE(fmi2Status, fmi2EnterInitializationMode, fmi2Component component)
     return status;
 }
 
-/* Start the model with the present inputs, and compute its outputs at the start. */
+/* Start the model with the present input values, and compute its outputs at the start. */
 static fmi2Status start_model(instance *of)
 {
     return report_model(of, fmu_model_start(of->model, &of->values));
@@ -226,7 +227,7 @@ DEFINE(fmi2Status, fmi2Reset, fmi2Component component)
 
 /*
  * Check the value references of variables. Returns fmi2OK, or fmi2Error after a message.
- *   limit in  number of variables with valid references, which are 0 to limit - 1
+ *   limit in  number of variables; valid value references are 0 to limit - 1
  */
 static fmi2Status check_references(const instance *of, const fmi2ValueReference *reference,
                                    size_t count, size_t limit, const char *what)
@@ -246,7 +247,7 @@ static fmi2Status check_references(const instance *of, const fmi2ValueReference 
 
 /*
  * Check the value references of variables that the simulator reads. During initialisation, also
- * compute the outputs from the present inputs.
+ * compute the outputs from the present input values.
  */
 static fmi2Status prepare_get(instance *of, const fmi2ValueReference *reference, size_t count,
                               size_t limit, const char *what)
@@ -456,7 +457,10 @@ fmi2Status fmu_check_finite(fmu_values *values, int first, int count)
 
 /* ---- steps ------------------------------------------------------------ */
 
-/* Largest permitted relative difference between the length of a step and the tick period. */
+/*
+ * Largest permitted difference between the length of a step of the FMU and the tick period,
+ * relative to the tick period.
+ */
 static const double period_tolerance = 1e-6;
 
 DEFINE(fmi2Status, fmi2DoStep, fmi2Component component, fmi2Real from, fmi2Real length,
@@ -488,8 +492,8 @@ DEFINE(fmi2Status, fmi2CancelStep, fmi2Component component)
 DEFINE(fmi2Status, fmi2GetStatus, fmi2Component component, const fmi2StatusKind kind,
        fmi2Status *value)
 {
-    (void)kind, (void)value; /* Every step ends before fmi2DoStep returns, so no status is ever
-                                pending. */
+    (void)kind, (void)value; /* Every step of the FMU ends before fmi2DoStep returns, so no status
+                                is ever pending. */
     return unsupported(component, "fmi2GetStatus");
 }
 

@@ -14,15 +14,15 @@
 enum { FMU_MESSAGE = 240 };
 
 /*
- * Values of all variables of an FMU, which the simulator sets and reads. The index of a value is
- * the value reference of its variable in modelDescription.xml. Variables that the simulator may set
- * come first.
+ * Values of all variables of an FMU. The simulator sets the inputs and reads the outputs. The index
+ * of a value is the value reference of its variable in modelDescription.xml. Variables that the
+ * simulator may set come first.
  */
 typedef struct fmu_values {
     fmi2Real real[FMU_REALS];
     fmi2Integer integer[FMU_INTEGERS];
     fmi2String text[FMU_STRINGS];
-    char message[FMU_MESSAGE]; /* reason of the last warning or error */
+    char message[FMU_MESSAGE]; /* reason for the latest warning or error */
 } fmu_values;
 
 extern const fmi2Real fmu_real_start[FMU_REALS];
@@ -33,25 +33,25 @@ extern const char *const fmu_real_name[FMU_REALS];
  * Check that inputs of the model are finite numbers.
  *   first in  value reference of the first input to check
  *   count in  number of inputs to check
- * Returns fmi2OK, or fmi2Error with a message in `values`.
+ * Returns fmi2OK, or fmi2Error with a message stored in `values`.
  */
 fmi2Status fmu_check_finite(fmu_values *values, int first, int count);
 
-/* Size of the memory that the model needs in each instance (bytes). */
+/* Return the size of the memory that the model needs in each instance of the FMU (bytes). */
 size_t fmu_model_bytes(void);
 
 /*
- * Start the model with the inputs in `values`, and compute the outputs at the start time. Each
- * further call starts the model again from the beginning.
+ * Start the model with the input values in `values`, and compute its outputs at the start time.
+ * Each further call starts the model again from the beginning.
  *   memory [fmu_model_bytes()] out  state of the model
- * Returns fmi2OK, or fmi2Error with a message in `values`.
+ * Returns fmi2OK, or fmi2Error with a message stored in `values`.
  */
 fmi2Status fmu_model_start(void *memory, fmu_values *values);
 
 /*
- * Run one tick of the model with the inputs in `values`, and compute the outputs at its end.
- * Returns fmi2OK, or fmi2Warning or fmi2Error with a message in `values`. An input that is not
- * finite leaves the state of the model unchanged.
+ * Run one tick of the model with the input values in `values`, and compute its outputs at the end
+ * of the tick. Returns fmi2OK, or fmi2Warning or fmi2Error with a message stored in `values`. If an
+ * input is not finite, the state of the model is left unchanged.
  */
 fmi2Status fmu_model_step(void *memory, fmu_values *values);
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The plant of a scene as the model in an FMU: amplifiers, cables, ceramic, linear structure with
- * or without vibration, sensors. The model calls the functions of `pzs simulate` in the order in
- * which that simulation calls them (simulate_loop.c), so that both give identical bits.
- *
- * After each step of the FMU the readings are those for the next tick of the controller. A load
- * that the simulator sets before a step acts from the end of that step.
+ * The plant of a scene as the model in an FMU (functional mock-up unit): amplifiers, cables,
+ * piezoelectric ceramic, linear structure with or without vibration, and sensors. The model calls
+ * the functions of `pzs simulate` in the order in which that command calls them (simulate_loop.c),
+ * so that both give identical bits. After each step of the FMU its readings are those for the next
+ * tick of the controller. A load that the simulator sets before a step acts from the end of that
+ * step.
  */
 #include <math.h>
 #include <stdio.h>
@@ -19,22 +19,23 @@
 #include "fmu_tables.h"
 
 /*
- * Value reference of the first variable of each group of real variables, and of the seed among the
- * integers.
+ * FMI value reference of the first variable of each group of real variables, and of the seed among
+ * the integer variables.
  */
 enum {
-    VOLTAGE = 0,                       /* commands to the amplifiers (V) */
-    LOAD = VOLTAGE + PLANT_AMPLIFIERS, /* load factors, followed by the temperature change (K) */
+    VOLTAGE = 0,                       /* commands of the controller to the amplifiers (V) */
+    LOAD = VOLTAGE + PLANT_AMPLIFIERS, /* load factors, followed by the temperature change of the
+                                          structure (K) */
     READING = LOAD + PLANT_LOADS,      /* readings of the sensors */
     SHAPE = READING + PLANT_SENSORS,   /* true displacements of the target nodes */
     OUTPUT = SHAPE + PLANT_TARGETS,    /* output voltages of the amplifiers (V) */
     REALS = OUTPUT + PLANT_AMPLIFIERS, /* number of real variables */
     INPUTS = PLANT_AMPLIFIERS + PLANT_LOADS,
-    SEED = 0 /* seed of the noise */
+    SEED = 0 /* seed of the random numbers for the sensor noise */
 };
 
 /*
- * This declaration does not compile unless the numbers of variables agree with
+ * This declaration fails to compile if the numbers of variables differ from those in
  * modelDescription.xml.
  */
 typedef char sizes_agree[REALS == FMU_REALS_USED && INPUTS == FMU_REAL_INPUTS ? 1 : -1];
@@ -42,19 +43,21 @@ typedef char sizes_agree[REALS == FMU_REALS_USED && INPUTS == FMU_REAL_INPUTS ? 
 typedef struct plant {
     uint64_t random; /* state of the random number generator */
     double time;     /* simulated time since the start (s) */
-    int tick;        /* number of steps since the start */
+    int tick;        /* number of steps of the FMU since the start */
     electrode electrode[PLANT_AMPLIFIERS];
     sensor sensor[PLANT_SENSORS];
     double output[PLANT_AMPLIFIERS]; /* output voltages of the amplifiers (V) */
     double input[INPUTS];    /* inputs of the structure: voltages that act on the ceramic (V), load
                                 factors, temperature change (K) */
-    double rows[PLANT_ROWS]; /* displacements of the target nodes, followed by those at the sensors
-                              */
-    double deviation[PLANT_ROWS]; /* deviation of the displacements from the static equilibrium */
+    double rows[PLANT_ROWS]; /* displacements of the target nodes, followed by the displacements at
+                                the sensors */
+    double deviation[PLANT_ROWS]; /* vibration: difference between each displacement in `rows` and
+                                     its value in static equilibrium */
     double history[(PLANT_DELAY + 1) * PLANT_SENSORS]; /* ring buffer with the noise-free readings
-                                                          of the last ticks */
-    double reading[PLANT_SENSORS], sensed[PLANT_SENSORS]; /* latest readings with noise; readings
-                                                             that the controller receives */
+                                                          of the last PLANT_DELAY + 1 ticks */
+    double reading[PLANT_SENSORS], sensed[PLANT_SENSORS]; /* reading: latest readings with noise;
+                                                             sensed: readings that the controller
+                                                             receives */
     modal modal;
     inertia inertia;
     double modal_memory[INERTIA_REALS(PLANT_MODES, INPUTS)];
@@ -74,8 +77,8 @@ static imperfections imperfections_of(plant *plant)
 }
 
 /*
- * Move the static equilibrium to that of the present inputs; the displacements of the modes do not
- * change at this instant.
+ * Replace the static equilibrium by that under the present inputs. The displacement of each
+ * vibration mode stays the same at this instant, so its deviation from the equilibrium changes.
  */
 static void jump(plant *plant)
 {
@@ -83,7 +86,8 @@ static void jump(plant *plant)
 }
 
 /*
- * Let a tick period pass under the present output voltages of the amplifiers and the present loads.
+ * Advance the plant by one tick period, with constant output voltages of the amplifiers and
+ * constant loads.
  */
 static void elapse(plant *plant)
 {
@@ -99,8 +103,8 @@ static void elapse(plant *plant)
 }
 
 /*
- * Set the inputs of the structure at this instant: voltages that act on the ceramic, and the load
- * factors from the simulator.
+ * Set the inputs of the structure at the present time: the voltages that act on the ceramic, and
+ * the load factors that the simulator has set.
  */
 static void set_inputs(plant *plant, const fmu_values *values)
 {
@@ -110,7 +114,10 @@ static void set_inputs(plant *plant, const fmu_values *values)
     imperfections_actuate(&wiring, plant->output, 0, plant->input);
 }
 
-/* Compute the displacements under the present inputs, including the vibration. */
+/*
+ * Compute the displacements of the target nodes and at the sensors under the present inputs,
+ * including the vibration.
+ */
 static void compute_rows(plant *plant)
 {
     influence_sum(plant_influence, plant->input, PLANT_ROWS, INPUTS, plant->rows);
@@ -120,7 +127,8 @@ static void compute_rows(plant *plant)
 }
 
 /*
- * Compute the readings that the controller receives at this tick, which are PLANT_DELAY ticks old.
+ * Compute the readings that the controller receives at the present tick, which were taken
+ * PLANT_DELAY ticks before.
  */
 static void sense(plant *plant)
 {
@@ -142,8 +150,8 @@ static void publish(const plant *plant, fmu_values *values)
 /* ---- inputs ----------------------------------------------------------- */
 
 /*
- * Check the commands against the voltage limits of the amplifiers. Returns fmi2OK, or fmi2Warning
- * with a message on the first command beyond them.
+ * Check the commands to the amplifiers against the voltage limits. Returns fmi2OK, or fmi2Warning
+ * with a message on the first command beyond its limits.
  */
 static fmi2Status check_commands(fmu_values *values)
 {
@@ -172,7 +180,8 @@ static void drive_amplifiers(plant *plant, const fmu_values *values)
 /* ---- model ------------------------------------------------------------ */
 
 /*
- * Set the initial output voltages of the amplifiers: the commands, clamped to the voltage limits.
+ * Set the output voltages of the amplifiers at the start: the commands of the controller, clamped
+ * to the voltage limits.
  */
 static void start_amplifiers(plant *plant, const fmu_values *values)
 {
