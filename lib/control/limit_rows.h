@@ -48,7 +48,7 @@ struct pzs_limit_row_calls {
      * voltages with a gradient [inputs] (m2/V), and store the number of active limit rows in
      * *active.
      */
-    pzs_real (*violation)(const pzs_control *control, const pzs_real *gradient, uint16_t *active);
+    pzs_real (*violation)(pzs_control *control, const pzs_real *gradient, uint16_t *active);
     /*
      * If voltages violate a limit row more than the voltages `inside` do, move them along the
      * straight line towards `inside` to a point where they violate no row more, or else replace
@@ -102,6 +102,6 @@ void pzs_arrange_rows(pzs_control *control, uint8_t *work);
 void pzs_prepare_rows(pzs_control *control);
 void pzs_repair_rows(pzs_control *control);
 void pzs_optimise_rows(pzs_control *control);
-pzs_real pzs_violation_rows(const pzs_control *control, const pzs_real *gradient, uint16_t *active);
+pzs_real pzs_violation_rows(pzs_control *control, const pzs_real *gradient, uint16_t *active);
 
 #endif

@@ -121,14 +121,14 @@ typedef struct rows_run {
                                limit rows */
 } rows_run;
 
-static rows_run run_of(const pzs_control *control)
+static rows_run run_of(pzs_control *control)
 {
     pzs_row_solver *solver = control->state.row_solver;
     return (rows_run){.problem = control->state.problem,
                       .rows = control->state.problem->limit_rows,
                       .solver = solver,
                       .tableau = &solver->extended,
-                      .optimiser = (pzs_optimiser *)&control->state.optimiser,
+                      .optimiser = &control->state.optimiser,
                       .inputs = control->state.problem->inputs,
                       .count = solver->extended.inputs};
 }
@@ -1053,7 +1053,7 @@ void pzs_optimise_rows(pzs_control *control)
     optimiser->work += run.tableau->work;
 }
 
-pzs_real pzs_violation_rows(const pzs_control *control, const pzs_real *gradient, uint16_t *active)
+pzs_real pzs_violation_rows(pzs_control *control, const pzs_real *gradient, uint16_t *active)
 {
     const rows_run run = run_of(control);
     pzs_real *reduced = control->state.optimiser.scratch;

@@ -401,7 +401,7 @@ static void measure(pzs_selftest *selftest, const pzs_real *readings, uint32_t p
  * column of an amplifier has an entry for each sensor; the row of a sensor has an entry for each
  * amplifier. The members named `line` refer to a column or a row.
  */
-typedef struct axis {
+typedef struct selftest_axis {
     bool is_row;
     uint32_t lines, entries;
     size_t measured_line, measured_entry; /* distance in state.response, the measured responses,
@@ -416,38 +416,38 @@ typedef struct axis {
                                  others, sensors or amplifiers */
     bool has_gains; /* true: before the comparison, each entry of a modelled row (one sensor, all
                        amplifiers) is multiplied by the measured gain of its amplifier */
-} axis;
+} selftest_axis;
 
-static axis columns_of(const pzs_selftest *selftest)
+static selftest_axis columns_of(const pzs_selftest *selftest)
 {
     const uint32_t inputs = selftest->state.tables->inputs;
     const uint32_t sensors = selftest->state.tables->sensors;
-    return (axis){false,
-                  inputs,
-                  sensors,
-                  sensors,
-                  1,
-                  1,
-                  inputs,
-                  selftest->state.amplifier,
-                  selftest->state.sensor,
-                  false};
+    return (selftest_axis){false,
+                           inputs,
+                           sensors,
+                           sensors,
+                           1,
+                           1,
+                           inputs,
+                           selftest->state.amplifier,
+                           selftest->state.sensor,
+                           false};
 }
 
-static axis rows_of(const pzs_selftest *selftest)
+static selftest_axis rows_of(const pzs_selftest *selftest)
 {
     const uint32_t inputs = selftest->state.tables->inputs;
     const uint32_t sensors = selftest->state.tables->sensors;
-    return (axis){true,
-                  sensors,
-                  inputs,
-                  1,
-                  sensors,
-                  inputs,
-                  1,
-                  selftest->state.sensor,
-                  selftest->state.amplifier,
-                  false};
+    return (selftest_axis){true,
+                           sensors,
+                           inputs,
+                           1,
+                           sensors,
+                           inputs,
+                           1,
+                           selftest->state.sensor,
+                           selftest->state.amplifier,
+                           false};
 }
 
 /*
@@ -469,8 +469,8 @@ typedef struct line_sums {
  *   noise [sensors] in  squared response of each sensor to noise and vibration, times the squared
  *                       height of a pulse (squared unit of each sensor)
  */
-static line_sums compare_lines(const pzs_selftest *selftest, const axis *axis, uint32_t measured,
-                               uint32_t modelled, const pzs_real *noise)
+static line_sums compare_lines(const pzs_selftest *selftest, const selftest_axis *axis,
+                               uint32_t measured, uint32_t modelled, const pzs_real *noise)
 {
     const pzs_selftest_state *state = &selftest->state;
     line_sums sums = {0, 0, 0, 0};
@@ -563,7 +563,7 @@ static void find_noise_responses(pzs_selftest_state *state)
  * vibration, to be compared with the measured one. Returns how many of them could be compared if
  * noise and vibration were no larger than the largest plausible noise.
  */
-static uint32_t mark_unobservable(const pzs_selftest *selftest, const axis *axis)
+static uint32_t mark_unobservable(const pzs_selftest *selftest, const selftest_axis *axis)
 {
     uint32_t disturbed = 0;
     for (uint32_t line = 0; line < axis->lines; line++) {
@@ -586,7 +586,7 @@ static uint32_t mark_unobservable(const pzs_selftest *selftest, const axis *axis
  */
 static pzs_real mean_gain(const pzs_selftest *selftest)
 {
-    const axis columns = columns_of(selftest);
+    const selftest_axis columns = columns_of(selftest);
     pzs_real sum = 0;
     uint32_t count = 0;
     for (uint32_t j = 0; j < columns.lines; j++) {
@@ -608,7 +608,7 @@ static pzs_real mean_gain(const pzs_selftest *selftest)
 static void begin_evaluation(pzs_selftest *selftest)
 {
     pzs_selftest_state *state = &selftest->state;
-    const axis columns = columns_of(selftest), rows = rows_of(selftest);
+    const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
     mark_sensors(selftest);
     find_noise_responses(state);
     for (uint32_t j = 0; j < state->tables->inputs; j++)
@@ -649,7 +649,7 @@ static bool may_be_reported(const pzs_wiring *finding, const line_sums *sums)
  * Find the amplifier (or sensor) whose measured response differs most from the model, among those
  * whose difference exceeds the tolerance of the gains.
  */
-static worst_line find_worst(const pzs_selftest *selftest, const axis *axis, pzs_real gain)
+static worst_line find_worst(const pzs_selftest *selftest, const selftest_axis *axis, pzs_real gain)
 {
     worst_line worst = {0, 0, false};
     for (uint32_t line = 0; line < axis->lines; line++) {
@@ -668,7 +668,7 @@ static worst_line find_worst(const pzs_selftest *selftest, const axis *axis, pzs
  * Find the amplifier (or sensor) whose modelled response has the smallest angle to the measured
  * response of amplifier (or sensor) `line`. Returns its index.
  */
-static uint32_t nearest_line(const pzs_selftest *selftest, const axis *axis, uint32_t line)
+static uint32_t nearest_line(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {
     uint32_t nearest = line;
     pzs_real least = 2;
@@ -689,7 +689,7 @@ static uint32_t nearest_line(const pzs_selftest *selftest, const axis *axis, uin
  * direction is that of the modelled response of `other`, and its size is at least a plausible
  * fraction of that response.
  */
-static bool is_other_line(const pzs_selftest *selftest, const axis *axis, uint32_t line,
+static bool is_other_line(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line,
                           uint32_t other, pzs_real gain)
 {
     const line_sums own = compare_lines(selftest, axis, line, line, selftest->state.null);
@@ -701,7 +701,7 @@ static bool is_other_line(const pzs_selftest *selftest, const axis *axis, uint32
 }
 
 /* Set the finding about an amplifier or sensor whose measured response differs from the model. */
-static void set_finding(const pzs_selftest *selftest, const axis *axis, uint32_t line,
+static void set_finding(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line,
                         pzs_real gain)
 {
     pzs_wiring *finding = &axis->line[line];
@@ -730,7 +730,7 @@ static void report_worst(pzs_selftest *selftest)
 {
     if (selftest->state.core[0].is_named != 0)
         return;
-    const axis columns = columns_of(selftest), rows = rows_of(selftest);
+    const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
     const pzs_real gain = mean_gain(selftest);
     const worst_line column = find_worst(selftest, &columns, gain);
     const worst_line row = find_worst(selftest, &rows, gain);
@@ -748,7 +748,7 @@ static void report_worst(pzs_selftest *selftest)
  * Return the squared sine of the angle between the modelled responses of two amplifiers, or of two
  * sensors (0 to 1).
  */
-static pzs_real model_angle(const pzs_selftest *selftest, const axis *axis, uint32_t one,
+static pzs_real model_angle(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t one,
                             uint32_t other)
 {
     const pzs_selftest_state *state = &selftest->state;
@@ -772,7 +772,7 @@ static pzs_real model_angle(const pzs_selftest *selftest, const axis *axis, uint
  * Store, for an amplifier (or sensor) without a finding, the index of the one with the most similar
  * modelled response, if both are so similar that the self-test would not notice exchanged cables.
  */
-static void note_similar(const pzs_selftest *selftest, const axis *axis, uint32_t line)
+static void note_similar(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {
     const line_sums sums = compare_lines(selftest, axis, line, line, selftest->state.null);
     pzs_real least = SIMILAR * sums.noise / sums.modelled + SAME_DIRECTION;
@@ -791,7 +791,7 @@ static void note_similar(const pzs_selftest *selftest, const axis *axis, uint32_
  * explains their measured responses much better, and if their differences from the model exceed
  * noise and vibration.
  */
-static void find_swap(const pzs_selftest *selftest, const axis *axis, uint32_t line)
+static void find_swap(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {
     const pzs_real *noise = selftest->state.null;
     const uint32_t other = nearest_line(selftest, axis, line);
@@ -820,7 +820,7 @@ static void find_swap(const pzs_selftest *selftest, const axis *axis, uint32_t l
 static void compare_pairs(pzs_selftest *selftest, uint32_t number)
 {
     const uint32_t inputs = selftest->state.tables->inputs;
-    axis axis = number < inputs ? columns_of(selftest) : rows_of(selftest);
+    selftest_axis axis = number < inputs ? columns_of(selftest) : rows_of(selftest);
     const uint32_t line = number < inputs ? number : number - inputs;
     axis.has_gains = axis.is_row;
     if (axis.line[line].state != PZS_WIRING_HEALTHY)
@@ -832,7 +832,7 @@ static void compare_pairs(pzs_selftest *selftest, uint32_t number)
 /* ---- verdict of the self-test ------------------------------------------- */
 
 /* Return the number of amplifiers (or sensors) at which the self-test has found a fault. */
-static uint16_t count_findings(const axis *axis)
+static uint16_t count_findings(const selftest_axis *axis)
 {
     uint16_t count = 0;
     for (uint32_t line = 0; line < axis->lines; line++)
@@ -845,7 +845,7 @@ static uint16_t count_findings(const axis *axis)
  * one of the pair to be swapped with it. If the cables of a strong and a weak electrode are
  * exchanged, the amplifier of the strong electrode seems to be silent.
  */
-static void complete_swaps(const axis *axis)
+static void complete_swaps(const selftest_axis *axis)
 {
     for (uint32_t line = 0; line < axis->lines; line++) {
         const uint32_t other = axis->line[line].other;
@@ -859,7 +859,7 @@ static void complete_swaps(const axis *axis)
 
 static void give_verdict(pzs_selftest *selftest)
 {
-    const axis columns = columns_of(selftest), rows = rows_of(selftest);
+    const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
     pzs_selftest_core *core = &selftest->state.core[0];
     complete_swaps(&columns);
     complete_swaps(&rows);
