@@ -42,14 +42,16 @@ extern "C" {
 struct pzs_limit_row_calls;
 
 /*
- * Limits of weighted sums of voltages, beside the limits of each voltage: the largest difference of
- * two neighbours, for example. Limit row k demands
+ * Limits of weighted sums of voltages, in addition to the limits of each voltage: for example the
+ * largest difference of two neighbouring voltages. Limit row k demands
  *   lower_k <= sum over the entries of row k of (value * voltage of input dof) <= upper_k.
- * Voltages keep the limit rows to the last bit: the controller aims at rows that are narrower by
- * the rounding error of their sums. A program whose problem has no limit rows does not link them.
+ * All voltages that the controller gives obey the limit rows without any rounding error: the
+ * optimiser narrows each row by the rounding error of its sum. A program whose voltage problem has
+ * no limit rows does not link their code.
  */
 typedef struct pzs_limit_rows {
-    const struct pzs_limit_row_calls *call; /* always &pzs_limit_rows_calls */
+    const struct pzs_limit_row_calls *call; /* address of the functions that implement limit rows:
+                                               always &pzs_limit_rows_calls */
     pzs_rows sums; /* coefficients of the limit rows: `count` rows whose columns `dof` are inputs,
                       each at most once in a row (1) */
     const pzs_real *lower; /* [sums.count] lowest value of each sum, or -infinity (V) */
@@ -59,7 +61,10 @@ typedef struct pzs_limit_rows {
                               the controller can always return (V) */
 } pzs_limit_rows;
 
-/* Functions of the limit rows, to which the member `call` of their tables points. */
+/*
+ * Functions that implement limit rows, which are limits of weighted sums of voltages. The member
+ * `call` of pzs_limit_rows points to them.
+ */
 extern const struct pzs_limit_row_calls pzs_limit_rows_calls;
 
 #define PZS_LIMIT_ROW_LIMIT 8192 /* largest number of limit rows of a voltage problem */
@@ -86,10 +91,10 @@ typedef struct pzs_problem {
                                           the solution (V) */
     pzs_real regularisation; /* weight of the squared distance from the reference voltages in the
                                 objective (m2/V2) */
-    uint64_t work_limit;     /* initial value of the work limit in pzs_control_settings
+    uint64_t work_limit;     /* initial value of the member work_limit of pzs_control_settings
                                 (multiply-adds); 0: PZS_WORK_LIMIT */
-    const pzs_limit_rows *limit_rows; /* limits of sums of voltages; NULL: none. Their inputs need
-                                         finite voltage limits */
+    const pzs_limit_rows *limit_rows; /* limits of weighted sums of voltages, for inputs with finite
+                                         voltage limits; NULL: there are no such limits */
 } pzs_problem;
 
 /*
@@ -136,14 +141,16 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
     (4u * PZS_PRODUCT_WORK(inputs) + PZS_ROUND_WORK(inputs) + PZS_ITERATION_WORK(inputs))
 
 /*
- * Default work_limit of the controller settings (multiply-adds); only contrived problems reach it.
+ * Default of the member work_limit of pzs_control_settings: number of multiply-adds that the
+ * optimiser may use in one voltage step. Practical problems need fewer; only problems constructed
+ * for this purpose reach the limit.
  */
 #define PZS_WORK_LIMIT(inputs)                                                                     \
     (40u * PZS_ROUND_WORK(inputs) + (8u * (uint64_t)(inputs) + 100u) * PZS_ITERATION_WORK(inputs))
 
 /*
- * PZS_LIMIT_ROW_WORK_LEAST and PZS_LIMIT_ROW_WORK_LIMIT take the place of PZS_WORK_LEAST and
- * PZS_WORK_LIMIT for a problem with limit rows.
+ * For a problem with limit rows (limits of weighted sums of voltages), PZS_LIMIT_ROW_WORK_LEAST and
+ * PZS_LIMIT_ROW_WORK_LIMIT replace PZS_WORK_LEAST and PZS_WORK_LIMIT.
  */
 #define PZS_LIMIT_ROW_WORK_LEAST(inputs, rows)                                                     \
     (PZS_WORK_LEAST((inputs) + (rows)) + 6u * PZS_PRODUCT_WORK((inputs) + (rows)))
@@ -192,8 +199,9 @@ typedef struct pzs_control {
      (size_t)(inputs) + (size_t)(outputs))
 
 /*
- * Memory that limit rows need in addition to PZS_CONTROL_BYTES, or to the memory of a block that
- * holds a controller (bytes).
+ * PZS_LIMIT_ROW_BYTES is the memory that limit rows (limits of weighted sums of voltages) need in
+ * addition to PZS_CONTROL_BYTES, or to the memory of a block that holds a controller (bytes).
+ * PZS_LIMIT_ROW_VECTORS is the number of vectors in this memory.
  */
 #define PZS_LIMIT_ROW_VECTORS (10u + PZS_PENDING)
 #define PZS_LIMIT_ROW_BYTES(inputs, rows)                                                          \
@@ -201,7 +209,10 @@ typedef struct pzs_control {
      sizeof(pzs_real) * ((size_t)(inputs) + (size_t)(rows) + PZS_LIMIT_ROW_VECTORS) *              \
          PZS_CONTROL_WIDTH((size_t)(inputs) + (size_t)(rows)))
 
-/* Return the size of the workspace of a controller, limit rows included (bytes). */
+/*
+ * Return the size of the workspace of a controller for a voltage problem, including the memory of
+ * limit rows (bytes).
+ */
 size_t pzs_control_bytes(const pzs_problem *problem);
 
 /*
@@ -280,7 +291,8 @@ typedef struct pzs_report {
     pzs_real kkt_violation; /* largest violation of the optimality (KKT) conditions, relative to the
                                largest entry of the gradient at zero voltage (1) */
     uint16_t active_limits; /* number of inputs whose voltage is at a limit */
-    uint16_t active_rows;   /* number of limit rows whose multiplier is not zero: they bind */
+    uint16_t active_rows;   /* number of limit rows (limits of sums of voltages) that are at a limit
+                               and have a multiplier */
 } pzs_report;
 
 /*

@@ -29,23 +29,23 @@ struct pzs_block;
 typedef struct pzs_exchange {
     uint32_t input;
     pzs_real sign;  /* sign of the pivot, the diagonal entry before the exchange: +1 or -1 */
-    pzs_real scale; /* 1 / square root of the absolute value of the pivot, negative for a limit row
-                     */
+    pzs_real scale; /* 1 / square root of the absolute value of the pivot; negative if the exchange
+                       belongs to a limit row */
     pzs_real pivot; /* diagonal entry of the matrix that belongs to the exchanged input, after the
                        exchange */
 } pzs_exchange;
 
 /*
  * Active-set method for least squares with bounds. The free set holds the inputs whose voltages may
- * move, the active set those whose voltages stay at a bound or, for now, between the bounds. Arrays
- * without another shape have the length width, the number of inputs rounded up to a multiple of
- * PZS_TILE.
+ * change, the active set the inputs whose voltages are kept at a bound or, for the present, at a
+ * value between the bounds. An array without a stated shape has the length `width`, the number of
+ * inputs rounded up to a multiple of PZS_TILE.
  */
 typedef struct pzs_optimiser {
     uint32_t inputs, width;
     uint32_t iterations;
-    uint64_t work, work_limit; /* multiply-adds used in this voltage step, and the most that are
-                                  allowed */
+    uint64_t work, work_limit; /* multiply-adds that the optimiser has used in this voltage step,
+                                  and the largest number that it may use */
     pzs_real *hessian;         /* [inputs][width] Hessian H of the objective (m2/V2) */
     pzs_real *tableau; /* [inputs][width] tableau: the Hessian after one pivot exchange for each
                           input of the free set, without the exchanges that are still in `pending`
@@ -124,25 +124,33 @@ typedef struct pzs_optimiser {
 } pzs_optimiser;
 
 /*
- * Optimiser for a voltage problem with limit rows (limits of sums of voltages). Its vectors have
- * one entry for each input, followed by one for each limit row.
+ * Optimiser for a voltage problem with limit rows (limits of weighted sums of voltages). Each
+ * vector has one entry for each input, followed by one for each limit row, and is padded to the
+ * length `width`, a multiple of PZS_TILE.
  */
 typedef struct pzs_row_solver {
-    pzs_optimiser extended; /* tableau, active set and vectors of inputs and limit rows together */
-    pzs_real *margin; /* [width] distance by which each limit row is narrowed, so that rounding
-                         errors of its sum stay inside its limits; for an input the largest of
-                         these distances (V) */
-    pzs_real predicted_decrease; /* decrease of half the objective by the whole step (m2) */
-    pzs_real gap; /* upper bound of half the objective above its minimum, if no multiplier has the
-                     wrong sign (m2) */
-    pzs_real last_violation; /* KKT violation at the start of the last round (m2/V) */
-    pzs_real largest_size;   /* largest pivot of a moving quantity since the tableau was computed
-                                (V2/m2) */
-    pzs_real least_rounding; /* rounding-error bound of the KKT violation at the start of the step
-                                (m2/V); 0: not computed */
-    uint32_t failures;       /* number of rounds in this step that did not lower the objective */
-    bool is_least_index; /* the last iteration has not moved any voltage: the next ones choose the
-                            smallest index, which excludes cycles */
+    pzs_optimiser extended; /* tableau (pivoted matrix of the KKT conditions), active set and
+                               vectors of the inputs and limit rows together */
+    pzs_real *margin; /* [width] for a limit row the distance by which the optimiser narrows it, so
+                         that its sum is inside its limits despite rounding errors; for an input the
+                         largest of these distances (V) */
+    pzs_real predicted_decrease; /* predicted decrease of half the objective by the complete step
+                                    along the search direction (m2) */
+    pzs_real gap; /* upper bound of the distance of half the objective from its minimum, valid if no
+                     multiplier has the wrong sign (m2) */
+    pzs_real last_violation; /* violation of the optimality (KKT) conditions at the start of the
+                                last round of iterations (m2/V) */
+    pzs_real largest_size;   /* largest absolute pivot among the free voltages and limit rows (those
+                                not kept at a bound) since the tableau was last computed anew, by
+                                which its rounding errors are estimated (V2/m2) */
+    pzs_real least_rounding; /* rounding-error bound of the violation of the optimality (KKT)
+                                conditions at the start of the voltage step (m2/V); 0: not yet
+                                computed */
+    uint32_t failures; /* number of rounds of iterations in this voltage step that did not lower the
+                          objective */
+    bool is_least_index; /* true: the last iteration has not changed any voltage. The next iteration
+                            then releases the input or limit row with the smallest index, which
+                            excludes cycles */
 } pzs_row_solver;
 
 /* One array of constant tables, as a part of their checksum; an absent array has 0 bytes. */
@@ -412,37 +420,45 @@ typedef struct pzs_amplifier_state {
  * the struct are compared word by word.
  */
 typedef struct pzs_selftest_core {
-    uint32_t position;  /* number of ticks of the test so far */
+    uint32_t position;  /* number of ticks of the self-test so far */
     uint32_t verdict;   /* a value of pzs_selftest_verdict */
-    uint32_t disturbed; /* 1: noise or vibration hide the response of an amplifier */
-    uint32_t is_named;  /* 1: every line of the matrix of responses that differs from the model has
-                           been named */
+    uint32_t disturbed; /* 1: noise or vibration hides the response of at least one amplifier to its
+                           test pulse */
+    uint32_t is_complete; /* 1: a finding has been set for every amplifier and sensor whose measured
+                             response differs from the model */
 } pzs_selftest_core;
 
 typedef struct pzs_selftest_state {
-    pzs_selftest_core core[3]; /* three copies, so that two outvote a damaged third */
+    pzs_selftest_core core[3]; /* progress of the self-test in three copies, so that two outvote a
+                                  copy in damaged memory */
     const struct pzs_selftest_tables *tables;
     struct pzs_control *control;
     const pzs_real *direct; /* [sensors][inputs] static reading of each sensor per volt on each
-                             * input
-                             */
+                               input (unit of each sensor / V) */
     struct pzs_wiring *amplifier; /* [inputs] finding about each amplifier */
     struct pzs_wiring *sensor;    /* [sensors] finding about each sensor */
     pzs_real *response; /* [inputs][sensors] measured response of each sensor to each amplifier,
                            times the scale of the sensor (1/V) */
-    pzs_real *first;    /* [sensors] first reading (unit of each sensor) */
-    pzs_real *last;     /* [sensors] last finite reading; NaN: none yet (unit of each sensor) */
-    pzs_real *change;   /* [sensors] last change of each reading in a tick (unit of each sensor) */
-    pzs_real *noise;    /* [sensors] sum of the squared second differences of each reading, then
-                           variance of its noise (squared unit of each sensor) */
-    pzs_real *even;     /* [sensors] sum over the present window of each reading times the even
-                           weight (unit of each sensor) */
-    pzs_real *odd;      /* [sensors] sum over the present window of each reading times the odd
-                           weight (unit of each sensor) */
-    pzs_real *null;  /* [sensors] largest squared response that was measured without a pulse, times
-                        the height of a pulse (squared unit of each sensor) */
-    pzs_real *start; /* [inputs] voltages before the test (V) */
-    pzs_real pulse;  /* sum over the present window of the pulse times the even weight (1) */
+    pzs_real *first; /* [sensors] first finite reading of each sensor in the self-test (unit of each
+                        sensor) */
+    pzs_real *last;  /* [sensors] last finite reading of each sensor in the self-test; NaN: there is
+                        none yet (unit of each sensor) */
+    pzs_real *change; /* [sensors] change of the reading of each sensor in the last tick (unit of
+                         each sensor) */
+    pzs_real *noise;  /* [sensors] sum of the squared second differences of the readings of each
+                         sensor; after the measurement the variance of its noise (squared unit of
+                         each sensor) */
+    pzs_real *even;   /* [sensors] sum of the readings of each sensor during the present test pulse,
+                         each times the even weight of its tick (unit of each sensor) */
+    pzs_real *odd;    /* [sensors] sum of the readings of each sensor during the present test pulse,
+                         each times the odd weight of its tick (unit of each sensor); in the
+                         evaluation the squared response to the largest plausible noise */
+    pzs_real *null;   /* [sensors] largest squared response of each sensor to noise and vibration,
+                         measured while no amplifier moved, times the squared height of a pulse
+(squared unit of each sensor) */
+    pzs_real *start;  /* [inputs] voltages before the self-test (V) */
+    pzs_real pulse; /* sum over the ticks of the present test pulse of its relative height times the
+                       even weight (1) */
 } pzs_selftest_state;
 
 /*

@@ -278,8 +278,9 @@ extern const pzs_block_type pzs_step_block;
  * are const and may stay in flash.
  */
 typedef struct pzs_estimator {
-    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
-                               that of the voltage problem */
+    uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
+                               from which the tables were generated, which must equal the hash in
+                               the voltage problem */
     uint32_t crc;           /* checksum of the following members and their arrays, computed by
                                pzs_estimator_seal */
     uint16_t inputs, outputs, sensors;
@@ -340,8 +341,9 @@ extern const pzs_block_type pzs_estimator_block;
 
 /* Tables of the correction of late readings. All arrays are const and may stay in flash. */
 typedef struct pzs_reading_delay {
-    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
-                               that of the voltage problem */
+    uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
+                               from which the tables were generated, which must equal the hash in
+                               the voltage problem */
     uint32_t crc;           /* checksum of the following members and their arrays, computed by
                                pzs_reading_delay_seal */
     uint16_t inputs, sensors;
@@ -450,8 +452,9 @@ typedef enum pzs_supervisor_event {
 
 /* Tables of the supervisor. All arrays are const and may stay in flash. */
 typedef struct pzs_supervision {
-    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
-                               that of the voltage problem */
+    uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
+                               from which the tables were generated, which must equal the hash in
+                               the voltage problem */
     uint32_t crc;           /* checksum of the following members and their arrays, computed by
                                pzs_supervision_seal */
     uint16_t inputs;
@@ -535,8 +538,9 @@ extern const pzs_block_type pzs_supervisor_block;
  * 1 m RMS. All arrays are const and may stay in flash.
  */
 typedef struct pzs_vibration {
-    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
-                               that of the voltage problem */
+    uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
+                               from which the tables were generated, which must equal the hash in
+                               the voltage problem */
     uint32_t crc;           /* checksum of the following members and their arrays, computed by
                                pzs_vibration_seal */
     uint16_t inputs, outputs, sensors, modes;
@@ -702,8 +706,9 @@ extern const pzs_block_type pzs_governor_block;
  * temperatures whose values the firmware knows. All arrays are const and may stay in flash.
  */
 typedef struct pzs_feed_forward_table {
-    uint32_t format, scene; /* format number of the table and hash of its scene; the caller must
-                               compare the hash with that of its other tables */
+    uint32_t format, scene; /* format: format number of the table; scene: hash of the scene file
+                               from which the table was generated, which the caller must compare
+                               with the hash in its other tables */
     uint32_t crc;           /* checksum of the following members and their arrays, computed by
                                pzs_feed_forward_seal */
     uint16_t inputs, outputs;
@@ -783,8 +788,9 @@ extern const pzs_block_type pzs_feed_forward_block;
                   */
 
 typedef struct pzs_hysteresis {
-    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
-                               that of the voltage problem */
+    uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
+                               from which the tables were generated, which must equal the hash in
+                               the voltage problem */
     uint32_t crc;           /* checksum of the following members and their arrays, computed by
                                pzs_hysteresis_seal */
     uint16_t inputs;
@@ -987,16 +993,18 @@ extern const pzs_block_type pzs_fault_detector_block;
 
 /*
  * The self-test moves each amplifier in turn by a small voltage and compares the readings with
- * the influence matrix. It tells amplifiers and sensors that do not respond, are reversed, swapped
- * or off in gain, before the loop takes control. A program needs no call for it:
+ * the influence matrix. Before the loop takes control, it finds amplifiers and sensors that do not
+ * respond, respond with the wrong sign or a wrong gain, or have exchanged cables. A program needs
+ * no call for it:
  *
  *     status = pzs_loop_init(&loop, mirror_blocks, MIRROR_BLOCKS, NULL, work, sizeof work);
  *     while (!PZS_IS_ERROR(status)) { ... status = pzs_loop_tick(&loop, wanted, readings); ... }
  *
- * The test takes PZS_SELFTEST_TICKS ticks. All but the last one return PZS_W_SELFTEST, and no other
- * block runs. If all is well, the last one is the first tick in control. Otherwise it and all later
- * ticks return PZS_E_SELFTEST at the voltages before the test, pzs_loop_find(&loop,
- * &pzs_selftest_block) has the findings, and pzs_selftest_accept lets the loop run all the same.
+ * The test takes PZS_SELFTEST_TICKS ticks. All but the last of these ticks return PZS_W_SELFTEST,
+ * and no other block runs. If no fault is found, the last tick of the test is the first tick in
+ * which the loop is in control. Otherwise this tick and all later ticks return PZS_E_SELFTEST and
+ * keep the voltages before the test; the result of pzs_loop_find(&loop, &pzs_selftest_block) holds
+ * the findings, and pzs_selftest_accept makes the loop run despite them.
  *
  * A pulse lasts pzs_selftest_tables.pulse_ticks ticks. Its shape leaves less than 1 % of its height
  * as vibration of a mode with at least 5.4 periods in a pulse, and its evaluation suppresses
@@ -1006,59 +1014,74 @@ extern const pzs_block_type pzs_fault_detector_block;
 typedef enum pzs_wiring_state {
     PZS_WIRING_UNTESTED = 0,
     PZS_WIRING_HEALTHY,
-    PZS_WIRING_UNOBSERVABLE, /* the expected response is too small beside noise and vibration */
-    PZS_WIRING_SILENT,   /* an amplifier that moves no reading, or a sensor that shows no motion */
-    PZS_WIRING_REVERSED, /* the response has the wrong sign */
-    PZS_WIRING_SWAPPED,  /* the response is that of the amplifier or sensor pzs_wiring.other */
-    PZS_WIRING_GAIN,     /* the gain differs too much from the mean gain of all amplifiers */
-    PZS_WIRING_UNKNOWN,  /* the response resembles that of no amplifier, or of no sensor */
-    PZS_WIRING_NOISY     /* the noise of the sensor exceeds pzs_selftest_tables.noise */
+    PZS_WIRING_UNOBSERVABLE, /* the response expected from the influence matrix is too small,
+                                compared with noise and vibration, to be tested */
+    PZS_WIRING_SILENT,       /* no sensor responds to the amplifier, or the sensor responds to no
+                                amplifier */
+    PZS_WIRING_REVERSED, /* the measured response of the amplifier or sensor has the wrong sign */
+    PZS_WIRING_SWAPPED, /* exchanged cables: the measured response is that expected of the amplifier
+                           or sensor pzs_wiring.other */
+    PZS_WIRING_GAIN,    /* the gain of the amplifier or sensor differs from the mean gain of all
+                           amplifiers by more than the tolerance in the tables */
+    PZS_WIRING_UNKNOWN, /* the measured response resembles the response expected of no amplifier (or
+                           of no sensor) */
+    PZS_WIRING_NOISY    /* the noise of the sensor exceeds the value in pzs_selftest_tables.noise */
 } pzs_wiring_state;
 
-#define PZS_WIRING_NONE 0xFFFFu /* index in pzs_wiring that refers to no amplifier or sensor */
+/* Value of the members `other` and `similar` of pzs_wiring: there is no such amplifier or sensor.
+ */
+#define PZS_WIRING_NONE 0xFFFFu
 
 /* Finding of the self-test about one amplifier with its electrode, or about one sensor. */
 typedef struct pzs_wiring {
-    pzs_real gain;    /* measured response divided by that of the influence matrix (1) */
-    uint16_t other;   /* with PZS_WIRING_SWAPPED: index of the amplifier whose electrode this
-                         amplifier drives, or of the sensor whose place this sensor measures */
-    uint16_t similar; /* index of an amplifier or sensor of so similar a response that the test
-                         would not notice if both were swapped; PZS_WIRING_NONE: none */
-    uint8_t state;    /* a value of pzs_wiring_state */
+    pzs_real gain;  /* measured response divided by the response that the influence matrix predicts
+                       (1) */
+    uint16_t other; /* with PZS_WIRING_SWAPPED: index of the amplifier whose electrode this
+                       amplifier drives, or of the sensor whose place this sensor measures */
+    uint16_t similar; /* index of another amplifier (or sensor) with so similar a response that the
+                         self-test would not notice if the cables of both were exchanged;
+                         PZS_WIRING_NONE: there is none */
+    uint8_t state;    /* finding of the self-test, a value of pzs_wiring_state */
 } pzs_wiring;
 
 /* Tables of the self-test. All arrays are const and may stay in flash. */
 typedef struct pzs_selftest_tables {
-    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
-                               that of the voltage problem */
+    uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
+                               from which the tables were generated, which must equal the hash in
+                               the voltage problem */
     uint32_t crc;           /* checksum of the following members and their arrays, computed by
                                pzs_selftest_seal */
     uint16_t inputs, sensors;
-    uint16_t delay;            /* age of the readings (ticks), at most PZS_DELAY_LIMIT */
-    uint16_t pulse_ticks;      /* duration of a pulse (ticks), at least PZS_LEAST_PULSE_TICKS */
-    const pzs_real *direct;    /* [sensors][inputs] static reading of each sensor per volt on each
-                                  input; NULL: the sensors are the outputs, and the static readings
-                                  are the entries of the influence matrix */
-    const pzs_real *amplitude; /* [inputs] height of a pulse, at most half the voltage range and a
-                                  quarter of pulse_ticks times the step limit (V); 0: not tested */
+    uint16_t delay;         /* age of the readings (ticks), at most PZS_DELAY_LIMIT */
+    uint16_t pulse_ticks;   /* duration of a test pulse (ticks), at least PZS_LEAST_PULSE_TICKS */
+    const pzs_real *direct; /* [sensors][inputs] static reading of each sensor per volt on each
+                               input; NULL: the sensors are the outputs, and the static readings
+                               are the entries of the influence matrix */
+    const pzs_real *amplitude; /* [inputs] height of the test pulse of each input, at most half the
+                                  voltage range and at most a quarter of pulse_ticks times the step
+                                  limit (V); 0: the input is not tested */
     const pzs_real *scale;   /* [sensors] factor, at least 0, that makes readings of different units
                                 comparable (1 / unit of each sensor) */
     const pzs_real *noise;   /* [sensors] largest plausible RMS noise of each sensor (unit of each
                                 sensor) */
-    pzs_real gain_tolerance; /* largest plausible deviation of a gain from the mean gain of all
-                                amplifiers, relative to the latter, above 0 (1) */
+    pzs_real gain_tolerance; /* largest plausible difference between the gain of an amplifier or
+                                sensor and the mean gain of all amplifiers, divided by this mean
+                                gain, above 0 (1) */
 } pzs_selftest_tables;
 
-#define PZS_LEAST_PULSE_TICKS 16u /* shortest duration of a pulse (ticks) */
+#define PZS_LEAST_PULSE_TICKS 16u /* shortest duration of a test pulse (ticks) */
 
-/* Write format number and checksum into tables of the self-test. Errors: PZS_E_ARGUMENT. */
+/*
+ * Write the format number and the checksum into tables of the self-test that a firmware has built
+ * itself. Errors: PZS_E_ARGUMENT.
+ */
 pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 
 /*
- * Number of ticks of a self-test: two windows in which all amplifiers move together, two windows
- * without a pulse, from which noise and vibration are measured, one pulse for each input, and the
- * evaluation. An evaluation tick takes at most 16
- * inputs * sensors multiply-adds, every other tick 8 operations for each sensor and input.
+ * Number of ticks of a self-test: two pulse durations in which all amplifiers move together, two
+ * pulse durations without motion, in which noise and vibration are measured, one pulse for each
+ * input, and the evaluation. A tick of the evaluation takes at most 16 inputs * sensors
+ * multiply-adds, any other tick of the self-test 8 operations for each sensor and input.
  */
 #define PZS_SELFTEST_TICKS(inputs, sensors, pulse_ticks, delay)                                    \
     (((uint32_t)(inputs) + 4u) * (uint32_t)(pulse_ticks) + (uint32_t)(delay) +                     \
@@ -1067,9 +1090,11 @@ pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 typedef enum pzs_selftest_verdict {
     PZS_SELFTEST_RUNNING = 0,
     PZS_SELFTEST_PASSED,
-    PZS_SELFTEST_FAULTY,    /* at least one amplifier or sensor has a finding */
-    PZS_SELFTEST_DISTURBED, /* vibration or noise hides the response of at least one amplifier */
-    PZS_SELFTEST_ACCEPTED   /* the program has called pzs_selftest_accept */
+    PZS_SELFTEST_FAULTY, /* the self-test has found a fault of at least one amplifier or sensor */
+    PZS_SELFTEST_DISTURBED, /* vibration or noise hides the response to the test pulse of at least
+                               one amplifier */
+    PZS_SELFTEST_ACCEPTED   /* the program has ended the self-test by pzs_selftest_accept, whatever
+                               its findings */
 } pzs_selftest_verdict;
 
 /* Results of the self-test that a program may read. */
@@ -1077,10 +1102,11 @@ typedef struct pzs_selftest_info {
     pzs_selftest_verdict verdict;
     const pzs_wiring *amplifier; /* [inputs] finding about each amplifier */
     const pzs_wiring *sensor;    /* [sensors] finding about each sensor */
-    uint32_t remaining;          /* number of ticks until the end of the test */
-    uint16_t findings; /* number of amplifiers and sensors whose state is PZS_WIRING_SILENT or a
-                          later one */
-    pzs_real gain;     /* mean gain of all amplifiers (1) */
+    uint32_t remaining;          /* number of ticks until the end of the self-test */
+    uint16_t findings; /* number of amplifiers and sensors with a fault: pzs_wiring.state is
+                          PZS_WIRING_SILENT or larger */
+    pzs_real gain; /* mean gain of all amplifiers: measured response divided by the response that
+                      the influence matrix predicts (1) */
 } pzs_selftest_info;
 
 typedef struct pzs_selftest {
@@ -1089,8 +1115,9 @@ typedef struct pzs_selftest {
 } pzs_selftest;
 
 /*
- * End a self-test, whatever its findings, so that the next tick runs the loop. Called before the
- * first tick, for example after a reset and pzs_loop_start, the function leaves the test out.
+ * End a self-test, whatever its findings, so that the control loop runs in the next tick. If a
+ * program calls the function before the first tick, for example after a reset and pzs_loop_start,
+ * there is no self-test.
  * Amplifiers with a finding are held by pzs_hold until pzs_release: a silent one at 0 V, any other
  * at its present voltage. The readings of a faulty sensor are to be passed as NaN.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
@@ -1099,20 +1126,22 @@ typedef struct pzs_selftest {
 pzs_status pzs_selftest_accept(pzs_selftest *selftest);
 
 /*
- * Repeat the test at the present voltages, for example once a day while the target stands still, or
- * where an electrode is suspected. During the test the loop is not in control, and all amplifiers
- * without a pulse keep their voltages. If all is well, the loop continues afterwards. Otherwise the
- * voltages stay as they are until pzs_selftest_accept. An amplifier that is held is not tested.
+ * Repeat the self-test at the present voltages, for example once a day while the target stands
+ * still, or where an electrode is suspected. During the test the loop is not in control, and all
+ * amplifiers without a pulse keep their voltages. If no fault is found, the loop continues
+ * afterwards. Otherwise the voltages do not change until the program calls pzs_selftest_accept. An
+ * amplifier that is held is not tested.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_selftest_repeat(pzs_selftest *selftest);
 
 /*
- * The self-test as a block of the loop, in PZS_PHASE_COMMISSION, the first of a list. Tables:
- * pzs_selftest_tables. Memory returned by pzs_loop_find: pzs_selftest. Errors of its
- * initialisation: PZS_E_ARGUMENT (also for tables of other sizes), PZS_E_FORMAT, PZS_E_CRC,
- * PZS_E_NONFINITE, PZS_E_LIMITS (the pulse of input info.where is too high).
+ * Block of the control loop that makes the self-test; it is the first block of a list, in
+ * PZS_PHASE_COMMISSION. Tables: pzs_selftest_tables. Memory returned by pzs_loop_find:
+ * pzs_selftest. Errors of its initialisation: PZS_E_ARGUMENT (also for tables of other sizes),
+ * PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, PZS_E_LIMITS (the pulse of input info.where is too
+ * high).
  */
 extern const pzs_block_type pzs_selftest_block;
 #define PZS_SELFTEST_BLOCK_BYTES(inputs, sensors)                                                  \

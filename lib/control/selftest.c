@@ -728,14 +728,14 @@ static void set_finding(const pzs_selftest *selftest, const selftest_axis *axis,
  */
 static void report_worst(pzs_selftest *selftest)
 {
-    if (selftest->state.core[0].is_named != 0)
+    if (selftest->state.core[0].is_complete != 0)
         return;
     const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
     const pzs_real gain = mean_gain(selftest);
     const worst_line column = find_worst(selftest, &columns, gain);
     const worst_line row = find_worst(selftest, &rows, gain);
     selftest->info.gain = gain;
-    selftest->state.core[0].is_named = column.is_found || row.is_found ? 0u : 1u;
+    selftest->state.core[0].is_complete = column.is_found || row.is_found ? 0u : 1u;
     if (row.is_found && !(row.difference <= column.difference))
         set_finding(selftest, &rows, row.line, gain);
     else if (column.is_found)
