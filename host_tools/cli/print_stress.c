@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Extremes of recovered stresses on standard output (print_stress.h). */
+/*
+ * Printing of the largest stresses and strains of a structure on standard output (print_stress.h).
+ */
 #include "print_stress.h"
 #include <stdio.h>
 #include <string.h>

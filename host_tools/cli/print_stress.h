@@ -7,9 +7,9 @@
 #include "../text/json.h"
 
 /*
- * Print the largest stresses and strains with their places, then for each layer the largest von
- * Mises stress, the smallest reserve factor and the electric field. The JSON member is `stress`.
- * Nothing is printed where field is NULL.
+ * Print the largest stresses and strains of a structure with their places, then for each layer the
+ * largest von Mises stress, the smallest reserve factor and the largest electric field. With JSON
+ * output they form the member `stress`. Nothing is printed if `field` is NULL.
  */
 void print_stress(const stress_field *field);
 void print_stress_json(json *json, const stress_field *field);

@@ -15,8 +15,8 @@
 typedef enum fmu_kind { FMU_PLANT, FMU_CONTROLLER } fmu_kind;
 
 /*
- * Write the name of an FMU: a C identifier made from the name of the scene and the kind of the
- * FMU.
+ * Write the name of an FMU: a C identifier made from the name of the scene and the type of the FMU
+ * (plant or controller).
  *   name [FMU_IDENTIFIER] out
  */
 enum { FMU_IDENTIFIER = SCENE_NAME + 16 };

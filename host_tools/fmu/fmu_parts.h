@@ -42,10 +42,11 @@ typedef struct fmu {
     const design *design; /* design from which the controller is made, without the deviations that
                              the scene gives the plant */
     fmu_kind kind;
-    char identifier[FMU_IDENTIFIER]; /* name of the FMU, a C identifier */
+    char identifier[FMU_IDENTIFIER]; /* name of the FMU, which is a C identifier */
     char guid[FMU_GUID]; /* identifier that modelDescription.xml and the shared library must share
                             (GUID) */
-    char *library;       /* contents of the shared library; NULL if the sources are not compiled */
+    char *library; /* contents of the compiled shared library; NULL if the sources are not compiled
+                    */
     size_t library_bytes;
     fmu_variable *variable;
     int variables;

@@ -119,8 +119,8 @@ static void add_variables(fmu *fmu, const plant *plant, const double *start)
 /* ---- tables ----------------------------------------------------------- */
 
 /*
- * Rows of the matrices of a plant: displacements of the target nodes and, if the scene estimates
- * the shape from sensors, displacements at these sensors.
+ * Rows of the matrices that describe the response of a plant: displacements of the target nodes
+ * and, if the scene estimates the shape from sensors, displacements at these sensors.
  */
 typedef struct plant_rows {
     int count, sensors, first_sensor; /* number of rows, number of sensors, and index of the first

@@ -15,7 +15,7 @@
 enum { PLAUSIBLE_MOST = 24 };
 
 typedef struct plausible_warning {
-    const char *rule;    /* name of the rule that led to the warning */
+    const char *rule;    /* name of the plausibility rule that gave the warning */
     double value, limit; /* measured number, and end of the usual range beyond which the number
                             lies; in SI units, or ratios */
     const char *unit;    /* unit of the measured number and of the usual range */
@@ -31,7 +31,7 @@ typedef struct plausible {
     plausible_warning warning[PLAUSIBLE_MOST];
 } plausible;
 
-/* Apply the plausibility rules on the numbers of a checked scene. */
+/* Apply the plausibility rules on the numbers of a scene that has been read without errors. */
 void plausible_scene(plausible *warnings, const scene *scene);
 
 /* Apply the plausibility rules on a mesh and its laminate. */
@@ -70,7 +70,7 @@ typedef struct plausible_optimum {
                       the columns of other amplifiers; counted without regularisation */
 } plausible_optimum;
 
-/* Apply the plausibility rules on the optimum of the voltages for a target. */
+/* Apply the plausibility rules on the optimal voltages for a target. */
 void plausible_target(plausible *warnings, const scene *scene, const plausible_optimum *optimum);
 
 /*

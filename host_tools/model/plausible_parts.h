@@ -9,8 +9,8 @@
 #include "../scene/units.h"
 
 /*
- * Object to which a plausibility rule is applied: scene, mesh, displacement, voltages or optimum.
- * Members that a rule does not need are NULL.
+ * Object to which a plausibility rule is applied: a scene, a mesh, a displacement, voltages or an
+ * optimum of the voltages. Members that a rule does not need are NULL.
  */
 typedef struct subject {
     const scene *scene;
@@ -32,7 +32,10 @@ typedef struct subject {
 
 enum { WHAT = 200 };
 
-/* One measured number, its position in the scene file and its description. */
+/*
+ * A number that a plausibility rule has measured, the position in the scene file to which it
+ * belongs, and its description.
+ */
 typedef struct measured {
     double value; /* measured number; NAN if the rule does not apply */
     scene_at at;

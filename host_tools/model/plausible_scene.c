@@ -151,11 +151,11 @@ static double span_of(const scene_line *line)
     return line->point[line->elements] - line->point[0];
 }
 
-/* Dimensions of a curved shell near a local load, along one curved direction. */
+/* Dimensions of a curved shell near a load, for one of the curved directions of its surface. */
 typedef struct bend {
     double radius, thickness, length; /* radius of curvature, thickness, and length of the shell
                                          across the curved direction */
-    double size; /* size of the element at the load, along the curved direction */
+    double size; /* length of the element at the load, along the curved direction */
 } bend;
 
 /*

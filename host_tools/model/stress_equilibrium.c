@@ -36,8 +36,8 @@ typedef struct stencil {
 } stencil;
 
 /*
- * In-plane gradient of the stresses 11, 22 and 12 along both directions of principal curvature, at
- * each sample height (Pa/m).
+ * Derivatives of the in-plane stresses 11, 22 and 12 along the two directions of principal
+ * curvature, at each sample height (Pa/m): [height][direction][component].
  */
 typedef double gradient[SAMPLES][2][3];
 

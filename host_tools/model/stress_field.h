@@ -40,25 +40,26 @@ typedef struct stress_state {
                           in the displacement */
 } stress_state;
 
-/* State of one element at its centre: place, axes, strains and resultants. */
+/* State of one element at its centre: position, shell axes, strains and stress resultants. */
 typedef struct stress_element {
     double place[3];   /* position of the centre on the reference surface (scene unit of length) */
     double axis[3][3]; /* unit vectors of the shell axes 1, 2 and 3 as rows; ply angles count from
                           axis 1 */
-    double strain[10]; /* strains in the order of pzs_element_type.d (1) */
+    double strain[10]; /* strains in the order of pzs_element_type.d (dimensionless) */
     double resultant[10]; /* stress resultants conjugate to the ten strains, per area of the element
                              (N/m) */
     double normal_stress; /* normal stress 33 that all plies of the element share (Pa) */
-    double temperature[2]; /* temperatures of the inner and of the outer face of the package (K) */
+    double temperature[2]; /* temperature changes of the inner and of the outer face of the package
+                              of layers (K) */
 } stress_element;
 
 /* Stress and strain at one height of a layer, in the material axes of the layer. */
 typedef struct stress_point {
-    double strain[STRESS_COMPONENTS]; /* engineering strains in Voigt order (1) */
-    double stress[STRESS_COMPONENTS]; /* stresses in Voigt order (Pa) */
+    double strain[STRESS_COMPONENTS]; /* engineering strains 11 22 33 23 13 12 (dimensionless) */
+    double stress[STRESS_COMPONENTS]; /* stresses 11 22 33 23 13 12 (Pa) */
 } stress_point;
 
-/* Results of one layer at the centre of one element. */
+/* Stresses, strains and electric quantities of one layer at the centre of one element. */
 typedef struct stress_layer {
     stress_point at[STRESS_HEIGHTS];
     double field;        /* electric field along e3 at the middle of the layer (V/m) */

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Extremes, reserve factors and resultants of recovered stresses (stress_summary.h). */
+/*
+ * Extreme stresses and strains, reserve factors and resultants of a structure (stress_summary.h).
+ */
 #include "stress_summary.h"
 #include <math.h>
 #include <string.h>

@@ -19,19 +19,19 @@ typedef struct stress_extreme {
 } stress_extreme;
 
 typedef struct stress_summary {
-    stress_extreme stress[STRESS_COMPONENTS]; /* stress of largest magnitude of each component (Pa)
-                                               */
-    stress_extreme strain[STRESS_COMPONENTS]; /* strain of largest magnitude of each component (1)
-                                               */
+    stress_extreme stress[STRESS_COMPONENTS]; /* stress of largest magnitude of each component, in
+                                                 the whole structure (Pa) */
+    stress_extreme strain[STRESS_COMPONENTS]; /* strain of largest magnitude of each component
+                                                 (dimensionless) */
     stress_extreme mises[LAMINATE_LAYERS];    /* largest von Mises stress of each layer (Pa) */
-    stress_extreme reserve[LAMINATE_LAYERS]; /* smallest reserve factor of each layer whose material
-                                                has strengths (1) */
-    stress_extreme field[LAMINATE_LAYERS];   /* electric field of largest magnitude in each layer
-                                              * (V/m)
-                                              */
+    stress_extreme reserve[LAMINATE_LAYERS];  /* smallest reserve factor of each layer against the
+                                                 strengths of its material, if the scene gives them
+                                                 (dimensionless) */
+    stress_extreme field[LAMINATE_LAYERS];    /* largest electric field in each layer, by magnitude
+                                                 (V/m) */
     stress_extreme field_reserve[LAMINATE_LAYERS]; /* smallest reserve factor of each layer against
-                                                      the depolarisation field of its material (1)
-                                                    */
+                                                      the depolarisation field of its material
+                                                      (dimensionless) */
 } stress_summary;
 
 /*

@@ -157,9 +157,9 @@ uint32_t wiring_test_ticks(const wiring_test *test)
     return PZS_SELFTEST_TICKS(tables->inputs, tables->sensors, tables->pulse_ticks, tables->delay);
 }
 
-/* Append formatted text to a text; text that does not fit into the array is cut off. */
+/* ---- texts ------------------------------------------------------------ */
 
-/* Append formatted text to a text, as far as there is room. */
+/* Append formatted text to a text; what does not fit into the array is cut off. */
 static void append(char text[SCENE_ERROR], const char *format, ...)
 {
     const size_t at = strlen(text);

@@ -150,7 +150,7 @@ typedef struct search {
     uint32_t *other;   /* [nodes] another node order, to be compared with the best one */
     uint32_t *level;   /* [nodes] distance of each node from the start of a node order, counted in
                           elements */
-    uint32_t *place;   /* [nodes] work array */
+    uint32_t *place;   /* [nodes] work memory for the computation of an envelope */
     uint64_t envelope; /* size of the envelope of the best node order; UINT64_MAX: no order has been
                           found yet */
 } search;

@@ -25,8 +25,8 @@ typedef struct sloan {
                           index i is at least that at the indices 2 i + 1 and 2 i + 2 */
     uint32_t *slot;    /* [nodes] index of each candidate in the heap `waiting` */
     uint32_t count;    /* number of candidates for the next number */
-    int64_t growth_weight; /* increase of a node's priority for each node that numbering it would no
-                              longer add to the front */
+    int64_t growth_weight; /* increase of the priority of a node when numbering this node would add
+                              one node less to the front than before */
 } sloan;
 
 /* ---- waiting nodes ------------------------------------------------------ */

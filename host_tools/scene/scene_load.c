@@ -250,7 +250,10 @@ static const form temperatures_form = {.type = FORM_MAP, .fields = temperature_f
 static const form *const temperature_forms[] = {&number_form, &temperatures_form, NULL};
 static const form temperature_form = {.type = FORM_ANY, .any = temperature_forms};
 
-/* Read the temperature of a load: one value for the whole shell, or one value for each face. */
+/*
+ * Read the temperature change of a temperature load: one value for the whole shell, or one value
+ * for each face.
+ */
 static int read_temperature(reader *reader, int node, scene_load *load)
 {
     return reader->t->node[node].kind == TREE_MAP ? read_map(reader, node, temperature_fields, load)

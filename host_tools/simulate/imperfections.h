@@ -54,7 +54,8 @@ typedef struct sensor {
  */
 typedef struct imperfection_tables {
     int amplifiers;
-    const double *lower, *upper; /* [amplifiers] voltage limits of the amplifiers (V) */
+    const double *lower, *upper; /* [amplifiers] lower and upper voltage limits of the amplifiers
+                                    (V) */
     double hysteresis;           /* width of the hysteresis loop relative to the voltage range */
     double bandwidth;            /* corner frequency of the amplifiers' first-order lag (Hz) */
     double creep;   /* creep of the ceramic: increase of strain per decade of time, as a fraction of
@@ -113,7 +114,7 @@ void imperfections_actuate(const imperfections *imperfections, const double *out
  */
 bool imperfections_stroke(const imperfections *imperfections, double *lowest, double *highest);
 
-/* Draw the random drifts of the sensors, before the first tick. */
+/* Draw the drift of each sensor at random, before the first tick of a simulation. */
 void imperfections_draw(const imperfections *imperfections);
 
 /*
@@ -123,11 +124,11 @@ void imperfections_draw(const imperfections *imperfections);
 double imperfections_sense(const imperfections *imperfections, int sensor, double value);
 
 /*
- * Readings that the controller receives at a tick, with noise, imperfections and faults. A stuck
- * sensor repeats its latest reading to the last bit.
+ * Compute the readings that the controller receives at a tick, with noise, imperfections and
+ * faults. A stuck sensor repeats its latest reading bit for bit.
  *   noise   [sensors] in      standard deviation of the noise (unit of each reading)
  *   exact   [sensors] in      readings without noise and imperfections
- *   reading [sensors] in/out  latest readings, without those that are missing
+ *   reading [sensors] in/out  latest reading of each sensor, also of a sensor that gives nothing
  *   sensed  [sensors] out     readings for the controller, NaN where a sensor gives nothing
  */
 void imperfections_read(const imperfections *imperfections, int tick, const double *noise,

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /*
- * Width of the hysteresis loop of a soft piezoceramic relative to the voltage range, used where the
+ * Width of the hysteresis loop of a soft piezoceramic relative to the voltage range, used if the
  * scene gives no width.
  */
 static const double usual_hysteresis = 0.1;

@@ -32,8 +32,8 @@ static void remove_folder(void)
 }
 
 /*
- * End the process group of a running program. The program may have started other programs, which
- * may run and write files for a moment longer: wait until the group is empty.
+ * End the process group of a program that pzs runs. The program may have started other programs,
+ * which may run and write files for a moment longer; therefore wait until the group is empty.
  */
 static void end_group(void)
 {

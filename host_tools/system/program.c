@@ -17,8 +17,8 @@ int program_begin(const char *const *argument, int *to, int *from)
         return -1;
     const pid_t process = fork();
     if (process >= 0 && !to)
-        setpgid(process, process); /* setpgid is called in parent and child, because either process
-                                      may run first. */
+        setpgid(process, process); /* setpgid is called both in the parent and in the child process,
+                                      because either of them may run first after the fork. */
     if (process == 0) {
         if (to) {
             dup2(in[0], 0);
@@ -35,8 +35,8 @@ int program_begin(const char *const *argument, int *to, int *from)
         close(in[0]), close(out[1]);
         *to = in[1];
         *from = out[0];
-        fcntl(*to, F_SETFD, FD_CLOEXEC); /* The pipes are closed on exec, so that the next program
-                                            that is started does not inherit them. */
+        fcntl(*to, F_SETFD, FD_CLOEXEC); /* The pipes are closed on exec, so that no program that is
+                                            started later inherits them. */
         fcntl(*from, F_SETFD, FD_CLOEXEC);
     }
     return (int)process;

@@ -24,14 +24,15 @@ enum {
                                               reading */
     NOW = READING + CONTROLLER_READINGS,   /* announced load factors at the time of the readings */
     NEXT = NOW + LOADS,     /* announced load factors at the time when the next voltages act */
-    VOLTAGE = NEXT + LOADS, /* voltages for the amplifiers (V) */
-    REALS = VOLTAGE + CONTROLLER_INPUTS, /* number of real variables */
+    VOLTAGE = NEXT + LOADS, /* voltages that the amplifiers are to output (V) */
+    REALS = VOLTAGE + CONTROLLER_INPUTS, /* number of real variables of the FMU */
     COMMAND = 0, /* command to the supervisor; only in an FMU of a supervised control loop */
-    STATUS = CONTROLLER_SUPERVISED,            /* status of the tick, a value of pzs_status */
-    ITERATIONS = STATUS + 1,                   /* iterations of the optimiser in the latest tick */
+    STATUS = CONTROLLER_SUPERVISED, /* status of the latest tick of the control loop, a value of
+                                       pzs_status */
+    ITERATIONS = STATUS + 1,        /* iterations of the optimiser in the latest tick */
     MODE = ITERATIONS + CONTROLLER_SUPERVISED, /* mode of the supervisor; only in an FMU of a
                                                   supervised control loop */
-    STATUS_TEXT = 0                            /* status of the tick as a text */
+    STATUS_TEXT = 0 /* status of the latest tick of the control loop as a text */
 };
 
 /*
@@ -67,7 +68,7 @@ static void publish(const controller *controller, pzs_status status, fmu_values 
         values->integer[MODE] = (fmi2Integer)supervisor->info.mode;
 }
 
-/* Pass the command of the simulator to the supervisor, if the control loop has one. */
+/* Pass the command that the simulator has set to the supervisor, if the control loop has one. */
 static void give_command(controller *controller, const fmu_values *values)
 {
     pzs_supervisor *supervisor = pzs_loop_find(&controller->loop, &pzs_supervisor_block);
@@ -123,6 +124,6 @@ fmi2Status fmu_model_step(void *memory, fmu_values *values)
     publish(controller, status, values);
     if (PZS_IS_ERROR(status) && status != PZS_E_LATCHED)
         return refuse(controller, status, values);
-    return fmi2OK; /* After a latched stop the loop continues to output valid voltages: the park
-                      voltages. */
+    return fmi2OK; /* After a stop that the supervisor has latched, the park voltages are valid
+                      outputs. */
 }

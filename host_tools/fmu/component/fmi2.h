@@ -35,7 +35,7 @@ typedef enum {
     fmi2Terminated
 } fmi2StatusKind;
 
-/* Functions of the simulator that an FMU may call. */
+/* Callback functions of the simulator that an FMU may call, as FMI 2.0 defines them. */
 typedef struct {
     void (*logger)(fmi2ComponentEnvironment environment, fmi2String instance, fmi2Status status,
                    fmi2String category, fmi2String message, ...);

@@ -16,14 +16,14 @@ typedef struct instance {
     fmi2CallbackFunctions tool; /* callback functions that the simulator provides */
     char *name;                 /* name of the instance in messages to the simulator */
     instance_mode mode;
-    double time; /* simulated time at the end of the last step (s) */
+    double time; /* simulated time at the end of the latest step of the FMU (s) */
     fmu_values values;
     void *model; /* memory of the model, fmu_model_bytes() bytes */
 } instance;
 
 /*
- * Copy of the state of an instance. The memory of the model contains pointers into itself, so the
- * copy can be restored only in the instance from which it was taken.
+ * Copy of the state of an instance of the FMU. The memory of the model contains pointers into
+ * itself, so the copy can be restored only in the instance from which it was taken.
  */
 typedef struct snapshot {
     const instance *owner;
@@ -52,7 +52,8 @@ static fmi2Status report(const instance *of, fmi2Status status, const char *mess
 }
 
 /*
- * Report a status of the model to the simulator, with the message of the model. Returns the status.
+ * Report a status of the model to the simulator, together with the message that the model has
+ * stored. Returns the status.
  */
 static fmi2Status report_model(const instance *of, fmi2Status status)
 {
@@ -346,7 +347,8 @@ DEFINE(fmi2Status, fmi2FreeFMUstate, fmi2Component component, fmi2FMUstate *stat
 }
 
 /*
- * Allocate the memory for a copy of the state of an instance. Returns NULL where memory runs out.
+ * Allocate the memory for a copy of the state of an instance of the FMU. Returns NULL if memory
+ * runs out.
  */
 static snapshot *open_snapshot(const instance *of)
 {

@@ -26,10 +26,10 @@ enum {
     VOLTAGE = 0,                       /* commands of the controller to the amplifiers (V) */
     LOAD = VOLTAGE + PLANT_AMPLIFIERS, /* load factors, followed by the temperature change of the
                                           structure (K) */
-    READING = LOAD + PLANT_LOADS,      /* readings of the sensors */
+    READING = LOAD + PLANT_LOADS,      /* readings of the sensors that the controller receives */
     SHAPE = READING + PLANT_SENSORS,   /* true displacements of the target nodes */
     OUTPUT = SHAPE + PLANT_TARGETS,    /* output voltages of the amplifiers (V) */
-    REALS = OUTPUT + PLANT_AMPLIFIERS, /* number of real variables */
+    REALS = OUTPUT + PLANT_AMPLIFIERS, /* number of real variables of the FMU */
     INPUTS = PLANT_AMPLIFIERS + PLANT_LOADS,
     SEED = 0 /* seed of the random numbers for the sensor noise */
 };
