@@ -1004,7 +1004,9 @@ extern const pzs_block_type pzs_fault_detector_block;
  * and no other block runs. If no fault is found, the last tick of the test is the first tick in
  * which the loop is in control. Otherwise this tick and all later ticks return PZS_E_SELFTEST and
  * keep the voltages before the test; the result of pzs_loop_find(&loop, &pzs_selftest_block) holds
- * the findings, and pzs_selftest_accept makes the loop run despite them.
+ * the findings, and pzs_selftest_accept makes the loop run despite them. If noise or vibration
+ * hides the response of a tested amplifier, the loop does not take control either. A sensor that
+ * cannot be tested, because no amplifier moves it enough, does not prevent control.
  *
  * A pulse lasts pzs_selftest_tables.pulse_ticks ticks. Its shape leaves less than 1 % of its height
  * as vibration of a mode with at least 5.4 periods in a pulse, and its evaluation suppresses
@@ -1022,7 +1024,8 @@ typedef enum pzs_wiring_state {
     PZS_WIRING_SWAPPED, /* exchanged cables: the measured response is that expected of the amplifier
                            or sensor pzs_wiring.other */
     PZS_WIRING_GAIN,    /* the gain of the amplifier or sensor differs from the mean gain of all
-                           amplifiers by more than the tolerance in the tables */
+                           amplifiers by more than the tolerance in the tables; or the mean gain is
+                           below 0.15 or above 2, and all responding amplifiers have this state */
     PZS_WIRING_UNKNOWN, /* the measured response resembles the response expected of no amplifier (or
                            of no sensor) */
     PZS_WIRING_NOISY    /* the noise of the sensor exceeds the value in pzs_selftest_tables.noise */
@@ -1072,6 +1075,20 @@ typedef struct pzs_selftest_tables {
 #define PZS_LEAST_PULSE_TICKS 16u /* shortest duration of a test pulse (ticks) */
 
 /*
+ * An amplifier (measured by all sensors) or a sensor (moved by all amplifiers) is tested only if
+ * the energy of its expected response, the sum of its squares, exceeds PZS_SELFTEST_JUDGED times
+ * the energy of noise and vibration.
+ */
+#define PZS_SELFTEST_JUDGED PZS_R(400)
+/*
+ * Energy of the response that white noise of a sensor causes in the self-test, divided by the
+ * variance of the noise, and multiplied by the number of ticks of a pulse and by the squared height
+ * of the pulse: the sum of the squared even and odd weights of the readings, divided by the squared
+ * sum of the pulse times the even weight.
+ */
+#define PZS_SELFTEST_NOISE_ENERGY PZS_R(12.6)
+
+/*
  * Write the format number and the checksum into tables of the self-test that a firmware has built
  * itself. Errors: PZS_E_ARGUMENT.
  */
@@ -1092,7 +1109,7 @@ typedef enum pzs_selftest_verdict {
     PZS_SELFTEST_PASSED,
     PZS_SELFTEST_FAULTY, /* the self-test has found a fault of at least one amplifier or sensor */
     PZS_SELFTEST_DISTURBED, /* vibration or noise hides the response to the test pulse of at least
-                               one amplifier */
+                               one amplifier, whose state is PZS_WIRING_UNOBSERVABLE */
     PZS_SELFTEST_ACCEPTED   /* the program has ended the self-test by pzs_selftest_accept, whatever
                                its findings */
 } pzs_selftest_verdict;
@@ -1105,8 +1122,8 @@ typedef struct pzs_selftest_info {
     uint32_t remaining;          /* number of ticks until the end of the self-test */
     uint16_t findings; /* number of amplifiers and sensors with a fault: pzs_wiring.state is
                           PZS_WIRING_SILENT or larger */
-    pzs_real gain; /* mean gain of all amplifiers: measured response divided by the response that
-                      the influence matrix predicts (1) */
+    pzs_real gain;     /* mean gain of the amplifiers that respond: measured response divided by the
+                          response that the influence matrix predicts (1) */
 } pzs_selftest_info;
 
 typedef struct pzs_selftest {

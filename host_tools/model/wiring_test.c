@@ -199,6 +199,19 @@ static void append_finding(char text[SCENE_ERROR], const char *name, const pzs_w
         append(text, " %.3g", finding->gain);
 }
 
+/* Append the names of all amplifiers in one state to a text, separated by commas. */
+static void append_names(const pzs_selftest *selftest, const design *design, pzs_wiring_state state,
+                         char text[SCENE_ERROR])
+{
+    const char *separator = " ";
+    for (int k = 0; k < design->amplifiers; k++) {
+        if (selftest->info.amplifier[k].state != state)
+            continue;
+        append(text, "%s%s", separator, design->amplifier_name[k]);
+        separator = ", ";
+    }
+}
+
 /* Append what the self-test found about each amplifier to a text. */
 static void append_amplifiers(const pzs_selftest *selftest, const design *design,
                               char text[SCENE_ERROR])
@@ -226,6 +239,8 @@ void wiring_test_findings(const pzs_selftest *selftest, const analysis *analysis
         if (finding->state >= PZS_WIRING_SILENT)
             append_finding(text, name, finding, other);
     }
-    if (selftest->info.verdict == PZS_SELFTEST_DISTURBED)
-        append(text, "vibration or noise hides the response of an amplifier");
+    if (selftest->info.verdict == PZS_SELFTEST_DISTURBED) {
+        append(text, "vibration or noise hides the response of");
+        append_names(selftest, &analysis->design, PZS_WIRING_UNOBSERVABLE, text);
+    }
 }

@@ -37,12 +37,6 @@
 /* A reading that is larger than this counts as missing, so that no sum of squares overflows. */
 #define READING_LIMIT PZS_R(1e12)
 /*
- * The expected response of an amplifier (at all sensors) or of a sensor (to all amplifiers) is
- * large enough to be compared with the measured one if its energy, the sum of its squares, exceeds
- * this multiple of the energy of noise and vibration.
- */
-#define JUDGED PZS_R(400)
-/*
  * A sensor counts as noisy if the variance of its noise exceeds this multiple of the mean variance
  * of the noise of all other sensors.
  */
@@ -64,13 +58,10 @@
  */
 #define LEAST_GAIN PZS_R(0.15)
 #define LARGEST_GAIN PZS_R(2)
-/*
- * Energy (sum of squares) of the response that white noise of a sensor causes in the self-test,
- * divided by the variance of the noise and multiplied by the number of ticks of a pulse: the sum of
- * the squared even and odd weights of the readings, divided by the squared sum of the pulse times
- * the even weight.
- */
-#define NOISE_ENERGY PZS_R(12.6)
+/* Least noise of a sensor, relative to its largest plausible noise. */
+#define LEAST_NOISE PZS_R(0.01)
+/* Number of rounds that exclude silent amplifiers from the mean gain. */
+#define GAIN_ROUNDS 3
 /*
  * SWAP_GAIN: two amplifiers, or two sensors, count as swapped if exchanging them divides their
  * differences from the model by at least this number. SWAP_NOISE: the differences must also exceed
@@ -509,7 +500,7 @@ static pzs_real direction_error(const line_sums *sums)
  */
 static bool can_judge(const line_sums *sums)
 {
-    return sums->modelled > JUDGED * sums->noise && sums->modelled > 0;
+    return sums->modelled > PZS_SELFTEST_JUDGED * sums->noise && sums->modelled > 0;
 }
 
 /* ---- evaluation: responses above noise ---------------------------------- */
@@ -544,61 +535,93 @@ static void mark_sensors(pzs_selftest *selftest)
 }
 
 /*
- * For each sensor, set state.odd to the squared response that its largest plausible noise causes,
- * and raise state.null, if it is smaller, to the squared response that its measured noise causes.
+ * Raise state.null of each sensor, if it is smaller, to the squared response that the noise of the
+ * sensor causes. The noise is the measured one, or a small part of the largest plausible noise,
+ * because rounding errors of readings without noise are no response.
  */
 static void find_noise_responses(pzs_selftest_state *state)
 {
     const pzs_selftest_tables *tables = state->tables;
-    const pzs_real factor = NOISE_ENERGY / (pzs_real)tables->pulse_ticks;
+    const pzs_real factor = PZS_SELFTEST_NOISE_ENERGY / (pzs_real)tables->pulse_ticks;
     for (uint32_t i = 0; i < tables->sensors; i++) {
         const pzs_real measured = factor * state->noise[i];
-        state->odd[i] = factor * square(tables->noise[i]);
-        state->null[i] = measured > state->null[i] ? measured : state->null[i];
+        const pzs_real least = factor * square(LEAST_NOISE * tables->noise[i]);
+        const pzs_real noise = measured > least ? measured : least;
+        state->null[i] = noise > state->null[i] ? noise : state->null[i];
     }
 }
 
 /*
  * Mark the amplifiers (or sensors) whose modelled response is too small, compared with noise and
- * vibration, to be compared with the measured one. Returns how many of them could be compared if
- * noise and vibration were no larger than the largest plausible noise.
+ * vibration, to be compared with the measured one. Returns the number of amplifiers (or sensors)
+ * that this call has marked.
  */
 static uint32_t mark_unobservable(const pzs_selftest *selftest, const selftest_axis *axis)
 {
-    uint32_t disturbed = 0;
+    uint32_t hidden = 0;
     for (uint32_t line = 0; line < axis->lines; line++) {
-        if (axis->line[line].state != PZS_WIRING_HEALTHY)
-            continue;
-        const line_sums now = compare_lines(selftest, axis, line, line, selftest->state.null);
-        const line_sums plausible = compare_lines(selftest, axis, line, line, selftest->state.odd);
-        if (can_judge(&now))
+        const line_sums sums = compare_lines(selftest, axis, line, line, selftest->state.null);
+        if (axis->line[line].state != PZS_WIRING_HEALTHY || can_judge(&sums))
             continue;
         axis->line[line].state = PZS_WIRING_UNOBSERVABLE;
-        disturbed += can_judge(&plausible) ? 1u : 0u;
+        hidden++;
     }
-    return disturbed;
+    return hidden;
 }
 
 /*
- * Compute the gain of each amplifier without a finding, and return the mean of their absolute
- * values, clamped to the range of plausible mean gains (1). A gain is measured divided by modelled
- * response.
+ * Compute the gain of each amplifier without a finding: the measured response divided by the
+ * modelled response.
  */
-static pzs_real mean_gain(const pzs_selftest *selftest)
+static void find_gains(const pzs_selftest *selftest)
 {
     const selftest_axis columns = columns_of(selftest);
-    pzs_real sum = 0;
-    uint32_t count = 0;
     for (uint32_t j = 0; j < columns.lines; j++) {
         if (columns.line[j].state != PZS_WIRING_HEALTHY)
             continue;
         const line_sums sums = compare_lines(selftest, &columns, j, j, selftest->state.null);
         columns.line[j].gain = sums.modelled > 0 ? sums.product / sums.modelled : 0;
-        sum += number_absolute(columns.line[j].gain);
+    }
+}
+
+/*
+ * Return the mean absolute gain of the healthy amplifiers whose absolute gain is at least `least`.
+ * Returns 0 where there is none.
+ */
+static pzs_real mean_above(const pzs_selftest *selftest, pzs_real least)
+{
+    const pzs_wiring *amplifier = selftest->state.amplifier;
+    pzs_real sum = 0;
+    uint32_t count = 0;
+    for (uint32_t j = 0; j < selftest->state.tables->inputs; j++) {
+        const pzs_real gain = number_absolute(amplifier[j].gain);
+        if (amplifier[j].state != PZS_WIRING_HEALTHY || !(gain >= least))
+            continue;
+        sum += gain;
         count++;
     }
-    const pzs_real mean = count > 0 ? sum / (pzs_real)count : 1;
-    return number_clamp(number_is_finite(mean) ? mean : 1, LEAST_GAIN, LARGEST_GAIN);
+    return count > 0 ? sum / (pzs_real)count : 0;
+}
+
+/*
+ * Set info.gain to the mean absolute gain of the healthy amplifiers. Silent amplifiers are left
+ * out, because they would make the healthy ones seem too strong: an amplifier counts as silent if
+ * its gain is much smaller than the mean of the others, which three rounds determine.
+ */
+static void find_mean_gain(pzs_selftest *selftest)
+{
+    find_gains(selftest);
+    pzs_real mean = mean_above(selftest, 0);
+    for (int round = 0; round < GAIN_ROUNDS; round++)
+        mean = mean_above(selftest, SILENT * mean);
+    if (mean > 0 && number_is_finite(mean))
+        selftest->info.gain = mean;
+}
+
+/* Whether the mean gain of the amplifiers is within plausible bounds. */
+static bool is_gain_plausible(const pzs_selftest *selftest)
+{
+    return selftest->info.gain >= LEAST_GAIN && selftest->info.gain <= LARGEST_GAIN;
 }
 
 /*
@@ -617,7 +640,7 @@ static void begin_evaluation(pzs_selftest *selftest)
     const uint32_t hidden = mark_unobservable(selftest, &columns);
     (void)mark_unobservable(selftest, &rows);
     state->core[0].disturbed = hidden > 0 ? 1u : 0u;
-    selftest->info.gain = mean_gain(selftest);
+    find_mean_gain(selftest);
 }
 
 /* ---- evaluation: responses unlike the model ----------------------------- */
@@ -635,14 +658,16 @@ typedef struct worst_line {
 
 /*
  * Whether the self-test may report a fault of an amplifier or sensor whose measured response
- * differs from the model. If the modelled response is too small to be compared, the measured one
- * must be large; an amplifier or sensor that already has another finding gets no second one.
+ * differs from the model. If the modelled response to the amplifiers or sensors that remain without
+ * a finding is too small to be compared, the measured response must be large. An amplifier or
+ * sensor that already has a finding gets no second one.
  */
 static bool may_be_reported(const pzs_wiring *finding, const line_sums *sums)
 {
     const bool is_large = sums->measured > 4 * RESPONSE * sums->noise;
-    return finding->state == PZS_WIRING_HEALTHY ||
-           (finding->state == PZS_WIRING_UNOBSERVABLE && is_large);
+    const bool is_healthy = finding->state == PZS_WIRING_HEALTHY;
+    return (is_healthy && can_judge(sums)) ||
+           ((is_healthy || finding->state == PZS_WIRING_UNOBSERVABLE) && is_large);
 }
 
 /*
@@ -724,17 +749,19 @@ static void set_finding(const pzs_selftest *selftest, const selftest_axis *axis,
 /*
  * Report the fault of the amplifier or sensor whose measured response differs most from the model.
  * Later ticks exclude its responses from all comparisons with the model. If no amplifier or sensor
- * differs by more than the tolerance of the gains, the search for differences ends.
+ * differs by more than the tolerance of the gains, the search for differences ends. While the mean
+ * gain is implausible, only amplifiers are reported, because all of them differ from the model.
  */
 static void report_worst(pzs_selftest *selftest)
 {
     if (selftest->state.core[0].is_complete != 0)
         return;
     const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
-    const pzs_real gain = mean_gain(selftest);
+    find_mean_gain(selftest);
+    const pzs_real gain = number_clamp(selftest->info.gain, LEAST_GAIN, LARGEST_GAIN);
     const worst_line column = find_worst(selftest, &columns, gain);
-    const worst_line row = find_worst(selftest, &rows, gain);
-    selftest->info.gain = gain;
+    worst_line row = find_worst(selftest, &rows, gain);
+    row.is_found = row.is_found && is_gain_plausible(selftest);
     selftest->state.core[0].is_complete = column.is_found || row.is_found ? 0u : 1u;
     if (row.is_found && !(row.difference <= column.difference))
         set_finding(selftest, &rows, row.line, gain);
@@ -857,12 +884,24 @@ static void complete_swaps(const selftest_axis *axis)
     }
 }
 
+/*
+ * Give every healthy amplifier the finding PZS_WIRING_GAIN if the mean gain is implausible: the
+ * amplifiers agree with each other, but all of them differ from the model.
+ */
+static void mark_common_gain(const pzs_selftest *selftest, const selftest_axis *columns)
+{
+    for (uint32_t j = 0; j < columns->lines && !is_gain_plausible(selftest); j++)
+        if (columns->line[j].state == PZS_WIRING_HEALTHY)
+            columns->line[j].state = PZS_WIRING_GAIN;
+}
+
 static void give_verdict(pzs_selftest *selftest)
 {
     const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
     pzs_selftest_core *core = &selftest->state.core[0];
     complete_swaps(&columns);
     complete_swaps(&rows);
+    mark_common_gain(selftest, &columns);
     selftest->info.findings = (uint16_t)(count_findings(&columns) + count_findings(&rows));
     core->verdict = core->disturbed != 0 ? PZS_SELFTEST_DISTURBED : PZS_SELFTEST_PASSED;
     if (selftest->info.findings > 0)

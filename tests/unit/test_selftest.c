@@ -726,6 +726,217 @@ static void test_early_acceptance(void **state)
     close_structure(&s);
 }
 
+/* ---- strip ------------------------------------------------------------ */
+
+enum { STRIP_INPUTS = 3, STRIP_SENSORS = 12 };
+
+/* Height of a pulse, voltage limit and step limit of the strip (V). */
+static const double strip_pulse = 20, strip_limit = 130, strip_step = 40;
+/* Duration of a pulse of the strip (ticks). */
+enum { STRIP_TICKS = 64 };
+
+/* A strip, clamped at one end, whose electrodes follow each other along its length. */
+typedef struct strip {
+    uint16_t inputs;
+    double gain[STRIP_INPUTS]; /* measured response of each electrode relative to the model */
+    double noise;              /* RMS noise of a reading (length of the strip) */
+    double mean; /* root mean square response of all sensors to 1 V (length of the strip) */
+    pzs_real influence[STRIP_SENSORS * STRIP_INPUTS]; /* [STRIP_SENSORS][inputs] */
+    pzs_real lower[STRIP_INPUTS], upper[STRIP_INPUTS], step[STRIP_INPUTS], zero[STRIP_INPUTS];
+    pzs_real amplitude[STRIP_INPUTS], weight[STRIP_SENSORS], scale[STRIP_SENSORS];
+    pzs_real largest_noise[STRIP_SENSORS];
+    pzs_problem problem;
+    pzs_selftest_tables tables;
+} strip;
+
+/* Deflection at the place x of a strip whose curvature is 1 from `from` to `to`, and 0 elsewhere.
+ */
+static double deflection(double x, double from, double to)
+{
+    const double bent = fmin(fmax(x - from, 0), to - from);
+    return bent * bent / 2 + bent * fmax(x - to, 0);
+}
+
+static void set_strip_noise(strip *s, double noise)
+{
+    s->noise = noise * s->mean * strip_pulse;
+    fill(s->scale, STRIP_SENSORS, 1 / s->mean);
+    fill(s->largest_noise, STRIP_SENSORS, fmax(5 * s->noise, 0.02 * strip_pulse * s->mean));
+    assert_int_equal(pzs_selftest_seal(&s->tables), PZS_OK);
+}
+
+/*
+ * Make a strip whose amplifiers and sensors are healthy.
+ *   noise in  RMS noise of a reading relative to the root mean square response to a pulse
+ */
+static void open_strip(strip *s, size_t inputs, double noise)
+{
+    double sum = 0;
+    memset(s, 0, sizeof *s);
+    s->inputs = (uint16_t)inputs;
+    for (size_t k = 0; k < STRIP_SENSORS * inputs; k++) {
+        const double place = (double)(k / inputs + 1) / STRIP_SENSORS;
+        const double from = (double)(k % inputs) / (double)inputs;
+        const double reading = deflection(place, from, from + 1 / (double)inputs);
+        s->influence[k] = (pzs_real)reading;
+        sum += reading * reading;
+    }
+    s->mean = sqrt(sum / (double)(STRIP_SENSORS * inputs));
+    for (size_t j = 0; j < inputs; j++)
+        s->gain[j] = 1;
+    fill(s->lower, inputs, -strip_limit);
+    fill(s->upper, inputs, strip_limit);
+    fill(s->step, inputs, strip_step);
+    fill(s->amplitude, inputs, strip_pulse);
+    fill(s->weight, STRIP_SENSORS, 1);
+    s->problem = (pzs_problem){.scene = 1,
+                               .inputs = s->inputs,
+                               .outputs = STRIP_SENSORS,
+                               .influence = s->influence,
+                               .weight = s->weight,
+                               .lower = s->lower,
+                               .upper = s->upper,
+                               .step_limit = s->step,
+                               .reference_voltage = s->zero};
+    s->tables = (pzs_selftest_tables){.scene = 1,
+                                      .inputs = s->inputs,
+                                      .sensors = STRIP_SENSORS,
+                                      .pulse_ticks = STRIP_TICKS,
+                                      .amplitude = s->amplitude,
+                                      .scale = s->scale,
+                                      .noise = s->largest_noise,
+                                      .gain_tolerance = PZS_R(0.5)};
+    assert_int_equal(pzs_problem_seal(&s->problem), PZS_OK);
+    set_strip_noise(s, noise);
+}
+
+/* Results of a test of a strip. */
+typedef struct strip_result {
+    pzs_status status;
+    pzs_selftest_info info;
+    pzs_wiring amplifier[STRIP_INPUTS], sensor[STRIP_SENSORS];
+} strip_result;
+
+/* Let the strip move at once, and read its sensors. */
+static void read_strip(const strip *s, const pzs_real *voltage, unsigned *seed, pzs_real *readings)
+{
+    for (size_t i = 0; i < STRIP_SENSORS; i++) {
+        double reading = s->noise * normal(seed);
+        for (size_t j = 0; j < s->inputs; j++)
+            reading += s->gain[j] * (double)s->influence[i * s->inputs + j] * (double)voltage[j];
+        readings[i] = (pzs_real)reading;
+    }
+}
+
+static strip_result test_strip(const strip *s, unsigned seed)
+{
+    static pzs_real work[4000];
+    const pzs_block blocks[] = {{&pzs_selftest_block, &s->tables}, {&pzs_step_block, &s->problem}};
+    pzs_real readings[STRIP_SENSORS];
+    pzs_loop loop;
+    strip_result result = {.status = PZS_W_SELFTEST};
+    const uint32_t ticks = PZS_SELFTEST_TICKS(s->inputs, STRIP_SENSORS, STRIP_TICKS, 0);
+    assert_int_equal(pzs_loop_init(&loop, blocks, 2, NULL, work, sizeof work), PZS_OK);
+    const pzs_selftest *selftest = pzs_loop_find(&loop, &pzs_selftest_block);
+    for (uint32_t tick = 0; tick < ticks; tick++) {
+        assert_int_equal(result.status, PZS_W_SELFTEST);
+        read_strip(s, loop.info.voltage, &seed, readings);
+        result.status = pzs_loop_tick(&loop, readings, readings);
+    }
+    result.info = selftest->info;
+    memcpy(result.amplifier, selftest->info.amplifier, s->inputs * sizeof *result.amplifier);
+    memcpy(result.sensor, selftest->info.sensor, sizeof result.sensor);
+    assert_int_equal(result.status == PZS_OK, result.info.verdict == PZS_SELFTEST_PASSED);
+    return result;
+}
+
+/*
+ * Noise never lets a test pass: where it passes, each amplifier was judged and is healthy. Readings
+ * whose noise is ten times the response end as disturbed, whatever the amplifiers do, although the
+ * tables call this noise plausible.
+ */
+static void test_blind_by_noise(void **state)
+{
+    static const double gain[] = {1, -1, 0};
+    strip s;
+    (void)state;
+    for (size_t k = 0; k < 3 * 40; k++) {
+        const double noise = 1e-3 * pow(10, (double)(k / 3) / 8);
+        open_strip(&s, STRIP_INPUTS, noise);
+        for (size_t j = 0; j < STRIP_INPUTS; j++)
+            s.gain[j] = gain[k % 3];
+        const strip_result found = test_strip(&s, 11u + (unsigned)k);
+        if (k % 3 > 0)
+            assert_int_not_equal(found.info.verdict, PZS_SELFTEST_PASSED);
+        if (k % 3 == 0 && noise < 0.01)
+            assert_int_equal(found.info.verdict, PZS_SELFTEST_PASSED);
+        for (size_t j = 0; j < STRIP_INPUTS && found.info.verdict == PZS_SELFTEST_PASSED; j++)
+            assert_int_equal(found.amplifier[j].state, PZS_WIRING_HEALTHY);
+        if (noise > 10)
+            assert_int_equal(found.info.verdict, PZS_SELFTEST_DISTURBED);
+    }
+}
+
+/* An amplifier that moves no sensor cannot be judged, and the test does not pass. */
+static void test_blind_amplifier(void **state)
+{
+    strip s;
+    (void)state;
+    open_strip(&s, 2, 0);
+    for (size_t i = 0; i < STRIP_SENSORS; i++)
+        s.influence[2 * i + 1] = 0;
+    assert_int_equal(pzs_problem_seal(&s.problem), PZS_OK);
+    const strip_result found = test_strip(&s, 1);
+    assert_int_equal(found.amplifier[0].state, PZS_WIRING_HEALTHY);
+    assert_int_equal(found.amplifier[1].state, PZS_WIRING_UNOBSERVABLE);
+    assert_int_equal(found.info.verdict, PZS_SELFTEST_DISTURBED);
+}
+
+/* One dead amplifier of one, two or three is named, and nothing else; the other gains are right. */
+static void test_one_dead(void **state)
+{
+    strip s;
+    (void)state;
+    for (size_t inputs = 1; inputs <= STRIP_INPUTS; inputs++)
+        for (size_t k = 0; k < 2 * inputs; k++) {
+            const double noise = k < inputs ? 0 : 2e-3;
+            const size_t dead = k % inputs;
+            open_strip(&s, inputs, noise);
+            s.gain[dead] = 0;
+            const strip_result found = test_strip(&s, 3u + (unsigned)k);
+            assert_int_equal(found.info.verdict, PZS_SELFTEST_FAULTY);
+            assert_int_equal(found.info.findings, 1);
+            for (size_t j = 0; j < inputs; j++) {
+                assert_int_equal(found.amplifier[j].state,
+                                 j == dead ? PZS_WIRING_SILENT : PZS_WIRING_HEALTHY);
+                assert_true(fabs((double)found.amplifier[j].gain - s.gain[j]) < 0.01);
+            }
+            assert_true(inputs == 1 || fabs((double)found.info.gain - 1) < 0.01);
+        }
+}
+
+/*
+ * Where all gains are too small or too large by a common factor, each amplifier has a finding, no
+ * sensor has one, and the mean gain is the true one.
+ */
+static void test_all_gains_off(void **state)
+{
+    static const double gain[] = {0.06, 0.1, 0.14, 2.1, 5};
+    strip s;
+    (void)state;
+    for (size_t k = 0; k < sizeof gain / sizeof *gain; k++) {
+        open_strip(&s, STRIP_INPUTS, 1e-4);
+        for (size_t j = 0; j < STRIP_INPUTS; j++)
+            s.gain[j] = gain[k];
+        const strip_result found = test_strip(&s, 5u + (unsigned)k);
+        assert_int_equal(found.info.verdict, PZS_SELFTEST_FAULTY);
+        assert_int_equal(found.info.findings, STRIP_INPUTS);
+        for (size_t j = 0; j < STRIP_INPUTS; j++)
+            assert_int_equal(found.amplifier[j].state, PZS_WIRING_GAIN);
+        assert_true(fabs((double)found.info.gain / gain[k] - 1) < 0.01);
+    }
+}
+
 /* Status of the initialisation of a loop with tables of the self-test. */
 static pzs_status init_status(const structure *s, const pzs_selftest_tables *tables)
 {
@@ -774,6 +985,8 @@ int main(void)
         cmocka_unit_test(test_faults),           cmocka_unit_test(test_vibration),
         cmocka_unit_test(test_repetition),       cmocka_unit_test(test_acceptance),
         cmocka_unit_test(test_early_acceptance), cmocka_unit_test(test_bad_tables),
+        cmocka_unit_test(test_blind_by_noise),   cmocka_unit_test(test_blind_amplifier),
+        cmocka_unit_test(test_one_dead),         cmocka_unit_test(test_all_gains_off),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
