@@ -32,11 +32,14 @@ typedef struct common_limits {
 
 /* Arrays of the limit rows of a voltage problem (limits between amplifiers), and their tables. */
 typedef struct design_rows {
-    uint32_t *start;       /* [rows + 1] first entry of each row */
-    uint16_t *input;       /* [entries] amplifier of each entry */
-    double *value;         /* [entries] factor of its voltage (1) */
-    double *lower, *upper; /* [rows] limits of the sum of each row (V) */
-    double *safe;          /* [amplifiers] voltages inside all limits (V) */
+    uint32_t *start; /* [rows + 1] index of the first entry of each limit row in `input` and `value`
+                      */
+    uint16_t *input; /* [entries] amplifier to whose voltage each entry of a limit row belongs */
+    double *value;   /* [entries] factor by which the limit row multiplies the voltage of the
+                        amplifier (1) */
+    double *lower, *upper; /* [rows] lowest and highest value of the weighted sum of voltages of
+                              each limit row (V) */
+    double *safe; /* [amplifiers] voltages that obey all voltage limits and limit rows (V) */
     pzs_limit_rows tables;
 } design_rows;
 
@@ -45,7 +48,8 @@ typedef struct design_rows {
  * copied by design_build; their texts and lists belong to the scene, which outlives the design.
  */
 typedef struct design {
-    const scene *scene; /* for the functions of the design alone; later stages do not use it */
+    const scene *scene; /* the scene from which the design is built, for the functions of the design
+                           alone; later stages do not use it */
     mesh mesh;
     pzs_structure structure; /* Inputs in this order: amplifiers, loads, extra inputs, electrodes of
                                 sensors. Outputs: target nodes, then named outputs. The extra inputs
@@ -89,7 +93,8 @@ typedef struct design {
                                                                voltages (V) */
     double *park; /* [amplifiers] voltages to which the supervisor parks the amplifiers (V) */
     pzs_problem problem;
-    design_rows rows; /* limits between amplifiers; empty if the scene has none */
+    design_rows rows; /* limit rows of the voltage problem (limits between amplifiers); empty if the
+                         scene has none */
 
     const char *name, *about, *path; /* name, purpose (may be NULL) and file of the scene */
     scene_at at, at_layers;          /* positions for errors on the structure and on its layers */
@@ -103,14 +108,14 @@ typedef struct design {
                          says kinematics: auto */
     scene_equilibrium equilibrium; /* settings of the solver for the nonlinear equilibrium */
     int materials, layers, patch_grids, actuators, sensors, supports, springs, outputs, compares;
-    const scene_material *material; /* [materials] */
-    const scene_layer *layer;       /* [layers] */
-    const scene_patches *patches;   /* [patch_grids] */
-    const scene_actuator *actuator; /* [actuators] */
-    const scene_actuator *sensor;   /* [sensors] */
-    const scene_support *support;   /* [supports] */
-    const scene_spring *spring;     /* [springs] */
-    const scene_load *load;         /* [loads] */
+    const scene_material *material; /* [materials] materials of the scene */
+    const scene_layer *layer;       /* [layers] layers of the shell */
+    const scene_patches *patches;   /* [patch_grids] grids of piezoelectric patches */
+    const scene_actuator *actuator; /* [actuators] actuators of the scene */
+    const scene_actuator *sensor;   /* [sensors] piezoelectric sensors of the scene */
+    const scene_support *support;   /* [supports] supports of the structure */
+    const scene_spring *spring;     /* [springs] springs of the structure */
+    const scene_load *load;         /* [loads] loads of the scene */
     const scene_output *output;     /* [outputs] named outputs */
     const scene_compare *compare;   /* [compares] voltages given for comparison */
     const scene_quads *quads;       /* mesh from a file, or NULL */

@@ -8,14 +8,16 @@
 #include "../../lib/control/limit_rows.h"
 
 enum {
-    SWEEPS = 20000,   /* largest number of projections on all limits */
-    MOST_TRIED = 400, /* largest number of rows of which a smallest clash is looked for */
-    MOST_NAMED = 4    /* largest number of rows that a message names */
+    SWEEPS = 20000,   /* largest number of projections of voltages on all limit rows and voltage
+                         limits, one after the other */
+    MOST_TRIED = 400, /* largest number of limit rows for which a smallest contradictory set is
+                         looked for */
+    MOST_NAMED = 4    /* largest number of limit rows that an error message names */
 };
 
 /*
- * Return the distance by which safe voltages stay inside limit row k (V): twice the margin of a
- * device in float.
+ * Return the distance by which the safe voltages stay inside limit row k (V): twice the margin by
+ * which a controller in single precision narrows the row against rounding errors.
  */
 static double safe_margin(const design *design, int k)
 {
@@ -31,8 +33,8 @@ static double row_sum(const scene_limit_row *row, const double *voltage)
 }
 
 /*
- * Project voltages on limit row k, narrowed by its margin. Returns by how much the row was violated
- * (V).
+ * Move voltages [amplifiers] by the shortest distance to limit row k, narrowed on each side by the
+ * result of safe_margin. Returns by how much the row was violated (V), up to half of that margin.
  */
 static double project(const design *design, int k, double *voltage)
 {
@@ -49,10 +51,10 @@ static double project(const design *design, int k, double *voltage)
 }
 
 /*
- * Project voltages on all limits in turn until all hold. The sequence converges to common voltages
- * if there are any.
- *   is_used [rows] in  rows to keep; NULL: all
- * Returns the largest violation in the last sweep (V).
+ * Look for voltages that obey all limit rows and all voltage limits, by projecting the voltages on
+ * each of these limits in turn. The sequence converges to such voltages if there are any.
+ *   is_used [rows] in  false: the limit row is ignored; NULL: all limit rows are used
+ * Returns the largest violation after the last projections (V), or 0 if all limits are obeyed.
  */
 static double search(const design *design, const double *lower, const double *upper,
                      const bool *is_used, double *voltage)
@@ -89,7 +91,10 @@ void design_row_name(const design *design, int k, char *text, size_t size)
     }
 }
 
-/* Write the names of the rows of a smallest set without common voltages to `text`. */
+/*
+ * Write to `text` the names and limits of the limit rows that contradict each other. is_used [rows]
+ * is true for these rows.
+ */
 static void name_clash(const design *design, const bool *is_used, char *text, size_t size)
 {
     size_t length = 0;
@@ -109,8 +114,9 @@ static void name_clash(const design *design, const bool *is_used, char *text, si
 }
 
 /*
- * Reduce the rows to a smallest set that still has no common voltages with the voltage limits:
- * every row without which there are none either is left out. Returns 0, or -1 without memory.
+ * Reduce the limit rows to a smallest set that no voltages inside the voltage limits can obey: a
+ * row is removed if the other rows still contradict each other.
+ *   is_used [rows] in/out  true: the row belongs to the set
  */
 static void reduce_clash(const design *design, const double *lower, const double *upper,
                          bool *is_used, double *voltage)
@@ -151,7 +157,10 @@ int design_rows_safe(const design *design, const double *lower, const double *up
     return refuse_clash(design, lower, upper, safe, error);
 }
 
-/* Check that all amplifiers of limit rows have finite voltage limits. */
+/*
+ * Check that all amplifiers that occur in limit rows have finite voltage limits. Returns 0, or -1
+ * with error filled.
+ */
 static int check_finite(const design *design, char *error)
 {
     for (int k = 0; k < design->limits.rows; k++) {
@@ -169,7 +178,10 @@ static int check_finite(const design *design, char *error)
     return 0;
 }
 
-/* Check that every row is wider than twice its margin. */
+/*
+ * Check that the limits of every limit row are far enough apart for its rounding errors in single
+ * precision. Returns 0, or -1 with error filled.
+ */
 static int check_width(const design *design, char *error)
 {
     for (int k = 0; k < design->limits.rows; k++) {
@@ -185,7 +197,7 @@ static int check_width(const design *design, char *error)
     return 0;
 }
 
-/* Copy the rows of the scene into the arrays of the tables. */
+/* Copy the limit rows of the scene into the arrays of the design's tables. */
 static void copy_rows(design *design)
 {
     design_rows *rows = &design->rows;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Limits between amplifiers as limit rows of the voltage problem: tables, voltages that keep all of
- * them, and a message that names limits without common voltages.
+ * Limits between amplifiers as limit rows (limits of weighted sums of voltages) of the voltage
+ * problem: their tables, voltages that obey all of them, and an error message that names
+ * contradictory limits.
  */
 #ifndef MODEL_DESIGN_ROWS_H
 #define MODEL_DESIGN_ROWS_H
@@ -9,16 +10,17 @@
 #include "design.h"
 
 /*
- * Build the limit rows of a design whose voltage limits are known, into design->rows and
- * design->problem. Returns 0, or -1 with error filled.
+ * Build the limit rows (limits of weighted sums of voltages) of a design into design->rows and
+ * design->problem. The voltage limits of the design must be known. Returns 0, or -1 with error
+ * filled.
  */
 int design_rows_build(design *design, char *error);
 
 /*
- * Find voltages inside voltage limits and limit rows, near the reference voltages.
+ * Find voltages that obey all voltage limits and limit rows, near the reference voltages.
  *   lower, upper [amplifiers] in   voltage limits (V)
- *   safe         [amplifiers] out  (V)
- * Returns 0, or -1 with error filled: with the names of limits that have no common voltages.
+ *   safe         [amplifiers] out  the voltages found (V)
+ * Returns 0, or -1 with error filled; the error names limits that contradict each other.
  */
 int design_rows_safe(const design *design, const double *lower, const double *upper, double *safe,
                      char *error);
@@ -26,10 +28,10 @@ int design_rows_safe(const design *design, const double *lower, const double *up
 /* Write the name of limit row k, such as `v_1 - v_2`, to `text` of `size` bytes. */
 void design_row_name(const design *design, int k, char *text, size_t size);
 
-/* Return whether voltages [amplifiers] are at a limit of row k, up to rounding errors. */
+/* Return whether voltages [amplifiers] reach a limit of limit row k, except for rounding errors. */
 bool design_row_binds(const design *design, int k, const double *voltage);
 
-/* Return the number of limit rows of which voltages [amplifiers] are at a limit. */
+/* Return the number of limit rows one of whose limits is reached by voltages [amplifiers]. */
 int design_rows_active(const design *design, const double *voltage);
 
 #endif

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The plant of a simulation: a structure that differs from the controller's model (plant.h). */
+/*
+ * The plant of a simulation: a structure that differs from the model of the controller (plant.h).
+ */
 #include "plant.h"
 #include <math.h>
 #include <stdio.h>
@@ -11,14 +13,14 @@
 #include "influence_sum.h"
 #include "plant_motion.h"
 
-/* Motions of a plant with inertia, in the order of scene_motion. */
+/* All ways in which a plant with inertia may move, in the order of the enumeration scene_motion. */
 static const plant_motion *const motions[] = {&plant_modal, &plant_nonlinear};
 
 /* ---- open ------------------------------------------------------------- */
 
 /*
- * Append a temperature change of 1 K to the loads of the plant's scene. Returns 0, or -1 where
- * memory runs out.
+ * Append a temperature change of 1 K to the loads of the plant's scene. Returns 0, or -1 if memory
+ * runs out.
  */
 static int add_temperature(plant *plant)
 {
@@ -38,7 +40,10 @@ static int has_temperature_events(const scene_simulate *simulate)
     return 0;
 }
 
-/* Next number of a pseudo-random sequence that is equal on every computer, uniform in [0, 1). */
+/*
+ * Return the next number of a pseudo-random sequence, uniform in [0, 1), which is the same on every
+ * computer.
+ */
 static double random_number(uint32_t *state)
 {
     *state = *state * 1664525u + 1013904223u;
@@ -46,8 +51,8 @@ static double random_number(uint32_t *state)
 }
 
 /*
- * Multiply the columns of a measured influence matrix by the gains of the plant, and the entries by
- * random factors around 1.
+ * Multiply each column of a measured influence matrix by the gain that the plant has for this
+ * amplifier, and each entry by a random factor near 1.
  */
 static void scale_matrix(scene *scene)
 {
@@ -76,10 +81,10 @@ static int change_scene(plant *plant)
 }
 
 /*
- * Whether the plant has inertia: where the scene asks for it, or where the scene does not say and
- * all densities are given. A plant with a contact has no inertia, because its modes depend on the
- * nodes in contact; a plant with sensors of voltages or charges has none, because the modes have no
- * output rows for them. The member `reason` says why a plant has no inertia.
+ * Whether the plant has inertia: if the scene asks for it, or if the scene does not say and gives
+ * all densities. A plant with a contact has no inertia, because its modes depend on the nodes in
+ * contact. A plant with sensors of voltages or charges has no inertia, because the modal model has
+ * no output rows for them. The member `reason` of the plant states why it has no inertia.
  */
 static bool wants_inertia(plant *plant)
 {
@@ -102,8 +107,8 @@ static bool wants_inertia(plant *plant)
 }
 
 /*
- * Choose how the plant moves: a nonlinear motion of a plant with open electrodes is not possible,
- * because their voltages would be unknowns of each time step.
+ * Choose how a plant with inertia moves. A nonlinear motion of a plant with open electrodes is
+ * refused, because their voltages would be unknowns of each time step.
  */
 static int choose_motion(plant *plant, char *error)
 {
@@ -296,8 +301,8 @@ static void sum_columns(const plant *plant, size_t rows, double *shape)
 }
 
 /*
- * Compute the equilibrium under the present inputs, starting from the latest shape. Where the
- * inputs have not changed, the latest shape is kept.
+ * Compute the equilibrium of the plant under the present inputs, starting from the latest shape. If
+ * the inputs have not changed, the latest shape is kept.
  */
 static int compute_equilibrium(plant *plant, char *error)
 {
@@ -391,8 +396,8 @@ const plant_motion plant_quasi_static = {"quasi-static",
 /* ---- optimum ---------------------------------------------------------- */
 
 /*
- * Compute the displacements that the voltages must cause on the linear structure: target minus
- * displacements under the present loads.
+ * Compute the displacements at the target rows that the voltages must cause on the linear
+ * structure: target minus displacements under the present loads.
  */
 static void set_wanted(plant *plant, const double *target)
 {

@@ -25,25 +25,27 @@ typedef struct plant {
     scene scene;  /* copy of the scene with the constants of the plant */
     expr *kelvin; /* formula of the temperature change that is added to the loads, or NULL */
     analysis analysis;
-    double *input; /* [inputs] inputs for the next shape: voltages, loads, temperature change, and
-                      on a nonlinear structure the prescribed displacements and the motion of a
-                      contact's rigid body */
-    double *computed_input; /* [inputs] inputs of the latest computed shape */
+    double *input; /* [inputs] inputs for the next shape: voltages, loads and temperature change; on
+                      a nonlinear structure also prescribed displacements and the motion of the
+                      rigid body of a contact */
+    double *computed_input; /* [inputs] inputs with which the latest shape was computed */
     double *scene_input; /* [inputs] values of all inputs at full load, as given in the scene, such
                             as loads and support displacements */
     double *value;       /* [output rows] output values of the latest shape */
-    int temperature;     /* index of the temperature input, or -1 where the plant has none */
+    int temperature;     /* index of the temperature change among the inputs, or -1 if the plant has
+                            none */
     bool has_shape;      /* whether at least one shape of the plant has been computed */
     bool is_at_rest;     /* true: plant_rest has just set the plant to rest, and no time has passed
                             since */
     long linear_solves;  /* number of linear solves of the nonlinear equilibrium solver */
-    const struct plant_motion *motion; /* how the plant moves */
+    const struct plant_motion *motion; /* how the plant moves: quasi-static, modal or nonlinear */
     bool has_inertia;
-    char reason[SCENE_ERROR]; /* the reason why a plant has no inertia */
+    char reason[SCENE_ERROR]; /* the reason why a plant has no inertia, as text for the report */
     vibration vibration;      /* natural frequencies and mode shapes of a plant with inertia */
     modal modal;
-    inertia inertia;           /* state of a modal motion */
-    shell_motion shell_motion; /* state of a nonlinear motion */
+    inertia inertia;           /* state of a plant that moves in its vibration modes */
+    shell_motion shell_motion; /* state of a plant that moves with all degrees of freedom at large
+                                  rotation */
     double *modal_input; /* [amplifiers + loads] inputs of the modal model: voltages (V) and load
                             factors */
     double *deviation;   /* [output rows] deviation of the latest shape from the static equilibrium,
@@ -83,10 +85,16 @@ void plant_kick(plant *plant, int load, double seconds);
  */
 int plant_elapse(plant *plant, const double *voltage, double seconds, char *error);
 
-/* Weighted norm of the latest shape's deviation from the static equilibrium; 0 without inertia. */
+/*
+ * Return a weighted norm of the difference between the latest shape of the plant and its static
+ * equilibrium; 0 for a plant without inertia.
+ */
 double plant_vibration(const plant *plant);
 
-/* Natural period of the first mode (s); 0 without inertia. */
+/*
+ * Return the natural period of the first vibration mode of the plant (s); 0 for a plant without
+ * inertia.
+ */
 double plant_period(const plant *plant);
 
 /*

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Motion of a shell with mass at large rotation, by energy-momentum steps (shell_motion.h). */
+/*
+ * Motion of a shell with mass at large rotation, computed by energy-momentum steps
+ * (shell_motion.h).
+ */
 #include "shell_motion.h"
 #include <math.h>
 #include <stdlib.h>
@@ -15,26 +18,26 @@
 
 enum {
     SOLVES_MOST = 16
-}; /* Largest number of linear solves in one time step of the motion of a shell; a step that needs
-      more is halved. */
+}; /* Largest number of linear solves in one time step of the motion of a shell. A time step that
+      needs more is divided into two halves. */
 
 /*
  * Convergence tolerance of Newton's method in a time step: largest norm of the last increment
- * relative to the change of the displacement in half the step. Where the structure hardly moves,
- * the change counts as least_change times the displacement.
+ * relative to the change of the displacement in half the step. If the structure hardly moves,
+ * least_change times the norm of the displacement replaces the change.
  */
 static const double tolerance = 1e-7, least_change = 1e-3;
 
 /*
- * Newton's method keeps the factors of its matrix for the next linear solve in the same time step
- * where the relative increment is below small_increment, unless it was more than slow_decrease
- * times the increment before.
+ * Newton's method uses the factors of its matrix again for the next linear solve of a time step if
+ * the relative increment is below small_increment and has decreased to at most slow_decrease times
+ * the increment before.
  */
 static const double small_increment = 0.01, slow_decrease = 0.2;
 
 /*
- * Largest phase (radians) of a vibration mode in a time step that follows the mode, and in a
- * control tick that can damp the mode.
+ * Largest phase (radians) by which a vibration mode may turn in a time step that resolves the mode,
+ * and in a control tick by which a controller can damp the mode.
  */
 static const double step_phase = 0.5, tick_phase = 2;
 
@@ -71,8 +74,8 @@ static bool take_memory(shell_motion *motion)
 }
 
 /*
- * Number of vibration modes, without rigid motions, that turn by at most half a radian in a time
- * step, so that the time steps follow them.
+ * Return the number of vibration modes, without rigid motions, that turn by at most half a radian
+ * in a time step, so that the time steps resolve them.
  */
 static size_t count_followed(const vibration *vibration, double step)
 {
@@ -83,8 +86,8 @@ static size_t count_followed(const vibration *vibration, double step)
 }
 
 /*
- * Choose the viscosity where the scene states damping ratios: the largest viscosity that gives no
- * mode which the time steps follow more than its stated ratio.
+ * Choose the viscosity (s) if the scene states damping ratios: the largest viscosity with which no
+ * mode that the time steps resolve has more than its stated damping ratio.
  */
 static double viscosity_of(const shell_motion *motion, const scene_dynamics *dynamics)
 {
@@ -166,10 +169,11 @@ double shell_motion_step(const vibration *vibration, double interval)
 /* ---- elements --------------------------------------------------------- */
 
 /*
- * Stress resultants of one element at a displacement, without the prescribed ones.
+ * Compute the stress resultants of one element at a displacement, without the prescribed stress
+ * resultants of voltages and temperature.
  *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
- *   increment    [4 dof_per_node] in   increment along which the resultants are extrapolated; NULL:
- *                                      none
+ *   increment    [4 dof_per_node] in   increment along which the resultants are extrapolated;
+ *                                      NULL: none
  *   resultant    [22]             out  (N m)
  */
 static void elastic_resultants(const shell_motion *motion, uint32_t element,
@@ -189,9 +193,10 @@ static void gather(const shell_motion *motion, uint32_t element, const double *v
 }
 
 /*
- * Factor by which viscosity increases the elastic part of an element's tangent in a time step: 1
- * plus viscosity over step, because half of the viscosity acts on the material, at twice the rate
- * of the displacement in half the step.
+ * Return the factor by which viscosity increases the elastic part of an element's tangent in a time
+ * step: 1 plus viscosity divided by step length, because half of the
+ * viscosity acts on the material, and a strain rate is twice the change of the strain in half
+ * the step, divided by the step length.
  */
 static double tangent_factor(const shell_motion *motion, double step)
 {
@@ -199,9 +204,9 @@ static double tangent_factor(const shell_motion *motion, double step)
 }
 
 /*
- * Half of the time step plus half of the viscosity (s). In a time step, the change of the
- * displacement less the product of step and initial velocity is this time multiplied by the change
- * of the velocity.
+ * Return half of the time step plus half of the viscosity (s). In a time step, the change of the
+ * displacement minus step length times initial velocity is this time multiplied by the change of
+ * the velocity.
  */
 static double response_time(const shell_motion *motion, double step)
 {
@@ -209,8 +214,9 @@ static double response_time(const shell_motion *motion, double step)
 }
 
 /*
- * Factor of the mass matrix in the matrix of a time step (1/s2): derivative of inertia and damping
- * of mass with respect to the change of the displacement in half the step.
+ * Return the factor of the mass matrix in the matrix of a time step (1/s2): the derivative of the
+ * forces of inertia and of mass-proportional damping with respect to the change of the displacement
+ * in half the step.
  */
 static double mass_factor(const shell_motion *motion, double step)
 {
@@ -239,7 +245,7 @@ static void acting_resultants(const shell_motion *motion, uint32_t element, doub
 
 /*
  * Add the tangent stiffness and the mass of one element to the matrix of a time step. The geometric
- * part of the tangent holds the extrapolated stress resultants.
+ * part of the tangent stiffness is computed from the extrapolated stress resultants.
  */
 static void add_tangent(shell_motion *motion, uint32_t element, double step)
 {
@@ -261,7 +267,7 @@ static void add_tangent(shell_motion *motion, uint32_t element, double step)
 
 /*
  * Subtract the internal force of one element at half the time step from the force imbalance, and
- * store the acting stress resultants as the extrapolated ones.
+ * store the stress resultants that act there, which the next linear solve extrapolates.
  */
 static void subtract_internal_force(shell_motion *motion, uint32_t element, double step,
                                     double *imbalance)
@@ -299,8 +305,8 @@ static void extrapolate(shell_motion *motion, double step)
 /* ---- one linear solve --------------------------------------------------- */
 
 /*
- * Whether an input acts by prescribed stress resultants, as voltages and temperatures do, and not
- * by a load.
+ * Whether an input, such as a voltage or a temperature, acts by prescribed stress resultants and
+ * not by a load.
  */
 static bool is_actuation(const shell_motion *motion, uint32_t input)
 {
@@ -339,9 +345,10 @@ static void subtract_load_tangent(shell_motion *motion)
 }
 
 /*
- * Subtract the forces of inertia, of damping of mass and of the damped modes from the force
- * imbalance of a time step. The matrix of the step has no part of the damped modes, because that
- * part would fill the matrix; Newton's method then converges at the rate of their damping ratios.
+ * Subtract the forces of inertia, of mass-proportional damping and of the individually damped modes
+ * from the force imbalance of a time step. The matrix of the step does not contain the damped
+ * modes, because they would make it dense. In Newton's method, errors in these modes therefore
+ * decrease in each iteration only by a factor of about their damping ratio.
  */
 static void subtract_inertia(shell_motion *motion, double step, double *imbalance)
 {

@@ -16,8 +16,8 @@
  * Damping has three parts, none of which can add energy, whatever the step:
  *   - damping of mass, a M (u1 - u0)/h
  *   - viscosity b, which damps a mode of angular frequency w by the ratio b w/2. One half of b is a
- *     viscosity of the material, which adds b/2 times their rate to the stress resultants; the
- * other half adds b/2 times the acceleration to (u1 - u0)/h. The second half is needed because a
+ *     viscosity of the material: b/2 times the rate of the stress resultants acts in addition to
+ *     them. The other half adds b/2 times the acceleration to (u1 - u0)/h. It is needed because
  *     material viscosity alone does not damp motions that are much faster than a step
  *   - damping of each mode that the steps follow, in its reference shape, which brings the damping
  *     ratio of the mode to the one that the scene states
@@ -32,36 +32,41 @@
 #include "../model/mass.h"
 #include "../model/vibration.h"
 
-/* Number of times that a step may be halved where Newton's method does not converge. */
+/* Number of times that a time step may be halved if Newton's method does not converge. */
 enum { SHELL_MOTION_HALVINGS = 6 };
 
 typedef struct shell_motion {
-    const vibration *vibration; /* modes that are damped; NULL: no damping */
+    const vibration *vibration; /* vibration modes that are damped; NULL: the motion is not damped
+                                 */
     mass mass;
     pzs_solver solver; /* solver of the nonlinear equilibrium of the same structure, with the arrays
                           of the motion in place of its own: `displacement` is the displacement at
                           half the step, `resultant` its extrapolated stress resultants */
-    double step_most;  /* longest time step (s) */
+    double step_most;  /* longest time step of the motion (s) */
     double mass_damping, viscosity; /* damping a of mass (1/s); viscosity b of which one half acts
                                        on the stress resultants and one on the velocity (s) */
-    size_t modes;                   /* number of followed modes, which are damped one by one */
+    size_t modes; /* number of vibration modes that the time steps resolve, each of which is damped
+                     individually */
     double *mode_damping; /* [modes] twice the damping ratio times the angular frequency of each
-                             followed mode, less the part by viscosity (1/s) */
+                             individually damped mode, minus the part that viscosity contributes
+                             (1/s) */
     double *mode_force;   /* [modes][free_dof] product of the mass matrix and the shape of each
-                             followed mode */
-    double *memory;       /* one allocation that holds all vectors over the degrees of freedom */
+                             individually damped mode */
+    double *memory;       /* one allocation that holds all vectors of length free_dof */
     double *displacement; /* [free_dof] present displacement (m and 1) */
     double *velocity;     /* [free_dof] present velocity (m/s and 1/s) */
-    double *acceleration; /* [free_dof] mean acceleration in the last step (m/s2 and 1/s2) */
-    double *half_change;  /* [free_dof] displacement at half the step less that at its start */
-    double *increment;    /* [free_dof] increment of Newton's method (m and 1) */
-    double *end;          /* [free_dof] displacement at the end of the step (m and 1) */
+    double *acceleration; /* [free_dof] mean acceleration in the last time step (m/s2 and 1/s2) */
+    double *half_change;  /* [free_dof] displacement at half the time step minus the displacement at
+                             its start (m and 1) */
+    double *increment;    /* [free_dof] last increment of Newton's method (m and 1) */
+    double *end;          /* [free_dof] displacement at the end of the time step (m and 1) */
     double *scratch;      /* [free_dof] work vector */
-    double (*start_resultant)[22]; /* [elements] stress resultants at the start of the step (N m) */
-    long steps;                    /* number of time steps */
-    long linear_solves;            /* number of linear solves in all time steps */
-    long factorisations; /* number of factorisations of the matrix for these linear solves */
-    int solves_most;     /* largest number of linear solves in one time step */
+    double (*start_resultant)[22]; /* [elements] stress resultants of each element at the start of
+                                      the time step (N m) */
+    long steps;                    /* number of time steps of the motion so far */
+    long linear_solves;            /* number of linear solves in all time steps so far */
+    long factorisations; /* number of factorisations of the matrix of a time step so far */
+    int solves_most;     /* largest number of linear solves that any time step has needed */
 } shell_motion;
 
 /*
@@ -85,15 +90,15 @@ void shell_motion_close(shell_motion *motion);
 double shell_motion_step(const vibration *vibration, double interval);
 
 /*
- * Set the motion to rest in a displacement.
+ * Put the motion at rest in a displacement, with zero velocity.
  *   displacement [free_dof] in
- *   value        [inputs]   in   input values under which the structure is at rest
+ *   value        [inputs]   in  input values under which the structure is at rest
  */
 void shell_motion_rest(shell_motion *motion, const double *displacement, const double *value);
 
 /*
- * Apply the impulse of one input: the unit force of the input at the present displacement during
- * `seconds`, in a time too short for any displacement.
+ * Change the velocity at one instant by the impulse of one input: the force of one unit of the
+ * input at the present displacement, multiplied by `seconds`.
  */
 void shell_motion_kick(shell_motion *motion, uint32_t input, double seconds);
 

@@ -20,8 +20,8 @@
 #define STRIP PZS_BY_TILE(4, 8, 8)
 
 /*
- * Number of panels from which the columns left of the first of them are eliminated together. The
- * number affects only the speed.
+ * Number of panels (PZS_TILE matrix rows each) in a group. The columns left of the first panel of a
+ * group are eliminated from all panels of the group together. The number affects only the speed.
  */
 #define GROUP 16u
 
@@ -91,8 +91,8 @@ void pzs_linalg_layout(pzs_envelope *matrix)
 }
 
 /*
- * The last panel may have rows beyond the matrix. They stay zero in all operations and affect no
- * result.
+ * The last panel of PZS_TILE rows may extend beyond the matrix. The entries in these additional
+ * rows stay zero in all operations and affect no result.
  */
 void pzs_linalg_dense_layout(pzs_envelope *dense, uint32_t rows, pzs_real *work, void *index)
 {
@@ -173,7 +173,7 @@ int32_t pzs_linalg_scale(pzs_envelope *matrix, pzs_real *scale)
 }
 
 /*
- * Scaling visits the entries in the order of memory, panel by panel and column by column. Padding
+ * The entries are scaled in the order of memory, panel by panel and column by column. Padding
  * entries are zero and stay zero.
  */
 void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale)
@@ -288,9 +288,11 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scale
         UNROLLED
         for (int j = 0; j < PZS_TILE; j++)
             UNROLLED
-        for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++) /* wide vector registers compute a
-                                                                 whole column faster than the
-                                                                 part below its diagonal */
+        /*
+         * With wide vector registers, the entries above the diagonal are computed, too, although
+         * they are not used, because a whole column is faster than a part of it.
+         */
+        for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++)
             sum[j * PZS_TILE + i] -= scaled[i] * lower[j];
         MOVE(scaled, lower, PZS_TILE);
     }
@@ -353,8 +355,9 @@ static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t pa
 }
 
 /*
- * Return the first of the columns that are to be eliminated before a panel can be finished: those
- * of the panel before it, and before the first panel of a group all columns left of the group.
+ * Return the first of the columns that are to be eliminated before a panel can be finished. For the
+ * first panel of a group of GROUP panels these are all columns left of the group, for any other
+ * panel those of the panel before it.
  */
 static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {
@@ -368,9 +371,10 @@ static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uin
 }
 
 /*
- * Eliminate the columns left of a panel from this panel and the next ones of its group, up to panel
- * `past` - 1, as far as that has not been done for the panels before. Each strip of columns is
- * eliminated from all of these panels while the factors of its rows are in the cache.
+ * Eliminate the columns left of a panel from this panel and from the next panels of its group, up
+ * to panel `past` - 1, except columns that have been eliminated together with an earlier panel.
+ * Each strip of columns is eliminated from all of these panels while the factors of its rows are in
+ * the cache.
  */
 static void eliminate_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {

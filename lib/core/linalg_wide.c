@@ -7,7 +7,7 @@
 
 #define AVX2 __attribute__((target("avx2")))
 
-/* One column of a panel, PZS_TILE entries. */
+/* A column of one panel: PZS_TILE matrix entries, one for each row of the panel. */
 typedef pzs_real tile_column
     __attribute__((vector_size(PZS_TILE * sizeof(pzs_real)), aligned(sizeof(pzs_real)), may_alias));
 
@@ -23,8 +23,8 @@ static inline const pzs_real *before(const pzs_real *at, uint32_t count)
 }
 
 /*
- * Subtract from a strip the products with those of the columns before it that come before the last
- * `rest` columns.
+ * Subtract from a strip of columns the products with all columns of W = L D before the strip except
+ * the last `rest` of them.
  */
 AVX2 static void subtract_one(const wide_strip *strip, uint32_t rest, const pzs_real *lower)
 {
@@ -44,7 +44,10 @@ AVX2 static void subtract_one(const wide_strip *strip, uint32_t rest, const pzs_
         column[j] = sum[j];
 }
 
-/* Subtract from a strip in two panels the products with the last `count` columns before it. */
+/*
+ * Subtract from a strip of columns, in two panels, the products with the last `count` columns of W
+ * = L D before the strip.
+ */
 AVX2 static void subtract_two(const wide_strip strip[2], uint32_t count, const pzs_real *lower)
 {
     const pzs_real *scaled = before(strip[0].entry, count);
@@ -77,7 +80,10 @@ AVX2 static void subtract_two(const wide_strip strip[2], uint32_t count, const p
     }
 }
 
-/* Subtract from the columns of a strip the products with the columns of the strip before them. */
+/*
+ * Subtract from each column of a strip the products with the columns of the same strip that come
+ * before it.
+ */
 AVX2 static void subtract_own(const wide_strip *strip, const pzs_real *lower)
 {
     tile_column *column = (tile_column *)(void *)strip->entry;

@@ -11,8 +11,8 @@
 #include "pzs_base.h"
 
 /*
- * A strip of PZS_TILE columns of one panel, in which it follows the columns that have been
- * eliminated before.
+ * A strip of PZS_TILE columns in one panel. In memory, the columns that have been eliminated before
+ * precede the strip.
  */
 typedef struct wide_strip {
     pzs_real *entry; /* [PZS_TILE][PZS_TILE] columns of the matrix A = L D L^T, which become columns

@@ -84,8 +84,8 @@ static bool element_in_envelope(const pzs_structure *structure, const uint16_t n
 }
 
 /*
- * Whether every index in the tables of a structure is in range. A correct checksum shows only that
- * the tables are as they were generated.
+ * Whether every index in the tables of a structure is in range. This is checked in addition to the
+ * checksum, which shows only that the tables have not changed since they were generated.
  */
 static bool indices_in_range(const pzs_structure *structure)
 {
@@ -153,8 +153,8 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
 /* ---- assemble --------------------------------------------------------- */
 
 /*
- * Return a free degree of freedom, or PZS_CONSTRAINED if a support or the last assembly constrains
- * it.
+ * Return the free degree of freedom `dof`, or PZS_CONSTRAINED if a support or the last assembly of
+ * the stiffness matrix constrains it.
  */
 static uint16_t unconstrained_dof(const pzs_model *model, uint16_t dof)
 {
@@ -227,8 +227,9 @@ void pzs_model_add_matrix(pzs_model *model, const uint16_t *node, unsigned count
 }
 
 /*
- * Return the free degree of freedom of an element's degree of freedom i, or PZS_CONSTRAINED if a
- * support or the last assembly constrains it.
+ * Return the index of the free degree of freedom to which degree of freedom i of an element
+ * belongs, or PZS_CONSTRAINED if a support or the last assembly of the stiffness matrix constrains
+ * it.
  */
 static uint16_t element_dof(const pzs_model *model, uint32_t element, unsigned i)
 {
@@ -238,8 +239,8 @@ static uint16_t element_dof(const pzs_model *model, uint32_t element, unsigned i
 }
 
 /*
- * Add the stiffness matrix of an element that is computed from its element type: each row is the
- * force of a unit displacement of one degree of freedom.
+ * Add the stiffness matrix of an element whose matrix the tables do not contain: each row is
+ * computed as the force of a unit displacement of one degree of freedom.
  */
 static void add_computed_matrix(pzs_model *model, uint32_t element)
 {
@@ -247,7 +248,7 @@ static void add_computed_matrix(pzs_model *model, uint32_t element)
     const pzs_element_type *type = &structure->type[structure->element_type[element]];
     for (unsigned i = 0; i < SHELL_NODES * (unsigned)structure->dof_per_node; i++) {
         const uint16_t row = element_dof(model, element, i);
-        pzs_real force[SHELL_MAX] = {0}; /* displacement of the element, then its force */
+        pzs_real force[SHELL_MAX] = {0}; /* first the displacement of the element, then its force */
         if (row == PZS_CONSTRAINED)
             continue;
         force[i] = 1;
@@ -263,7 +264,10 @@ static void add_computed_matrix(pzs_model *model, uint32_t element)
     }
 }
 
-/* Add the stiffness matrix of an element, from the tables if they contain it. */
+/*
+ * Add the stiffness matrix of an element to the stiffness matrix of the structure. The element's
+ * matrix is taken from the tables if they contain it, otherwise computed.
+ */
 static void add_element(pzs_model *model, uint32_t element)
 {
     const pzs_structure *structure = model->state.structure;
@@ -334,8 +338,8 @@ pzs_status pzs_factor(pzs_model *model)
         return PZS_E_ARGUMENT;
     if (model->state.stage != STAGE_ASSEMBLED)
         return fail(model, PZS_E_STAGE, -1);
-    model->state.stage = STAGE_READY; /* the matrix is overwritten from here on, even if an error
-                                         follows */
+    model->state.stage = STAGE_READY; /* from here on the stiffness matrix is overwritten by its
+                                         factors, even if an error follows */
 
     const int32_t unsupported = pzs_linalg_scale(&model->state.stiffness, model->state.scale);
     if (unsupported >= 0)
@@ -385,7 +389,8 @@ static void add_force(const pzs_model *model, const pzs_real *vector, pzs_real *
 {
     const pzs_structure *structure = model->state.structure;
     for (uint32_t element = 0; element < structure->elements; element++) {
-        pzs_real element_vector[SHELL_MAX]; /* displacement of the element, then its force */
+        pzs_real element_vector[SHELL_MAX]; /* first the displacement of the element, then its force
+                                             */
         pzs_model_gather(model, structure->element[element], SHELL_NODES, vector, element_vector);
         pzs_shell_force(&structure->type[structure->element_type[element]], structure->dof_per_node,
                         element_vector, element_vector);
@@ -534,7 +539,7 @@ static pzs_status solve_force(pzs_model *model, pzs_real *displacement)
     solve_scaled(model, displacement);
     for (uint32_t i = 0; i < model->state.stiffness.n; i++)
         displacement[i] /= unit;
-    /* The condition is false if the error estimate is NaN. */
+    /* The comparison is written so that it is false if the error estimate is not a number (NaN). */
     return model->info.error_estimate < PZS_SQRT(PZS_EPSILON) &&
                    pzs_guard_nonfinite(displacement, model->state.stiffness.n) < 0
                ? PZS_OK
