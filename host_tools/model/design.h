@@ -161,6 +161,13 @@ int design_control(design *design, const double *influence, char *error);
 int design_limits(const design *design, common_limits common, double *lower, double *upper,
                   char *error);
 
+/*
+ * Voltage of an actuator (V) at which the electric field against the poling, in the patches of one
+ * of its drives, reaches the depolarisation field of their material. Its sign is that of the
+ * voltages that oppose the poling; infinite for a material without a depolarisation field.
+ */
+double design_depolarising_voltage(const scene *scene, const scene_drive *drive);
+
 /* Whether an amplifier is held, that is, whether its limits allow only one voltage. */
 bool design_is_held(const design *design, int amplifier);
 

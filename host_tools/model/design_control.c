@@ -41,25 +41,31 @@ typedef struct limits {
     double *lower, *upper; /* [amplifiers] lowest and highest voltage (V) */
 } limits;
 
+double design_depolarising_voltage(const scene *scene, const scene_drive *drive)
+{
+    const scene_layer *layer = &scene->layer[scene->patches[drive->patches].layer];
+    const double field = scene->material[layer->material].field_limit;
+    if (field <= 0 || drive->factor == 0)
+        return (double)INFINITY;
+    /*
+     * The field -factor V / thickness opposes a poling along the thickness direction when factor
+     * times voltage V is positive.
+     */
+    const double most = field * layer->thickness / fabs(drive->factor);
+    return (drive->factor > 0) == (layer->poling > 0) ? most : -most;
+}
+
 /*
  * Narrow the voltage limits of amplifier k so that the electric field against the poling direction,
  * in the patches of one drive, stays below the depolarisation field of their material.
  */
 static void narrow_by_field(const limits *limits, int k, const scene_drive *drive)
 {
-    const scene_layer *layer = &limits->scene->layer[limits->scene->patches[drive->patches].layer];
-    const double field = limits->scene->material[layer->material].field_limit;
-    if (field <= 0 || drive->factor == 0)
-        return;
-    /*
-     * The field -factor V / thickness opposes a poling along the thickness direction when factor
-     * times voltage V is positive.
-     */
-    const double most = field * layer->thickness / fabs(drive->factor);
-    if ((drive->factor > 0) == (layer->poling > 0))
-        limits->upper[k] = fmin(limits->upper[k], most);
+    const double voltage = design_depolarising_voltage(limits->scene, drive);
+    if (voltage > 0)
+        limits->upper[k] = fmin(limits->upper[k], voltage);
     else
-        limits->lower[k] = fmax(limits->lower[k], -most);
+        limits->lower[k] = fmax(limits->lower[k], voltage);
 }
 
 static void narrow_by_fields(const limits *limits)

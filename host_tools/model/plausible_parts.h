@@ -30,7 +30,7 @@ typedef struct subject {
                   states while the control loop stays stable */
 } subject;
 
-enum { WHAT = 200 };
+enum { WHAT = 300 };
 
 /*
  * A number that a plausibility rule has measured, the position in the scene file to which it
@@ -55,6 +55,12 @@ typedef int measure(const subject *of, int k, measured *found);
 measure measure_modulus, measure_density, measure_light_material, measure_piezo, measure_thickness;
 measure measure_wave_speed, measure_dense_wave_speed, measure_ply_wave_speed;
 measure measure_piezo_coupling, measure_soft_piezo, measure_uneven_piezo;
+
+/*
+ * Functions that measure depolarisation fields and strengths of materials, and the use of both, for
+ * the plausibility rules (plausible_strength.c).
+ */
+measure measure_field_limit, measure_ceramic_field_limit, measure_depolarisation;
 
 /* Functions that measure the numbers of stacks for the plausibility rules (plausible_stacks.c). */
 measure measure_stack_stiffness, measure_stack_stroke, measure_stack_energy, measure_coil;

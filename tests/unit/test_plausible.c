@@ -61,6 +61,21 @@ static const edge_case edges[] = {
      ACTUATED "actuators.v.applied=-247.5", 1.01e6},
     {"applied_field", METRES, ACTUATED "actuators.v.applied=252.5",
      ACTUATED "actuators.v.applied=252.5;materials.ceramic.field_limit=2e6", 1.01e6},
+    {"field_limit_ceramic", METRES, "materials.ceramic.field_limit=2.02e7",
+     "materials.ceramic.field_limit=1.98e7", 2.02e7},
+    {"field_limit_ceramic", MILLIMETRES,
+     "materials.ceramic.d31=1.9e-7;materials.ceramic.field_limit=1e6",
+     "materials.ceramic.d31=1.9e-7;materials.ceramic.field_limit=1e3", 1e9},
+    {"field_limit_ceramic", METRES, "materials.ceramic.field_limit=4.95e4",
+     "materials.ceramic.field_limit=5.05e4", 4.95e4},
+    {"field_limit", METRES,
+     "materials.ceramic.d31=2e-11;materials.ceramic.d32=2e-11;materials.ceramic.field_limit=7.07e8",
+     "materials.ceramic.d31=2e-11;materials.ceramic.d32=2e-11;materials.ceramic.field_limit=6.93e8",
+     7.07e8},
+    {"field_limit", METRES,
+     "materials.ceramic.d31=2e-11;materials.ceramic.d32=2e-11;materials.ceramic.field_limit=4.95e4",
+     "materials.ceramic.d31=2e-11;materials.ceramic.d32=2e-11;materials.ceramic.field_limit=5.05e4",
+     4.95e4},
     {"limit_field", METRES, ACTUATED "limits={voltage: [-252.5, 1]}",
      ACTUATED "limits={voltage: [-247.5, 1]}", 1.01e6},
     {"limit_field", METRES,
@@ -106,6 +121,33 @@ static void test_edges(void **state)
         warnings_of(PLATE, with(c->units, c->silent), &warnings);
         if (find_rule(&warnings, c->rule))
             fail_msg("%s fires at %s: %s", c->rule, c->silent, find_rule(&warnings, c->rule)->text);
+    }
+}
+
+/*
+ * Law: an applied voltage is warned of if its field opposes the poling and exceeds the field_limit,
+ * in either direction of the poling; 252.5 V make 1.01 MV/m.
+ */
+static void test_depolarising_voltage(void **state)
+{
+    (void)state;
+    static const double voltage[] = {252.5, -252.5, 247.5, -247.5};
+    for (int k = 0; k < 8; k++) {
+        char changes[400];
+        plausible warnings;
+        snprintf(changes, sizeof changes,
+                 METRES ACTUATED "materials.ceramic.field_limit=1e6;layers.1.poling=%d;"
+                                 "patches.0.grid=[3, 1];"
+                                 "actuators.v.applied=[-1, %g, %g]",
+                 k < 4 ? 3 : -3, voltage[k % 4], -0.9 * voltage[k % 4]);
+        warnings_of(PLATE, changes, &warnings);
+        const plausible_warning *w = find_rule(&warnings, "depolarising_voltage");
+        assert_int_equal(w != NULL, k == 0 || k == 5);
+        if (!w)
+            continue;
+        assert_near("use of the field_limit", w->value, 1.01, 1e-12);
+        assert_non_null(strstr(w->text, "layer 'upper' of material 'ceramic'"));
+        assert_non_null(strstr(w->text, "applied to 'v'"));
     }
 }
 
@@ -673,6 +715,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_edges),
+        cmocka_unit_test(test_depolarising_voltage),
         cmocka_unit_test(test_target),
         cmocka_unit_test(test_unitless),
         cmocka_unit_test(test_small_electrode),
