@@ -61,6 +61,7 @@ measure measure_piezo_coupling, measure_soft_piezo, measure_uneven_piezo;
  * the plausibility rules (plausible_strength.c).
  */
 measure measure_field_limit, measure_ceramic_field_limit, measure_depolarisation;
+measure measure_strength, measure_soft_strength, measure_strength_ratio;
 
 /* Functions that measure the numbers of stacks for the plausibility rules (plausible_stacks.c). */
 measure measure_stack_stiffness, measure_stack_stroke, measure_stack_energy, measure_coil;

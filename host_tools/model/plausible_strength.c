@@ -9,6 +9,8 @@
 static const units_unit field_unit = {{-1, 0, 1, 0, 0, 0}, 0, 0};
 static const units_unit piezo_unit = {{1, 0, -1, 0, 0, 0}, 0, 0};
 
+static const units_unit modulus_unit = {{-2, 1, 0, 0, 0, 0}, 0, 0};
+
 /* ---- depolarisation fields -------------------------------------------- */
 
 /*
@@ -90,5 +92,76 @@ int measure_depolarisation(const subject *of, int k, measured *found)
     snprintf(found->what, WHAT,
              "field against the poling in layer '%s' of material '%s' under %g applied to '%s'",
              layer->name, scene->material[layer->material].name, worst, actuator->name);
+    return 1;
+}
+
+/* ---- strengths -------------------------------------------------------- */
+
+/* Strengths of a material: under tension and compression along 1 and 2, and under shear. */
+enum { STRENGTHS = 5 };
+
+/*
+ * Strength of number k % STRENGTHS of a material over the modulus of the same direction, for soft
+ * materials or for all others; soft ones are rubbers, foams and, where the units are unknown, all.
+ */
+static int measure_strength_of(const subject *of, int k, bool wants_soft, measured *found)
+{
+    static const char *const name[STRENGTHS] = {"tension 1", "tension 2", "compression 1",
+                                                "compression 2", "shear"};
+    static const double softest_solid = 5e8; /* Pa */
+    const scene *scene = of->scene;
+    const int i = k % STRENGTHS;
+    if (k >= STRENGTHS * scene->materials)
+        return 0;
+    const scene_material *material = &scene->material[k / STRENGTHS];
+    const scene_strength *strength = &material->strength;
+    const double value[STRENGTHS] = {strength->tension[0], strength->tension[1],
+                                     strength->compression[0], strength->compression[1],
+                                     strength->shear};
+    const double modulus = i == STRENGTHS - 1 ? material->g12 : material->e[i % 2];
+    const bool is_soft = !(plausible_si(scene, modulus, &modulus_unit) > softest_solid);
+    found->at = material->at;
+    if (strength->given && is_soft == wants_soft)
+        found->value = value[i] / modulus;
+    snprintf(found->what, WHAT,
+             "strength of material '%s' over its modulus (%s: %g over %g in the scene's units)",
+             material->name, name[i], value[i], modulus);
+    return 1;
+}
+
+/*
+ * Strength over modulus of a solid: bulk ceramics 5e-4, soft metals and concrete 1e-4 to 1e-3,
+ * strong metals and plies 0.01, polymers 0.03, fibres and silicon 0.05.
+ */
+int measure_strength(const subject *of, int k, measured *found)
+{
+    return measure_strength_of(of, k, false, found);
+}
+
+/* Strength over modulus of a soft material: foams 0.03, rubbers up to 10. */
+int measure_soft_strength(const subject *of, int k, measured *found)
+{
+    return measure_strength_of(of, k, true, found);
+}
+
+/*
+ * Strength under compression over that under tension along one axis. Ceramics, glasses, concrete
+ * and stones reach 5 to 40.
+ */
+int measure_strength_ratio(const subject *of, int k, measured *found)
+{
+    const scene *scene = of->scene;
+    if (k >= 2 * scene->materials)
+        return 0;
+    const scene_material *material = &scene->material[k / 2];
+    const scene_strength *strength = &material->strength;
+    found->at = material->at;
+    if (strength->given)
+        found->value = strength->compression[k % 2] / strength->tension[k % 2];
+    snprintf(
+        found->what, WHAT,
+        "strength of material '%s' under compression over that under tension along %d, %g over "
+        "%g in the scene's units",
+        material->name, k % 2 + 1, strength->compression[k % 2], strength->tension[k % 2]);
     return 1;
 }

@@ -151,6 +151,104 @@ static void test_depolarising_voltage(void **state)
     }
 }
 
+/*
+ * Strengths of materials (MPa) with their moduli (GPa): under tension along 1 and 2, under
+ * compression along 1 and 2, under shear.
+ */
+static const struct {
+    const char *name;
+    double e1, e2, strength[5];
+} strong[] = {
+    {"soft rubber", 0.0005, 0.0005, {5, 5, 5, 5, 3}},
+    {"silicone", 0.001, 0.001, {8, 8, 8, 8, 4}},
+    {"polyurethane elastomer", 0.03, 0.03, {50, 50, 50, 50, 30}},
+    {"polyethylene", 0.2, 0.2, {15, 15, 15, 15, 9}},
+    {"polycarbonate", 2.4, 2.4, {65, 65, 80, 80, 40}},
+    {"PVDF, drawn", 3, 3, {250, 50, 250, 50, 60}},
+    {"foam core", 0.07, 0.07, {1.9, 1.9, 0.9, 0.9, 0.8}},
+    {"balsa", 3.5, 0.1, {13, 0.9, 12, 1, 2}},
+    {"spruce", 11, 0.4, {80, 2.5, 40, 5, 7}},
+    {"CFRP", 140, 9, {1500, 40, 1200, 200, 70}},
+    {"GFRP", 40, 8, {1000, 30, 600, 110, 70}},
+    {"concrete", 30, 30, {3, 3, 40, 40, 4}},
+    {"granite", 50, 50, {8, 8, 200, 200, 14}},
+    {"glass", 70, 70, {30, 30, 1000, 1000, 40}},
+    {"fused silica", 72, 72, {50, 50, 1100, 1100, 60}},
+    {"glass fibre", 72, 72, {3400, 3400, 3400, 3400, 2000}},
+    {"silicon", 130, 130, {1000, 1000, 5000, 5000, 1000}},
+    {"alumina", 370, 370, {300, 300, 2600, 2600, 300}},
+    {"lead", 16, 16, {12, 12, 12, 12, 7}},
+    {"annealed aluminium", 70, 70, {15, 15, 15, 15, 9}},
+    {"steel", 210, 210, {400, 400, 400, 400, 230}},
+    {"spring steel", 210, 210, {1900, 1900, 1900, 1900, 1100}},
+    {"PZT", 63, 63, {30, 30, 600, 600, 30}},
+    {"PMN-PT", 15, 15, {30, 30, 300, 300, 20}},
+};
+
+/* Number of warnings on a material with the strengths of row k, times a factor (MPa). */
+static int strength_warnings(size_t k, const char *units, double mega, double factor)
+{
+    char changes[600];
+    plausible warnings;
+    const double *s = strong[k].strength, scale = factor * mega;
+    snprintf(changes, sizeof changes,
+             "%smaterials.ceramic={E1: %.9g, E2: %.9g, G12: %.9g, nu12: 0.01, d31: 1e-10, "
+             "permittivity: 1e-8, "
+             "strength: {tension: [%.9g, %.9g], compression: [%.9g, %.9g], shear: %.9g}}",
+             units, strong[k].e1 * 1e3 * mega, strong[k].e2 * 1e3 * mega, strong[k].e2 * 400 * mega,
+             s[0] * scale, s[1] * scale, s[2] * scale, s[3] * scale, s[4] * scale);
+    warnings_of(PLATE, changes, &warnings);
+    return (find_rule(&warnings, "strength") != NULL) +
+           (find_rule(&warnings, "strength_soft") != NULL) +
+           (find_rule(&warnings, "strength_ratio") != NULL);
+}
+
+/*
+ * Law: no real material is warned of, in m or mm; strengths in Pa in place of MPa are, and
+ * strengths in MPa in place of Pa, for every material.
+ */
+static void test_strengths(void **state)
+{
+    (void)state;
+    for (size_t k = 0; k < sizeof strong / sizeof *strong; k++) {
+        if (strength_warnings(k, METRES, 1e6, 1) + strength_warnings(k, MILLIMETRES, 1, 1) > 0)
+            fail_msg("%s: a warning", strong[k].name);
+        if (strength_warnings(k, MILLIMETRES, 1, 1e6) == 0)
+            fail_msg("%s: silent at 1e6 times its strength", strong[k].name);
+        if (strength_warnings(k, METRES, 1e6, 1e-6) == 0)
+            fail_msg("%s: silent at 1e-6 times its strength", strong[k].name);
+    }
+}
+
+/* Law: the bands of strength over modulus and of compression over tension are kept to 1 %. */
+static void test_strength_bands(void **state)
+{
+    static const struct {
+        const char *rule, *text;
+        bool is_warned;
+    } cases[] = {
+        {"strength", "E: 1e9, nu: 0, strength: {tension: 3.03e8}", true},
+        {"strength", "E: 1e9, nu: 0, strength: {tension: 2.97e8, shear: 1e8}", false},
+        {"strength", "E: 1e9, nu: 0, strength: {tension: 0.99e4, shear: 1e5}", true},
+        {"strength", "E: 1e9, nu: 0, strength: {tension: 1.01e4, shear: 1e5}", false},
+        {"strength_soft", "E: 1e8, nu: 0, strength: {tension: 3.03e9, shear: 1e5}", true},
+        {"strength_soft", "E: 1e8, nu: 0, strength: {tension: 2.97e9, shear: 1e5}", false},
+        {"strength_ratio", "E: 1e9, nu: 0, strength: {tension: 1e5, compression: 1.01e7}", true},
+        {"strength_ratio", "E: 1e9, nu: 0, strength: {tension: 1e5, compression: 0.99e7}", false},
+        {"strength_ratio", "E: 1e9, nu: 0, strength: {tension: 1e6, compression: 0.99e4}", true},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char changes[300];
+        plausible warnings;
+        snprintf(changes, sizeof changes,
+                 METRES "materials.ceramic={d31: 1e-10, permittivity: 1e-8, %s}", cases[i].text);
+        warnings_of(PLATE, changes, &warnings);
+        if ((find_rule(&warnings, cases[i].rule) != NULL) != cases[i].is_warned)
+            fail_msg("%s at %s", cases[i].rule, cases[i].text);
+    }
+}
+
 /* The rules on the optimum of a target fire outside their ranges and not just inside. */
 static void test_target(void **state)
 {
@@ -716,6 +814,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_edges),
         cmocka_unit_test(test_depolarising_voltage),
+        cmocka_unit_test(test_strengths),
+        cmocka_unit_test(test_strength_bands),
         cmocka_unit_test(test_target),
         cmocka_unit_test(test_unitless),
         cmocka_unit_test(test_small_electrode),
