@@ -22,7 +22,7 @@ typedef struct row_builder {
     uint16_t *dof;
     double *value;
     size_t rows, terms, room_rows, room_terms;
-    bool is_full; /* true after an allocation of memory has failed */
+    bool is_full; /* true if an allocation of memory for the sparse rows has failed */
 } row_builder;
 
 void *design_grow(void *old, size_t count, size_t size, bool *full)
@@ -124,7 +124,9 @@ double design_target_gap(const design *design)
     return most;
 }
 
-/* Fill `error` with the message that the value of a target row is not finite. Returns -1. */
+/*
+ * Write to `error` that the value of a target row of the scene is not a finite number. Returns -1.
+ */
 static int refuse_value(const design *design, int target, scene_at at, char *error)
 {
     const expr_point place = mesh_place(&design->mesh, design->target_node[target]);
@@ -192,8 +194,8 @@ static int build_targets(design *design, row_builder *rows, double *dense, int *
 }
 
 /*
- * Whether an output belongs to nodes. Displacements and contact pressures do; voltages and charges
- * of electrodes and values of the whole contact do not.
+ * Whether the values of a named output belong to mesh nodes. Displacements and contact pressures
+ * do; voltages and charges of electrodes and values of the whole contact do not.
  */
 static int has_place(const scene_output *output)
 {
@@ -394,8 +396,8 @@ int design_load_values(const mesh *mesh, const scene_load *load, double *value, 
 }
 
 /*
- * Number of inputs that exist under nonlinear kinematics alone: follower loads, prescribed
- * displacements, motion of a contact's body.
+ * Return the number of inputs that exist only under nonlinear kinematics: one for each follower
+ * load, one for prescribed displacements and one for the motion of a contact's body.
  */
 static int extras_of(const design *design)
 {
@@ -407,8 +409,8 @@ static int extras_of(const design *design)
 }
 
 /*
- * Refuse a moment about the normal of the shell, about which the shell has no rotation. Returns 0,
- * or -1 with error filled.
+ * Check that a load has no moment about the normal of the shell, about which the shell has no
+ * rotation. Returns 0, or -1 with error filled.
  */
 static int check_moment(const mesh *mesh, const scene_load *load, char *error)
 {

@@ -23,7 +23,10 @@ static int build_measured(design *design, char *error)
                : -1;
 }
 
-/* Copy what the scene says on its structure and its parts. */
+/*
+ * Copy the sections of the scene that describe the structure and its parts, such as materials,
+ * layers, supports and loads, into the design.
+ */
 static void copy_parts(design *design, const scene *scene)
 {
     design->name = scene->name;
@@ -53,7 +56,7 @@ static void copy_parts(design *design, const scene *scene)
     design->measured = scene->influence;
 }
 
-/* Copy what the scene says on the tasks of the later stages. */
+/* Copy into the design the settings of the scene that the stages after the design use. */
 static void copy_tasks(design *design, const scene *scene)
 {
     design->kinematics = scene->kinematics;
@@ -72,7 +75,10 @@ static void copy_tasks(design *design, const scene *scene)
     design->hysteresis = scene->hysteresis;
 }
 
-/* List the names of the amplifiers and of the electrodes of sensors. Returns 0, or -1. */
+/*
+ * List the names of the amplifiers and of the electrodes of sensors in the design. Returns 0, or -1
+ * with error filled if memory runs out.
+ */
 static int list_names(design *design, const scene *scene, char *error)
 {
     design->amplifier_name = calloc((size_t)scene->amplifiers + 1, sizeof *design->amplifier_name);

@@ -16,10 +16,11 @@
 #include "../../lib/nonlinear/nonlinear.h"
 #include "../model/modal.h"
 
-enum {
-    SOLVES_MOST = 16
-}; /* Largest number of linear solves in one time step of the motion of a shell. A time step that
-      needs more is divided into two halves. */
+/*
+ * Largest number of linear solves in one time step of the motion of a shell. A time step that needs
+ * more is divided into two halves.
+ */
+enum { SOLVES_MOST = 16 };
 
 /*
  * Convergence tolerance of Newton's method in a time step: largest norm of the last increment
