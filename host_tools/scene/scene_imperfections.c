@@ -48,11 +48,32 @@ int read_amplifier_names(reader *reader, int node, int **list, int *count)
     return 0;
 }
 
+/*
+ * Refuse a list that names an amplifier twice.
+ *   list in  [count] numbers of amplifiers
+ */
+static int refuse_repeated(reader *reader, int node, const int *list, int count)
+{
+    char name[SCENE_LABEL];
+    for (int i = 1; i < count; i++)
+        for (int k = 0; k < i; k++) {
+            if (list[i] != list[k])
+                continue;
+            scene_amplifier_name(reader->s, list[i], name);
+            return tree_fault(reader->t, node, "'%s' is named twice; name each amplifier once",
+                              name);
+        }
+    return 0;
+}
+
 int read_reversed(reader *reader, int node, void *to, const void *rule)
 {
     scene_imperfections *imperfections = &((scene_simulate *)to)->imperfections;
     (void)rule;
-    return read_amplifier_names(reader, node, &imperfections->reversed, &imperfections->reversals);
+    if (read_amplifier_names(reader, node, &imperfections->reversed, &imperfections->reversals) !=
+        0)
+        return -1;
+    return refuse_repeated(reader, node, imperfections->reversed, imperfections->reversals);
 }
 
 int read_swapped(reader *reader, int node, void *to, const void *rule)
@@ -62,7 +83,7 @@ int read_swapped(reader *reader, int node, void *to, const void *rule)
     if (read_amplifier_names(reader, node, &imperfections->swapped, &imperfections->swaps) != 0)
         return -1;
     if (imperfections->swaps % 2 == 0)
-        return 0;
+        return refuse_repeated(reader, node, imperfections->swapped, imperfections->swaps);
     return tree_fault(reader->t, node, "%d amplifiers are not pairs; name both ends of each swap",
                       imperfections->swaps);
 }

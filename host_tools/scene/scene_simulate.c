@@ -705,19 +705,48 @@ static const field simulate_fields[] = {
 
 const form simulate_form = {.type = FORM_MAP, .fields = simulate_fields};
 
+/* Refuse a key of the plant that another key excludes; accept a plant without the first key. */
+static int refuse_beside(reader *reader, int plant, const char *key, const char *cure)
+{
+    const int node = plant ? tree_find(reader->t, plant, key) : 0;
+    return node ? tree_fault(reader->t, node, "'%s' %s", key, cure) : 0;
+}
+
 /*
- * Choose the motion of the plant where the scene does not say, and refuse a nonlinear motion of a
- * linear plant.
+ * Refuse keys that have no effect on the motion of the plant. Keys of a modal motion are accepted
+ * beside `inertia: false`, with which a plant is compared with itself without mass.
+ */
+static int check_motion_keys(reader *reader, int plant)
+{
+    static const char still[] = "belongs to a plant with inertia; remove it, or inertia: false";
+    static const char modal[] = "belongs to motion: modal; remove it, or write motion: modal";
+    static const char nonlinear[] =
+        "belongs to motion: nonlinear of a nonlinear plant; remove it, or write kinematics: "
+        "nonlinear and motion: nonlinear";
+    const scene_simulate *simulate = &reader->s->simulate;
+    const bool is_nonlinear = simulate->motion == MOTION_NONLINEAR;
+    const bool is_still = simulate->inertia_given && !simulate->inertia;
+    if (is_still)
+        return is_nonlinear ? refuse_beside(reader, plant, "motion", still) : 0;
+    if (is_nonlinear)
+        return refuse_beside(reader, plant, "modes", modal);
+    return refuse_beside(reader, plant, "steps", nonlinear);
+}
+
+/*
+ * Choose the motion of the plant where the scene does not say. Refuse a nonlinear motion of a
+ * linear plant, and keys that have no effect on the motion.
  */
 static int check_motion(reader *reader, int node)
 {
     scene_simulate *simulate = &reader->s->simulate;
     const bool is_linear = simulate->kinematics == KINEMATICS_LINEAR;
+    const int plant = tree_find(reader->t, node, "plant");
     if (!simulate->motion_given)
         simulate->motion = is_linear ? MOTION_MODAL : MOTION_NONLINEAR;
     if (!is_linear || simulate->motion == MOTION_MODAL)
-        return 0;
-    return tree_fault(reader->t, tree_find(reader->t, node, "plant"),
+        return check_motion_keys(reader, plant);
+    return tree_fault(reader->t, plant,
                       "motion: nonlinear needs a nonlinear plant; write kinematics: nonlinear");
 }
 
