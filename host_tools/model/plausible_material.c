@@ -11,6 +11,9 @@
 static const units_unit modulus_unit = {{-2, 1, 0, 0, 0, 0}, 0, 0};
 static const units_unit density_unit = {{-4, 1, 0, 0, 2, 0}, 0, 0};
 static const units_unit piezo_unit = {{1, 0, -1, 0, 0, 0}, 0, 0};
+static const units_unit permittivity_unit = {{0, 1, -2, 0, 0, 0}, 0, 0};
+static const units_unit pyroelectric_unit = {{-1, 1, -1, -1, 0, 0}, 0, 0};
+static const units_unit expansion_unit = {{0, 0, 0, -1, 0, 0}, 0, 0};
 static const units_unit length_unit = {{1, 0, 0, 0, 0, 0}, 0, 0};
 
 double plausible_si(const scene *scene, double value, const units_unit *unit)
@@ -21,7 +24,7 @@ double plausible_si(const scene *scene, double value, const units_unit *unit)
 
 /* ---- constants of materials and layers -------------------------------- */
 
-enum { MODULI = 6, CONSTANTS = 5 };
+enum { MODULI = 6, CONSTANTS = 5, AXES = 3 };
 
 static int is_isotropic(const scene_material *material)
 {
@@ -111,6 +114,50 @@ int measure_piezo(const subject *of, int k, measured *found)
     const char *format = material->has_e ? "|e%s/E| of material '%s', %g in the scene's units"
                                          : "|d%s| of material '%s', %g in the scene's units";
     snprintf(found->what, WHAT, format, name[i], material->name, fabs(value));
+    return 1;
+}
+
+/* Permittivity of a material; that of vacuum is the smallest that exists. */
+int measure_permittivity(const subject *of, int k, measured *found)
+{
+    const scene *scene = of->scene;
+    if (k >= scene->materials)
+        return 0;
+    const scene_material *material = &scene->material[k];
+    if (material->permittivity > 0)
+        found->value = plausible_si(scene, material->permittivity, &permittivity_unit);
+    found->at = material->at;
+    snprintf(found->what, WHAT, "permittivity of material '%s', %g in the scene's units",
+             material->name, material->permittivity);
+    return 1;
+}
+
+/* Absolute pyroelectric constant of a material. */
+int measure_pyroelectric(const subject *of, int k, measured *found)
+{
+    const scene *scene = of->scene;
+    if (k >= scene->materials)
+        return 0;
+    const scene_material *material = &scene->material[k];
+    found->value = plausible_si(scene, fabs(material->pyroelectric), &pyroelectric_unit);
+    found->at = material->at;
+    snprintf(found->what, WHAT, "|pyroelectric| of material '%s', %g in the scene's units",
+             material->name, fabs(material->pyroelectric));
+    return 1;
+}
+
+/* Absolute thermal expansion coefficients of a material along its axes 1, 2 and 3. */
+int measure_expansion(const subject *of, int k, measured *found)
+{
+    const scene *scene = of->scene;
+    if (k >= AXES * scene->materials)
+        return 0;
+    const scene_material *material = &scene->material[k / AXES];
+    const double alpha = fabs(material->alpha[k % AXES]);
+    found->value = plausible_si(scene, alpha, &expansion_unit);
+    found->at = material->at;
+    snprintf(found->what, WHAT, "|alpha| of material '%s' along one of its axes, %g per kelvin",
+             material->name, alpha);
     return 1;
 }
 

@@ -55,6 +55,7 @@ typedef int measure(const subject *of, int k, measured *found);
 measure measure_modulus, measure_density, measure_light_material, measure_piezo, measure_thickness;
 measure measure_wave_speed, measure_dense_wave_speed, measure_ply_wave_speed;
 measure measure_piezo_coupling, measure_soft_piezo, measure_uneven_piezo;
+measure measure_permittivity, measure_pyroelectric, measure_expansion;
 
 /*
  * Functions that measure depolarisation fields and strengths of materials, and the use of both, for

@@ -36,12 +36,14 @@ int measure_stack_stiffness(const subject *of, int k, measured *found)
     return 1;
 }
 
+/* Stroke per volt of stacks, which is 0 where their voltages move nothing. */
 int measure_stack_stroke(const subject *of, int k, measured *found)
 {
     const scene_spring *stacks;
     if (!stacks_of(of, k, &stacks, found))
         return 0;
-    if (stacks && stacks->stroke != 0)
+    const bool is_idle = stacks && stacks->stroke == 0 && stacks->force == 0;
+    if (stacks && (stacks->stroke != 0 || is_idle))
         found->value = plausible_si(of->scene, fabs(stacks->stroke), &stroke_unit);
     snprintf(found->what, WHAT, "stroke of the stacks '%s'", of->scene->actuator[k].name);
     return 1;

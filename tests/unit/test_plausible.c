@@ -55,6 +55,20 @@ static const edge_case edges[] = {
      "materials.ceramic.d31=0.99e-5", 1.01e-8},
     {"piezo_constant", METRES, "materials.ceramic={E: 1e9, nu: 0, e31: 10.1, permittivity: 1e-8}",
      "materials.ceramic={E: 1e9, nu: 0, e31: 9.9, permittivity: 1e-8}", 1.01e-8},
+    {"permittivity", METRES, "materials.ceramic.permittivity=1.01e-6",
+     "materials.ceramic.permittivity=0.99e-6", 1.01e-6},
+    {"permittivity", METRES, "materials.ceramic.permittivity=8.7e-12",
+     "materials.ceramic.permittivity=8.9e-12", 8.7e-12},
+    {"permittivity", MILLIMETRES, "materials.ceramic.permittivity=1.01e-6",
+     "materials.ceramic.permittivity=15 nF/m", 1.01e-6},
+    {"pyroelectric", METRES, "materials.ceramic.pyroelectric=-1.01e-2",
+     "materials.ceramic.pyroelectric=-0.99e-2", 1.01e-2},
+    {"pyroelectric", MILLIMETRES, "materials.ceramic.pyroelectric=1.01e-5",
+     "materials.ceramic.pyroelectric=0.99e-5", 1.01e-2},
+    {"expansion", METRES, "materials.ceramic.alpha=1.01e-3", "materials.ceramic.alpha=0.99e-3",
+     1.01e-3},
+    {"expansion", MILLIMETRES, "materials.ceramic.alpha=[0, 0, -1.01e-3]",
+     "materials.ceramic.alpha=[0, 0, -0.99e-3]", 1.01e-3},
     {"thickness", METRES, "layers.1.thickness=1.01", "layers.1.thickness=0.99", 1.01},
     {"thickness", MILLIMETRES, "layers.1.thickness=0.99e-4", "layers.1.thickness=1.01e-4", 0.99e-7},
     {"applied_field", METRES, ACTUATED "actuators.v.applied=-252.5",
@@ -462,11 +476,41 @@ static void test_materials(void **state)
     }
 }
 
+/*
+ * Law: permittivities, pyroelectric constants and thermal expansions of real materials are not
+ * warned of, from vacuum to relaxors, from glass ceramics to rubber. A number in a thousandth of
+ * its unit, or a relative permittivity in the place of an absolute one, is.
+ */
+static void test_electric_and_thermal(void **state)
+{
+    static const struct {
+        const char *rule, *key;
+        double value[5]; /* SI units */
+        double wrong;    /* number in a wrong unit (SI units) */
+    } real_constant[] = {
+        {"permittivity", "permittivity", {8.854e-12, 1.062e-10, 1.5e-8, 7e-8, 3e-7}, 1700},
+        {"pyroelectric", "pyroelectric", {-3e-4, 2.7e-5, -2.3e-4, 5.5e-4, -1.8e-3}, 0.3},
+        {"expansion", "alpha", {-0.9e-6, 0.02e-6, 12e-6, 2.2e-4, 3e-4}, 10},
+    };
+    (void)state;
+    for (size_t k = 0; k < sizeof real_constant / sizeof *real_constant; k++)
+        for (int i = 0; i <= 5; i++) {
+            char changes[200];
+            plausible warnings;
+            const double value = i < 5 ? real_constant[k].value[i] : real_constant[k].wrong;
+            snprintf(changes, sizeof changes, METRES "materials.ceramic.%s=%.9g",
+                     real_constant[k].key, value);
+            warnings_of(PLATE, changes, &warnings);
+            if ((find_rule(&warnings, real_constant[k].rule) != NULL) != (i == 5))
+                fail_msg("%s: %d warnings", changes, warnings.count);
+        }
+}
+
 /* ---- stacks ------------------------------------------------------------ */
 
 /*
  * Law: stacks on the market are not warned of; a stroke or stiffness that is a thousand or a
- * million times too large is.
+ * million times too large is, and a stroke of 0.
  */
 static void test_stacks(void **state)
 {
@@ -478,7 +522,7 @@ static void test_stacks(void **state)
         {0.5, 900},   {0.56, 5880}, {0.001, 17000}, /* with a lever; a bender */
         {10000, 0.4},                               /* a single layer */
     };
-    static const double factor[][2] = {{1, 1}, {1e3, 1}, {1, 1e3}, {1e6, 1}, {1, 1e6}};
+    static const double factor[][2] = {{1, 1}, {1e3, 1}, {1, 1e3}, {1e6, 1}, {1, 1e6}, {1, 0}};
     (void)state;
     for (size_t k = 0; k < sizeof stack / sizeof *stack; k++)
         for (size_t i = 0; i < sizeof factor / sizeof *factor; i++) {
@@ -821,6 +865,7 @@ int main(void)
         cmocka_unit_test(test_small_electrode),
         cmocka_unit_test(test_places),
         cmocka_unit_test(test_materials),
+        cmocka_unit_test(test_electric_and_thermal),
         cmocka_unit_test(test_stacks),
         cmocka_unit_test(test_point_resolution),
         cmocka_unit_test(test_no_dent),
