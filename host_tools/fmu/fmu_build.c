@@ -28,12 +28,14 @@ static bool write_sources(const fmu *fmu, const char *folder)
 
 /*
  * Compile all C files of a folder to a shared library, with the C compiler that the environment
- * variable CC names. Returns 0, or -1 on failure.
+ * variable CC names. A compiler that does not exist is looked for first, so that the shell prints
+ * no message of its own. Returns 0, or -1 on failure.
  */
 static int compile(const char *folder, const char *library)
 {
     static const char command[] =
-        "cd \"$0\" && export TMPDIR=\"$0\" && exec ${CC:-cc} -std=c99 -O2 -ffp-contract=off -fPIC "
+        "cd \"$0\" && export TMPDIR=\"$0\" && set -- \"$1\" ${CC:-cc} && "
+        "command -v \"$2\" >/dev/null && exec ${CC:-cc} -std=c99 -O2 -ffp-contract=off -fPIC "
         "-fvisibility=hidden -shared ${CFLAGS-} -I. -o \"$1\" *.c -lm";
     const char *const argument[] = {"sh", "-c", command, folder, library, NULL};
     return program_run(argument);

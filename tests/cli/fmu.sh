@@ -84,6 +84,7 @@ refuses 'the plant of an FMU is linear' plate-closed-loop --plant
 refuses 'needs a tick rate' plate-50-patches --controller
 refuses 'no plant without the section simulate' plate-50-patches --plant --set 'control={rate: 1000}'
 CC=/nowhere/cc refuses 'could not be compiled' "$dir/measured.yaml" --plant --build
+[ "$(grep -vc '^ ' "$dir/said")" -eq 1 ]; check 'a compiler that does not exist: one message, none of the shell' $?
 PZS_SOURCES=/nowhere refuses 'PZS_SOURCES names the folder' "$dir/measured.yaml" --controller
 mkdir "$dir/folder" && "$PZS" fmu "$dir/measured.yaml" --plant -o "$dir/folder" >"$dir/said" 2>&1 && [ -s "$dir/folder/measured_plant.fmu" ]
 check 'a folder as output' $?

@@ -193,6 +193,8 @@ def check_life(fmu):
     value = (ctypes.c_double * 1)()
     refuses(going, DISCARD, "one tick", lambda: going.step(0, 1.001 * fmu.period))
     refuses(going, DISCARD, "one tick", lambda: going.step(0, math.nan))
+    for tick in (77, 1, -1, 1e-3, math.nan):
+        refuses(going, ERROR, "the last step ended at 0 s", lambda: going.step(tick))
     refuses(going, ERROR, "99999", lambda: going.call("fmi2GetReal", wrong, ctypes.c_size_t(1), value))
     refuses(going, ERROR, "input", lambda: going.set(outputs(going)[-1:], [1.0]))
     assert run(going, 0, 5) == run(Instance(fmu).open(), 0, 5), "a refused call changed the state"

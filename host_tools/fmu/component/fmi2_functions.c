@@ -5,6 +5,7 @@
  * of an FMU.
  */
 #include "fmu_model.h"
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -465,6 +466,22 @@ fmi2Status fmu_check_finite(fmu_values *values, int first, int count)
  */
 static const double period_tolerance = 1e-6;
 
+/*
+ * Check that a step begins where the last one ended, up to the permitted difference of a step's
+ * length and the rounding errors of the times. Returns fmi2OK, or fmi2Error after a message.
+ */
+static fmi2Status check_time(const instance *of, double from)
+{
+    char message[FMU_MESSAGE];
+    const double tolerance = period_tolerance * FMU_PERIOD + 4 * DBL_EPSILON * fabs(of->time);
+    if (fabs(from - of->time) <= tolerance)
+        return fmi2OK;
+    snprintf(message, sizeof message,
+             "fmi2DoStep: a step from the time %.9g s is refused; the last step ended at %.9g s",
+             from, of->time);
+    return report(of, fmi2Error, message);
+}
+
 DEFINE(fmi2Status, fmi2DoStep, fmi2Component component, fmi2Real from, fmi2Real length,
        fmi2Boolean keeps_state)
 {
@@ -480,6 +497,9 @@ DEFINE(fmi2Status, fmi2DoStep, fmi2Component component, fmi2Real from, fmi2Real 
                  FMU_PERIOD);
         return report(of, fmi2Discard, message);
     }
+    status = check_time(of, from);
+    if (status != fmi2OK)
+        return status;
     status = report_model(of, fmu_model_step(of->model, &of->values));
     if (status == fmi2OK || status == fmi2Warning)
         of->time = from + length;
