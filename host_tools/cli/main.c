@@ -266,6 +266,8 @@ static int write_stressed(const options *options, analysis *analysis, solution *
     int status = stress_recover(&field, &state) < 0 ? complain("out of memory", 1) : 0;
     result->stress = &field;
     if (status == 0)
+        plausible_stress(&analysis->warnings, &field);
+    if (status == 0)
         status = write_solution(options, analysis, result);
     stress_free(&field);
     return status;

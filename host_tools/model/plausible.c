@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 #include "plausible_parts.h"
+#include "stress_summary.h"
 
 /* ---- rules ------------------------------------------------------------ */
 
@@ -18,7 +19,8 @@ typedef enum subject_type {
     SUBJECT_VOLTAGES,
     SUBJECT_OPTIMUM,
     SUBJECT_PATH,
-    SUBJECT_LOOP
+    SUBJECT_LOOP,
+    SUBJECT_STRESS
 } subject_type;
 
 #define CHECK_UNITS                                                                                \
@@ -153,6 +155,8 @@ static const struct rule {
     {"loop_amplitude_at_target", SUBJECT_LOOP, measure_amplitude_at_target, 0, 3.01, "thicknesses",
      "the loop is certified on the linear modes of the undeformed shape, and larger deformations "
      "change them; simulate the loop with kinematics: nonlinear"},
+    {"stress_reserve", SUBJECT_STRESS, measure_reserve, 1, HUGE_VAL, "",
+     "the strength is exceeded there; lower loads or voltages, or thicken the layer"},
     {"strong_actuator", SUBJECT_SCENE, measure_strong_column, 0, 100, "",
      "a column of coordinates is no actuator: name it x, y or z; or measure the actuator again"},
     {"repeated_actuator", SUBJECT_SCENE, measure_repeated_column, 1e-4, HUGE_VAL, "",
@@ -283,6 +287,18 @@ void plausible_loop(plausible *warnings, const scene *scene, int older, double a
 {
     const subject of = {.scene = scene, .name = "", .older = older, .amplitude = amplitude};
     apply_all(warnings, SUBJECT_LOOP, &of);
+}
+
+void plausible_stress(plausible *warnings, const stress_field *field)
+{
+    stress_summary extremes;
+    stress_summarise(field, &extremes);
+    const subject of = {.scene = field->state.design->mesh.scene,
+                        .mesh = &field->state.design->mesh,
+                        .name = "",
+                        .stress = field,
+                        .extremes = &extremes};
+    apply_all(warnings, SUBJECT_STRESS, &of);
 }
 
 /* ---- output ----------------------------------------------------------- */

@@ -70,6 +70,13 @@ typedef struct plausible_optimum {
                       the columns of other amplifiers; counted without regularisation */
 } plausible_optimum;
 
+/*
+ * Apply the plausibility rules on recovered stresses, whose reserve factors against the strengths
+ * of the materials should be at least 1.
+ */
+struct stress_field;
+void plausible_stress(plausible *warnings, const struct stress_field *field);
+
 /* Apply the plausibility rules on the optimal voltages for a target. */
 void plausible_target(plausible *warnings, const scene *scene, const plausible_optimum *optimum);
 

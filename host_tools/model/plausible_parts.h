@@ -19,6 +19,8 @@ typedef struct subject {
     bool is_linear;
     const char *name;
     const struct plausible_optimum *optimum;
+    const struct stress_field *stress;     /* recovered stresses */
+    const struct stress_summary *extremes; /* extremes and reserve factors of the stresses */
     double path_difference;   /* difference between the displacement and the one computed with twice
                                  as many load steps, relative to the displacement
                                  (analysis_path_difference) */
@@ -63,6 +65,7 @@ measure measure_permittivity, measure_pyroelectric, measure_expansion;
  */
 measure measure_field_limit, measure_ceramic_field_limit, measure_depolarisation;
 measure measure_strength, measure_soft_strength, measure_strength_ratio;
+measure measure_reserve;
 
 /* Functions that measure the numbers of stacks for the plausibility rules (plausible_stacks.c). */
 measure measure_stack_stiffness, measure_stack_stroke, measure_stack_energy, measure_coil;

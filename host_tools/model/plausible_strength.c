@@ -4,7 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
-#include "design.h"
+#include "stress_summary.h"
 
 static const units_unit field_unit = {{-1, 0, 1, 0, 0, 0}, 0, 0};
 static const units_unit piezo_unit = {{1, 0, -1, 0, 0, 0}, 0, 0};
@@ -163,5 +163,50 @@ int measure_strength_ratio(const subject *of, int k, measured *found)
         "strength of material '%s' under compression over that under tension along %d, %g over "
         "%g in the scene's units",
         material->name, k % 2 + 1, strength->compression[k % 2], strength->tension[k % 2]);
+    return 1;
+}
+
+/* ---- reserve factors -------------------------------------------------- */
+
+/*
+ * In-plane stress, 11, 22 or 12, that by itself has the smallest reserve factor; a component in the
+ * Voigt order 11 22 33 23 13 12.
+ */
+static int governing_component(const scene_strength *strength, const stress_point *point)
+{
+    static const int plane[3] = {0, 1, 5};
+    double least = (double)INFINITY;
+    int governing = 0;
+    for (int i = 0; i < 3; i++) {
+        double single[STRESS_COMPONENTS] = {0};
+        single[plane[i]] = point->stress[plane[i]];
+        const double reserve = stress_reserve(strength, single);
+        if (!(reserve < least))
+            continue;
+        least = reserve;
+        governing = plane[i];
+    }
+    return governing;
+}
+
+/* Smallest reserve factor of layer k against the strength of its material. */
+int measure_reserve(const subject *of, int k, measured *found)
+{
+    if (k >= of->stress->layers)
+        return 0;
+    const scene_layer *layer = &of->scene->layer[k];
+    const scene_material *material = &of->scene->material[layer->material];
+    const stress_extreme *least = &of->extremes->reserve[k];
+    stress_layer result;
+    if (!material->strength.given || least->element < 0)
+        return 1;
+    stress_layer_of(of->stress, least->element, k, &result);
+    const int component = governing_component(&material->strength, &result.at[least->height]);
+    found->value = least->value;
+    found->at = layer->at;
+    snprintf(found->what, WHAT,
+             "least reserve factor of '%s', layer '%s', most by stress %s (%s, %s)", material->name,
+             layer->name, stress_component_name[component], stress_height_name[least->height],
+             mesh_element_text(of->mesh, least->element).text);
     return 1;
 }

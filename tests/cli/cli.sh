@@ -566,6 +566,9 @@ assert points >= 121 and all(len(a.text.split()) == int(a.get('NumberOfComponent
 assert any(a.get('Name').startswith('stress_') and a.get('Name').endswith('_(N/m2)') for a in piece.find('CellData'))
 z = numpy.load(sys.argv[2])
 assert z['stress'].shape == z['strain'].shape and z['stress_resultant'].shape == (cells, 8)" "$dir/s.vtu" "$dir/s.npz"; check 'solve --stress: report, VTU, arrays' $?
+# a reserve factor below 1: the warning names component and place, and its value is that of the layer
+run 1 solve plate-50-patches --stress --strict --json --set actuators.0.applied=100 --set 'materials.G1195.strength={tension: 7 kPa}' --set materials.G1195.E=1e8 && json "min(w['value'] for w in j['warnings'] if w['rule']=='stress_reserve')==min(l['reserve']['value'] for l in j['stress']['layers'] if 'reserve' in l)" && grep -q 'most by stress [12][12] (' "$dir/out" &&
+    run 0 solve plate-50-patches --stress --set actuators.0.applied=100 --set 'materials.G1195.strength={tension: 40 MPa}' && ! grep -q stress_reserve "$dir/out"; check 'solve --stress: a reserve factor below 1 is a warning' $?
 run 2 shape plate-50-patches --stress && says 'belongs to solve'; check '--stress of another command' $?
 run 2 solve scordelis-lo --path && says 'needs kinematics: nonlinear'; check 'solve --path: a linear scene' $?
 run 1 solve tests/rigs/scenes/pulled-cylinder.yaml --strict && grep -q '^  path: .*twice as many load steps' "$dir/out"; check 'solve: an answer off the load path is a warning' $?
