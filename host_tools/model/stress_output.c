@@ -13,8 +13,12 @@ static double stress_in(const stress_field *field, const scene_output *output, i
     stress_layer layer;
     stress_layer_of(field, element, output->layer, &layer);
     const double *stress = layer.at[output->height].stress;
-    return output->recovered_component < STRESS_COMPONENTS ? stress[output->recovered_component]
-                                                           : stress_mises(stress);
+    const double turn = output->angle - field->state.design->layer[output->layer].angle;
+    double turned[STRESS_COMPONENTS];
+    if (output->recovered_component == RECOVERED_MISES)
+        return stress_mises(stress);
+    strain_turn_stress(stress, turn * 0.017453292519943295, turned);
+    return turned[output->recovered_component];
 }
 
 /*

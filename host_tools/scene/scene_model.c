@@ -332,7 +332,12 @@ static const form axes_form = {.type = FORM_ANY, .any = axes_forms};
 static int read_axes(reader *reader, int node, void *to, const void *rule)
 {
     double *strength = to;
-    if (reader->t->node[node].kind == TREE_LIST)
+    const tree_node *list = &reader->t->node[node];
+    if (list->kind == TREE_LIST && list->count != 2)
+        return tree_fault(reader->t, node,
+                          "'%.60s' has %d values; give one, or two, [along 1, along 2]",
+                          tree_name(reader->t, node), list->count);
+    if (list->kind == TREE_LIST)
         return read_pair(reader, node, strength, rule);
     if (read_real(reader, node, strength, rule) != 0)
         return -1;

@@ -558,12 +558,28 @@ static int finish_recovered(reader *reader, int node, output_text *text)
     return require_place(reader, node, &output->where);
 }
 
+/* Refuse keys of strains and stresses in an output of another kind, where they mean nothing. */
+static int refuse_recovered_keys(reader *reader, int node)
+{
+    static const char *const keys[] = {"layer", "face", "angle"};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+        const int found = tree_find(reader->t, node, keys[i]);
+        if (found)
+            return tree_fault_at(reader->t, reader->t->node[found].key_at,
+                                 "'%s' belongs to an output of a strain or stress; remove it",
+                                 keys[i]);
+    }
+    return 0;
+}
+
 static int finish_output(reader *reader, int node, output_text *text)
 {
     const scene_contact_output contact = text->output.contact;
     text->output.at = node_at(reader, node);
     if (text->output.recovered != RECOVERED_NONE)
         return finish_recovered(reader, node, text);
+    if (refuse_recovered_keys(reader, node) != 0)
+        return -1;
     if (text->output.electric != ELECTRIC_NONE) {
         if (text->output.where.at.column == 0)
             return 0;
@@ -608,8 +624,8 @@ static const field output_fields[] = {
     {"face", read_choice, offsetof(output_text, output.height), heights,
      .help = "Height of a strain or stress in the layer: inner, middle (default) or outer."},
     {"angle", read_real, offsetof(output_text, output.angle), .of = OF_DEGREES,
-     .help = "Direction 1 of a strain, from the axis 1 of the shell towards 2, in degrees; default "
-             "that of the layer's material."},
+     .help = "Direction 1 of a strain or stress, from the axis 1 of the shell towards 2, in "
+             "degrees; default that of the layer's material."},
     PLACE(offsetof(output_text, output.where)),
     {"reference", read_real, offsetof(output_text, output.reference), .of = OF_OUTPUT,
      .help = "Value to print beside the result."},
@@ -618,7 +634,7 @@ static const field output_fields[] = {
 static const form_case output_cases[] = {
     {"u1|u2|u3|x|y|z edge|at|set", "A displacement."},
     {"strain edge|at|set ?layer ?face ?angle", "A strain at nodes."},
-    {"stress edge|at|set ?layer ?face", "A stress at nodes."},
+    {"stress edge|at|set ?layer ?face ?angle", "A stress at nodes."},
     {"contact=pressure edge|at|set", "The contact pressure at a place."},
     {"contact=x/y/z/nodes", "A result of the whole contact."},
     {"voltage|charge", "Voltages or charges of electrodes."},

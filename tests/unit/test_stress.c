@@ -579,6 +579,31 @@ static void test_outputs(void **state)
 }
 
 /*
+ * Law: a stress in the direction `angle` is the stress tensor of the layer in axes turned by the
+ * difference to the angle of its material; without `angle` it is the stress in material axes.
+ */
+static void test_turned_stress(void **state)
+{
+    (void)state;
+    scene_run run;
+    solve_run(&run, PLATE,
+              with(gauge, "layers.upper.angle=10;outputs=["
+                          "{name: a, stress: 11, layer: upper, face: outer, at: {theta1: 0.02, "
+                          "theta2: 0.025}}, {name: b, stress: 22, layer: upper, face: outer, at: "
+                          "{theta1: 0.02, theta2: 0.025}}, {name: c, stress: 12, layer: upper, "
+                          "face: outer, at: {theta1: 0.02, theta2: 0.025}}, {name: t, stress: 11, "
+                          "angle: 55, layer: upper, face: outer, at: {theta1: 0.02, theta2: "
+                          "0.025}}, {name: own, stress: 12, angle: 10, layer: upper, face: outer, "
+                          "at: {theta1: 0.02, theta2: 0.025}}]"));
+    const double s11 = scene_run_value(&run, 0), s22 = scene_run_value(&run, 1),
+                 s12 = scene_run_value(&run, 2);
+    assert_true(fabs(s11 - s22) > 1e-3 * fabs(s11) && fabs(s12) > 0);
+    assert_near("turned by 45 degrees", scene_run_value(&run, 3), (s11 + s22) / 2 + s12, 1e-13);
+    assert_near("material axes", scene_run_value(&run, 4), s12, 1e-13);
+    scene_run_close(&run);
+}
+
+/*
  * Law: strain gauges are sensors like any other: with eleven of them the shape of a strip under
  * unknown loads and voltage errors is estimated to 1 % of what these disturbances cause.
  */
@@ -635,12 +660,19 @@ static void test_refusals(void **state)
         {"materials.AS4/3501.strength={tension: 0}", "'tension: 0' must be above 0"},
         {"materials.AS4/3501.strength={tension: [2, 1]}",
          "no 'shear' beside the strengths 2 and 1"},
+        {"materials.AS4/3501.strength={tension: [4, 4, 4]}",
+         "has 3 values; give one, or two, [along 1, along 2]"},
         {"materials.AS4/3501.strength={shear: 1}", "'tension' is missing"},
         {"outputs=[{name: g, strain: 11, layer: no, at: nodes}]", "there is no layer 'no'"},
         {"outputs=[{name: g, strain: 13, at: nodes}]", "'strain: 13' is no"},
         {"outputs=[{name: g, stress: 11, at: nodes}]", "a stress needs one of the"},
         {"outputs=[{name: g, strain: 11}]", "no place in this item"},
         {"outputs=[{name: g, strain: 11, at: {theta1: 5, theta2: 0}}]", "is no node of the mesh"},
+        {"outputs=[{name: g, u3: middle, angle: 45, at: nodes}]",
+         "'angle' belongs to an output of a strain or stress"},
+        {"outputs=[{name: g, u3: middle, face: middle, at: nodes}]",
+         "'face' belongs to an output of a strain or stress"},
+        {"outputs=[{name: g, x: middle, layer: up, at: nodes}]", "there is no layer 'up'"},
         {"outputs=[{name: g, strain: 11, u3: middle, at: nodes}]",
          "an output is one of displacement, strain"},
     };
@@ -670,14 +702,14 @@ static void test_refusals(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_patch),      cmocka_unit_test(test_tension),
-        cmocka_unit_test(test_free_piezo), cmocka_unit_test(test_bimorph),
-        cmocka_unit_test(test_charge),     cmocka_unit_test(test_resultants),
-        cmocka_unit_test(test_rotation),   cmocka_unit_test(test_exact),
-        cmocka_unit_test(test_order),      cmocka_unit_test(test_reserve),
-        cmocka_unit_test(test_borders),    cmocka_unit_test(test_outputs),
-        cmocka_unit_test(test_refusals),   cmocka_unit_test(test_gauges),
-        cmocka_unit_test(test_roll),
+        cmocka_unit_test(test_patch),         cmocka_unit_test(test_tension),
+        cmocka_unit_test(test_free_piezo),    cmocka_unit_test(test_bimorph),
+        cmocka_unit_test(test_charge),        cmocka_unit_test(test_resultants),
+        cmocka_unit_test(test_rotation),      cmocka_unit_test(test_exact),
+        cmocka_unit_test(test_order),         cmocka_unit_test(test_reserve),
+        cmocka_unit_test(test_borders),       cmocka_unit_test(test_outputs),
+        cmocka_unit_test(test_turned_stress), cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_gauges),        cmocka_unit_test(test_roll),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
