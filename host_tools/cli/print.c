@@ -632,7 +632,7 @@ static void print_reached_nodes(const analysis *analysis, const voltages *best, 
     for (int k = 0; k < design->outputs; k++)
         if (!print_is_displacement(analysis, k))
             printf("%s %s",
-                   left++ ? "," : "\n  outputs of contact and electrodes are printed by pzs solve:",
+                   left++ ? "," : "\n  outputs other than displacements are printed by pzs solve:",
                    design->output[k].name);
     if (left)
         putchar('\n');

@@ -63,7 +63,7 @@ static void print_layer(const stress_field *field, const stress_summary *summary
     const design *design = field->state.design;
     const scene_material *material = &design->material[design->layer[layer].material];
     const bool is_tsai = material->strength.criterion == CRITERION_TSAI_HILL;
-    char name[SCENE_NAME];
+    char name[SCENE_NAME], field_unit[WORDS_UNIT];
     printf("  %s%s, of %s\n", design->layer[layer].name[0] ? "layer " : "",
            layer_name(design, layer, name), material->name);
     print_extreme(field, "  von Mises stress", &summary->mises[layer], unit);
@@ -71,7 +71,8 @@ static void print_layer(const stress_field *field, const stress_summary *summary
         print_extreme(field, is_tsai ? "  reserve, Tsai-Hill" : "  reserve, maximum stress",
                       &summary->reserve[layer], "");
     if (material->has_d || material->has_e)
-        print_extreme(field, "  electric field", &summary->field[layer], "");
+        print_extreme(field, "  electric field", &summary->field[layer],
+                      words_unit(&design->units, QUANTITY_FIELD, field_unit));
     if (material->field_limit > 0)
         print_extreme(field, "  reserve, depolarisation", &summary->field_reserve[layer], "");
 }
@@ -87,6 +88,7 @@ void print_stress(const stress_field *field)
     printf("\n  stresses and strains at element centres, in the axes of the materials: %s\n",
            field->state.is_nonlinear ? "second Piola-Kirchhoff stresses, Green-Lagrange strains"
                                      : "small strains");
+    puts("  (larger at clamps and under point loads: refine there before relying on a reserve)");
     puts("  stresses 13, 23 and 33 from equilibrium through the thickness");
     print_components(field, &summary, unit);
     putchar('\n');
@@ -143,6 +145,7 @@ void print_stress_json(json *json, const stress_field *field)
     stress_summarise(field, &summary);
     json_open(json, "stress", '{');
     json_string(json, "unit", words_unit(&field->state.design->units, QUANTITY_PRESSURE, unit));
+    json_string(json, "places", "element centres");
     json_string(json, "measure",
                 field->state.is_nonlinear ? "second Piola-Kirchhoff, Green-Lagrange" : "small");
     for (int strain = 0; strain < 2; strain++) {

@@ -67,8 +67,8 @@ static void write_components(const page *page, const stress_summary *summary)
     char unit[WORDS_UNIT];
     words_unit(&page->design->units, QUANTITY_PRESSURE, unit);
     put_table(page->file,
-              "Largest stresses and strains at element centres, in the axes of the "
-              "materials",
+              "Largest stresses and strains at element centres (larger at clamps and under "
+              "point loads), in the axes of the materials",
               "Component|Value|<Layer, face|<Place");
     for (int k = 0; k < 2 * STRESS_COMPONENTS; k++) {
         const bool is_strain = k >= STRESS_COMPONENTS;

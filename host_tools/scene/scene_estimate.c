@@ -24,7 +24,8 @@ static int read_output_of(reader *reader, int node, void *to, const void *rule)
     if (output->contact == CONTACT_NONE)
         return 0;
     return tree_fault(reader->t, node,
-                      "'%s' is of a contact; an estimate reads displacements, voltages and charges",
+                      "'%s' is of a contact; an estimate reads displacements, strains, voltages "
+                      "and charges",
                       output->name);
 }
 
@@ -32,7 +33,8 @@ static const range noisy = {0, HUGE_VAL, 1, "must be above 0; no sensor is exact
 
 static const field reading_fields[] = {
     {"output", read_output_of, offsetof(scene_reading, output), .required = 1, .form = &name_form,
-     .help = "Name of an output that the firmware measures: a displacement, voltage or charge."},
+     .help = "Name of an output that the firmware measures: a displacement, strain, voltage or "
+             "charge."},
     {"noise", read_real, offsetof(scene_reading, noise), &noisy, 1, .of = OF_READING,
      .help = "Standard deviation of the noise, in the unit of the output."},
     {.key = NULL}};

@@ -31,6 +31,8 @@ const char *words_unit(const scene_unit_names *units, words_quantity quantity,
         charge_unit(units, text);
     if (quantity == QUANTITY_INFLUENCE && *length && *units->voltage)
         snprintf(text, WORDS_UNIT, "%s/%s", length, units->voltage);
+    if (quantity == QUANTITY_FIELD && *length && *units->voltage)
+        snprintf(text, WORDS_UNIT, "%s/%s", units->voltage, length);
     if ((quantity == QUANTITY_LINE_FORCE || quantity == QUANTITY_PRESSURE) && *length && *force)
         snprintf(text, WORDS_UNIT, "%s/%s%s", force, length,
                  quantity == QUANTITY_PRESSURE ? "2" : "");

@@ -17,6 +17,7 @@ typedef enum words_quantity {
     QUANTITY_TEMPERATURE,
     QUANTITY_NODES,
     QUANTITY_INFLUENCE, /* length per voltage: entry of an influence matrix */
+    QUANTITY_FIELD,     /* voltage per length: electric field */
     QUANTITY_OTHER
 } words_quantity;
 
