@@ -265,7 +265,7 @@ hard: $(B)/64/host.a $(B)/64/libpiezoshape.a
 	    -o $(B)/hard && $(B)/hard
 
 # 20,000 mutated scenes, 20,000 mutated mesh files and every shipped scene under the sanitizers, five million ticks in both precisions, a million watched,
-# a million flipped bits, a million ticks of random faults under the supervisor, 4,000 self-tests with and without a fault, FMUs with sanitizers.
+# a million flipped bits, a million ticks of random faults under the supervisor, 10,000 self-tests with and without a fault, FMUs with sanitizers.
 check-long: setup-test
 	@$(MAKE) --no-print-directory -s -j2 all san unit
 	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_scene.c $(B)/san64/host.a $(B)/san64/libpiezoshape.a \

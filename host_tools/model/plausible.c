@@ -148,6 +148,10 @@ static const struct rule {
      "readings one tick older can make the loop swing without end; measure the age, converters and "
      "filters included, and write the largest; with safety: {} the loop parks the voltages when it "
      "swings"},
+    {"selftest_hysteresis", SUBJECT_SCENE, measure_tested_hysteresis, 0, 0.25,
+     "of the voltage range",
+     "the ceramic hardly follows the small pulses of the self-test, which then calls healthy "
+     "amplifiers silent; leave the self-test out"},
     {"loop_amplitude", SUBJECT_LOOP, measure_amplitude, 0, 1.01, "thicknesses",
      "the loop is certified on a linear structure about the undeformed shape, and larger "
      "deformations change its response and its modes; write kinematics: nonlinear, "

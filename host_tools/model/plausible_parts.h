@@ -110,6 +110,12 @@ measure measure_target, measure_unreached, measure_idle, measure_dependent;
  */
 measure measure_age, measure_amplitude, measure_amplitude_at_target;
 
+/*
+ * Function that measures the hysteresis of the actuators where the control loop has a self-test
+ * (plausible_result.c).
+ */
+measure measure_tested_hysteresis;
+
 /* Convert a number of a scene to SI units. Returns NAN if the units of the scene are unknown. */
 double plausible_si(const scene *scene, double value, const units_unit *unit);
 

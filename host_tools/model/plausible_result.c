@@ -245,6 +245,15 @@ int measure_age(const subject *of, int k, measured *found)
     return k == 0;
 }
 
+int measure_tested_hysteresis(const subject *of, int k, measured *found)
+{
+    const bool has_test = of->scene->safety.amplitude > 0;
+    found->value = has_test ? of->scene->simulate.hysteresis : (double)NAN;
+    found->at = of->scene->simulate.at;
+    snprintf(found->what, WHAT, "hysteresis of actuators that the self-test moves");
+    return k == 0;
+}
+
 int measure_dependent(const subject *of, int k, measured *found)
 {
     found->at = of->scene->limits.at;

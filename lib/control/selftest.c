@@ -20,7 +20,8 @@
  *
  * The evaluation compares the matrix of the measured responses with that of the model. A column of
  * these matrices is the response of all sensors to one amplifier, a row is the response of one
- * sensor to all amplifiers. First, pairs of similar columns and of similar rows are compared,
+ * sensor to all amplifiers. First, the column or row that differs most from the model is
+ * reported if it is reversed. Then pairs of similar columns and of similar rows are compared,
  * because two amplifiers or sensors with exchanged cables may respond so similarly that neither
  * looks faulty alone. Then
  * each tick reports the amplifier or sensor whose column or row differs most from the model, and
@@ -747,6 +748,23 @@ static void set_finding(const pzs_selftest *selftest, const selftest_axis *axis,
 }
 
 /*
+ * Find the amplifier or sensor whose measured response differs most from the model, and set *axis
+ * to the responses of all amplifiers or to those of all sensors. Sensors count only while the mean
+ * gain is plausible.
+ */
+static worst_line find_worst_of_both(const pzs_selftest *selftest, pzs_real gain,
+                                     selftest_axis *axis)
+{
+    const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
+    const worst_line column = find_worst(selftest, &columns, gain);
+    worst_line row = find_worst(selftest, &rows, gain);
+    row.is_found = row.is_found && is_gain_plausible(selftest);
+    const bool is_row = row.is_found && !(row.difference <= column.difference);
+    *axis = is_row ? rows : columns;
+    return is_row ? row : column;
+}
+
+/*
  * Report the fault of the amplifier or sensor whose measured response differs most from the model.
  * Later ticks exclude its responses from all comparisons with the model. If no amplifier or sensor
  * differs by more than the tolerance of the gains, the search for differences ends. While the mean
@@ -756,17 +774,33 @@ static void report_worst(pzs_selftest *selftest)
 {
     if (selftest->state.core[0].is_complete != 0)
         return;
-    const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
+    selftest_axis axis;
     find_mean_gain(selftest);
     const pzs_real gain = number_clamp(selftest->info.gain, LEAST_GAIN, LARGEST_GAIN);
-    const worst_line column = find_worst(selftest, &columns, gain);
-    worst_line row = find_worst(selftest, &rows, gain);
-    row.is_found = row.is_found && is_gain_plausible(selftest);
-    selftest->state.core[0].is_complete = column.is_found || row.is_found ? 0u : 1u;
-    if (row.is_found && !(row.difference <= column.difference))
-        set_finding(selftest, &rows, row.line, gain);
-    else if (column.is_found)
-        set_finding(selftest, &columns, column.line, gain);
+    const worst_line worst = find_worst_of_both(selftest, gain, &axis);
+    selftest->state.core[0].is_complete = worst.is_found ? 0u : 1u;
+    if (worst.is_found)
+        set_finding(selftest, &axis, worst.line, gain);
+}
+
+/*
+ * Report the amplifier or sensor whose measured response differs most from the model if it is
+ * reversed. This comes before exchanged cables are looked for: where there are few sensors, a
+ * reversed one makes the responses to healthy amplifiers resemble those to other amplifiers.
+ */
+static void report_reversed(pzs_selftest *selftest)
+{
+    selftest_axis axis;
+    const pzs_real gain = number_clamp(selftest->info.gain, LEAST_GAIN, LARGEST_GAIN);
+    const worst_line worst = find_worst_of_both(selftest, gain, &axis);
+    if (!worst.is_found || nearest_line(selftest, &axis, worst.line) != worst.line)
+        return;
+    const pzs_real *noise = selftest->state.null;
+    const line_sums sums = compare_lines(selftest, &axis, worst.line, worst.line, noise);
+    if (!(sums.product < 0 && 2 * direction_error(&sums) < 1))
+        return;
+    set_finding(selftest, &axis, worst.line, gain);
+    find_mean_gain(selftest);
 }
 
 /* ---- evaluation: exchanged cables --------------------------------------- */
@@ -841,14 +875,16 @@ static void find_swap(const pzs_selftest *selftest, const selftest_axis *axis, u
 
 /*
  * Compare one amplifier or sensor, if it has no finding, with all others whose cables could have
- * been exchanged with its own. Numbers below the number of inputs are amplifiers, larger numbers
- * are sensors.
+ * been exchanged with its own. The smaller numbers belong to the amplifiers or to the sensors,
+ * whichever are fewer, because a fault of one among few changes the responses of the others more.
  */
 static void compare_pairs(pzs_selftest *selftest, uint32_t number)
 {
-    const uint32_t inputs = selftest->state.tables->inputs;
-    selftest_axis axis = number < inputs ? columns_of(selftest) : rows_of(selftest);
-    const uint32_t line = number < inputs ? number : number - inputs;
+    const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
+    const selftest_axis few = columns.lines <= rows.lines ? columns : rows;
+    const selftest_axis many = columns.lines <= rows.lines ? rows : columns;
+    selftest_axis axis = number < few.lines ? few : many;
+    const uint32_t line = number < few.lines ? number : number - few.lines;
     axis.has_gains = axis.is_row;
     if (axis.line[line].state != PZS_WIRING_HEALTHY)
         return;
@@ -917,12 +953,14 @@ static void evaluate(pzs_selftest *selftest, uint32_t tick)
 {
     const pzs_selftest_tables *tables = selftest->state.tables;
     const uint32_t lines = (uint32_t)tables->inputs + tables->sensors;
-    if (tick == 0)
+    if (tick == 0) {
         begin_evaluation(selftest);
-    else if (tick <= lines)
+        report_reversed(selftest);
+    } else if (tick <= lines) {
         compare_pairs(selftest, tick - 1u);
-    else
+    } else {
         report_worst(selftest);
+    }
     if (tick > 2u * lines)
         give_verdict(selftest);
 }

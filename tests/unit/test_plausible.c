@@ -330,6 +330,23 @@ static void test_small_electrode(void **state)
     }
 }
 
+/*
+ * Law: hysteresis of more than a quarter of the voltage range is warned of where the control loop
+ * has a self-test, and only there.
+ */
+static void test_tested_hysteresis(void **state)
+{
+#define TESTED "safety={selftest: {amplitude: 5}};simulate.plant.hysteresis="
+    plausible warnings;
+    (void)state;
+    warnings_of("plate-closed-loop", TESTED "0.253", &warnings);
+    assert_non_null(find_rule(&warnings, "selftest_hysteresis"));
+    warnings_of("plate-closed-loop", TESTED "0.247", &warnings);
+    assert_null(find_rule(&warnings, "selftest_hysteresis"));
+    warnings_of("plate-closed-loop", "simulate.plant.hysteresis=0.253", &warnings);
+    assert_null(find_rule(&warnings, "selftest_hysteresis"));
+}
+
 /* A warning names its line; one that comes from a change names the change; more than there is room
  * for are counted. */
 static void test_places(void **state)
@@ -863,6 +880,7 @@ int main(void)
         cmocka_unit_test(test_target),
         cmocka_unit_test(test_unitless),
         cmocka_unit_test(test_small_electrode),
+        cmocka_unit_test(test_tested_hysteresis),
         cmocka_unit_test(test_places),
         cmocka_unit_test(test_materials),
         cmocka_unit_test(test_electric_and_thermal),

@@ -23,6 +23,14 @@
 #ifndef HEALTHY_RUNS
 #define HEALTHY_RUNS 1 /* random runs without a fault on each structure */
 #endif
+#ifndef SEED
+#define SEED                                                                                       \
+    0u /* offset of the seeds of all random runs with a single fault or without a fault            \
+        */
+#endif
+#ifndef HYSTERESIS
+#define HYSTERESIS 0.2 /* width of the hysteresis loop relative to the voltage range */
+#endif
 
 enum { MODES = 8, PLAYS = 4, LARGEST_DELAY = 3, PERIODS = 6 };
 
@@ -35,16 +43,33 @@ typedef struct structure_kind {
     double rate, limit, step_limit, volts, ratio;
     int every; /* tick rate (1/s), voltage limit (V), step limit (V), height of a pulse (V), damping
                   ratio; every `every`-th output of the scene is a sensor */
+    int most_wrong; /* largest part of the runs with a fault that may be named wrongly (%) */
 } structure_kind;
 
+/*
+ * The constants of the self-test were chosen on the first three structures; the other ones were run
+ * afterwards. Where the sensors are few, as on the fourth structure and on the wing panel, a fault
+ * of a sensor can give healthy amplifiers or sensors a finding, too.
+ */
 static const structure_kind kinds[] = {
     {"plate, 15 Hz at 1 kHz", "plate-50-patches", "loads=[{face: outer, pressure: 20}]", 1000, 300,
-     20, 5, 0.005, 4},
+     20, 5, 0.005, 4, 1},
     {"panel, 54 Hz at 1 kHz", "tests/rigs/scenes/storm-panel.yaml",
-     "loads=[{face: outer, pressure: 20}]", 1000, 150, 10, 5, 0.005, 4},
-    {"mirror, 1.6 kHz at 10 kHz", "mirror", "dynamics={damping: 0.01}", 10000, 50, 3.3, 2, 0.01, 6},
+     "loads=[{face: outer, pressure: 20}]", 1000, 150, 10, 5, 0.005, 4, 1},
+    {"mirror, 1.6 kHz at 10 kHz", "mirror", "dynamics={damping: 0.01}", 10000, 50, 3.3, 2, 0.01, 6,
+     1},
+    {"plate with six sensors", "plate-50-patches", "loads=[{face: outer, pressure: 20}]", 1000, 300,
+     20, 5, 0.005, 18, 25},
+    {"clamped plate, equal modes", "plate-50-patches",
+     "supports=[{edge: theta1-, fix: clamped}, {edge: theta1+, fix: clamped}, {edge: theta2-, fix: "
+     "clamped}, {edge: theta2+, fix: clamped}]",
+     2000, 300, 20, 5, 0.005, 4, 1},
+    {"mirror of 61 hexagons", "disc-61-hexagons", "dynamics={damping: 0.01}", 20000, 200, 10, 5,
+     0.01, 7, 1},
+    {"wing panel, 8 patches", "wing-panel", "loads=[{face: outer, pressure: 20}]", 1000, 500, 20,
+     10, 0.005, 2, 25},
 };
-enum { KINDS = sizeof kinds / sizeof *kinds };
+enum { SEEN = 3, ALL_KINDS = sizeof kinds / sizeof *kinds };
 
 /* A structure with its modes, and the tables of its self-test. */
 typedef struct structure {
@@ -234,7 +259,7 @@ static void open_plant(plant *p, const structure *s, unsigned seed, fault fault)
     p->one = (size_t)uniform(&p->seed, 0, (double)lines);
     p->other = (p->one + 1 + (size_t)uniform(&p->seed, 0, (double)(lines - 1))) % lines;
     p->frequency = uniform(&p->seed, 0.9, 1.1);
-    p->hysteresis = 0.2;
+    p->hysteresis = HYSTERESIS;
     p->delay = (int)uniform(&p->seed, 0, LARGEST_DELAY + 1);
     p->vibration = uniform(&p->seed, 0, 0.5);
     p->gain = zeros(n);
@@ -550,7 +575,7 @@ static tally try_fault(structure *s, fault fault, int runs)
     tally tally = {.runs = runs};
     for (int run = 0; run < runs; run++) {
         plant p;
-        open_plant(&p, s, 1000u * (unsigned)run + (unsigned)fault, fault);
+        open_plant(&p, s, SEED + 1000u * (unsigned)run + (unsigned)fault, fault);
         const outcome found = run_wiring_test(s, &p);
         const bool is_hidden = is_unjudged(&p, &found);
         tally.unjudged += is_hidden;
@@ -563,14 +588,15 @@ static tally try_fault(structure *s, fault fault, int runs)
 }
 
 /*
- * Each single fault is named, and nothing else, in 99 % of all runs; without a fault there is no
- * finding in any run. The voltages stay inside voltage limits and step limits, and end where they
- * began, after the stated number of ticks.
+ * Each single fault is named, and nothing else, in 99 % of all runs (75 % with few sensors);
+ * without a fault there is no finding in any run. The voltages stay inside voltage limits and step
+ * limits, and end where they began, after the stated number of ticks.
  */
 static void test_faults(void **state)
 {
     (void)state;
-    for (int kind = 0; kind < KINDS; kind++) {
+    const int tested = RUNS > 1 ? ALL_KINDS : SEEN + 1;
+    for (int kind = 0; kind < tested; kind++) {
         structure s;
         open_structure(&s, &kinds[kind]);
         for (int fault = 0; fault < FAULTS; fault++) {
@@ -581,8 +607,9 @@ static void test_faults(void **state)
                        "%d disturbed\n",
                        kinds[kind].name, fault_name[fault], tally.runs, tally.wrong, tally.unjudged,
                        tally.similar, tally.disturbed);
-            assert_true(100 * tally.wrong <= (fault == NONE ? 0 : tally.runs));
-            assert_true(4 * tally.unjudged <= tally.runs + 3);
+            const int most_wrong = fault == NONE ? 0 : kinds[kind].most_wrong;
+            assert_true(100 * tally.wrong <= most_wrong * tally.runs);
+            assert_true((kind < SEEN ? 4 : 2) * tally.unjudged <= tally.runs + 3);
         }
         close_structure(&s);
     }
