@@ -451,11 +451,10 @@ typedef struct pzs_selftest_state {
     pzs_real *even;   /* [sensors] sum of the readings of each sensor during the present test pulse,
                          each times the even weight of its tick (unit of each sensor) */
     pzs_real *odd;    /* [sensors] sum of the readings of each sensor during the present test pulse,
-                         each times the odd weight of its tick (unit of each sensor); in the
-                         evaluation the squared response to the largest plausible noise */
+                         each times the odd weight of its tick (unit of each sensor) */
     pzs_real *null;   /* [sensors] largest squared response of each sensor to noise and vibration,
                          measured while no amplifier moved, times the squared height of a pulse
-(squared unit of each sensor) */
+                         (squared unit of each sensor) */
     pzs_real *start;  /* [inputs] voltages before the self-test (V) */
     pzs_real pulse; /* sum over the ticks of the present test pulse of its relative height times the
                        even weight (1) */

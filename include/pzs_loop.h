@@ -1097,7 +1097,7 @@ pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 /*
  * Number of ticks of a self-test: two pulse durations in which all amplifiers move together, two
  * pulse durations without motion, in which noise and vibration are measured, one pulse for each
- * input, and the evaluation. A tick of the evaluation takes at most 16 inputs * sensors
+ * input, and the evaluation. A tick of the evaluation takes at most 20 inputs * sensors
  * multiply-adds, any other tick of the self-test 8 operations for each sensor and input.
  */
 #define PZS_SELFTEST_TICKS(inputs, sensors, pulse_ticks, delay)                                    \

@@ -211,6 +211,9 @@ static void print_selftest(const analysis *analysis)
     if (wiring_test_open(&wiring, analysis, is_few ? &estimator : NULL) && wiring.is_used) {
         wiring_test_text(&wiring, analysis, text);
         printf("  %s\n", text);
+        wiring_test_remarks(&wiring, analysis, text);
+        if (*text)
+            printf("  warning: self-test: %s\n", text);
     }
     wiring_test_close(&wiring);
     estimator_close(&estimator);

@@ -232,14 +232,38 @@ static void print_count(const simulation *simulation, simulate_law law)
                run ? (double)count->iterations / (double)run : 0, count->iterations_most);
 }
 
-/* Print that the self-test before the schedule has found nothing. */
+/* Print that the self-test before the schedule has found nothing, and what it did not test. */
 static void print_selftest(const simulation *simulation)
 {
     char text[SCENE_ERROR];
     if (!simulation->wiring.is_used)
         return;
+    const int amplifiers = simulation->nominal->design.amplifiers;
+    const int tested = wiring_test_tested(&simulation->wiring);
     wiring_test_text(&simulation->wiring, simulation->nominal, text);
-    printf("  %s: passed\n", text);
+    printf("  %s: passed", text);
+    if (tested < amplifiers)
+        printf(" by %d of %d amplifiers, the others not tested", tested, amplifiers);
+    wiring_test_remarks(&simulation->wiring, simulation->nominal, text);
+    putchar('\n');
+    if (*text)
+        printf("  warning: self-test: %s\n", text);
+}
+
+/* Write the self-test before the schedule, which has passed. */
+static void json_selftest(json *json, const simulation *simulation)
+{
+    char text[SCENE_ERROR];
+    if (!simulation->wiring.is_used)
+        return;
+    wiring_test_remarks(&simulation->wiring, simulation->nominal, text);
+    json_open(json, "selftest", '{');
+    json_string(json, "verdict", "passed");
+    json_number(json, "tested", wiring_test_tested(&simulation->wiring));
+    json_number(json, "ticks", wiring_test_ticks(&simulation->wiring));
+    json_number(json, "pulse_ticks", simulation->wiring.tables.pulse_ticks);
+    json_string(json, "remarks", text);
+    json_close(json, '}');
 }
 
 /* Print the largest error of the shape that the controller estimates from few sensors. */
@@ -413,6 +437,7 @@ void print_simulation_json(const simulation *simulation, const simulate_record *
     json_number(&json, "amplifiers", simulation->nominal->design.amplifiers);
     json_number(&json, "targets", simulation->nominal->design.targets);
     json_number(&json, "regularisation", simulation->regularisation);
+    json_selftest(&json, simulation);
     json_open(&json, "phases", '[');
     for (int k = 0; k < simulation->phases; k++)
         json_phase(&json, simulation, &simulation->phase[k]);

@@ -122,7 +122,7 @@ bool wiring_test_open(wiring_test *test, const analysis *analysis, const estimat
         return true;
     const size_t inputs = design->problem.inputs;
     const size_t sensors = estimator ? (size_t)estimator->sensors : design->problem.outputs;
-    test->memory = calloc(inputs + 2 * sensors + 1, sizeof *test->memory);
+    test->memory = calloc(inputs + 3 * sensors + 1, sizeof *test->memory);
     if (!test->memory)
         return false;
     double *height = test->memory, *scale = height + inputs, *noise = scale + sensors;
@@ -139,6 +139,8 @@ bool wiring_test_open(wiring_test *test, const analysis *analysis, const estimat
                                          .noise = noise,
                                          .gain_tolerance = safety->gain_tolerance};
     list_noise(design, estimator, sensors, noise);
+    test->stated = noise + sensors;
+    memcpy(test->stated, noise, sensors * sizeof *noise);
     set_scales(&test->tables, estimator ? estimator->tables.direct : design->problem.influence,
                safety->amplitude, scale, noise);
     (void)pzs_selftest_seal(&test->tables);
@@ -169,16 +171,120 @@ static void append(char text[SCENE_ERROR], const char *format, ...)
     va_end(arguments);
 }
 
+int wiring_test_tested(const wiring_test *test)
+{
+    int tested = 0;
+    for (size_t j = 0; j < test->tables.inputs; j++)
+        tested += test->tables.amplitude[j] > 0 ? 1 : 0;
+    return tested;
+}
+
+/* Append the lowest and the highest pulse, and whether the voltage limits have cut a pulse. */
+static void append_heights(const wiring_test *test, double amplitude, char text[SCENE_ERROR])
+{
+    double lowest = HUGE_VAL, highest = 0;
+    for (size_t j = 0; j < test->tables.inputs; j++) {
+        const double height = test->tables.amplitude[j];
+        lowest = height > 0 ? fmin(lowest, height) : lowest;
+        highest = fmax(highest, height);
+    }
+    lowest = fmin(lowest, highest);
+    append(text, "pulses of %g", lowest);
+    if (highest > lowest)
+        append(text, " to %g", highest);
+    append(text, " V");
+    if (lowest < amplitude)
+        append(text, " (half the voltage range allows no %g V)", amplitude);
+}
+
 void wiring_test_text(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR])
 {
     const double rate = analysis->design.control.rate;
     const uint32_t ticks = wiring_test_ticks(test);
     text[0] = '\0';
-    append(text,
-           "self-test before the loop takes control: pulses of %g V, %u ticks each, %lu ticks",
-           analysis->design.safety.amplitude, test->tables.pulse_ticks, (unsigned long)ticks);
+    append(text, "self-test before the loop takes control: ");
+    append_heights(test, analysis->design.safety.amplitude, text);
+    append(text, ", %u ticks each, %lu ticks", test->tables.pulse_ticks, (unsigned long)ticks);
     if (rate > 0)
         append(text, " (%.3g s)", ticks / rate);
+}
+
+/*
+ * Height of the pulse of one amplifier (V) that suffices beside the noise in the scene: infinite
+ * where the amplifier moves no sensor. The measured energy of noise is the largest of two samples
+ * and varies; the margin covers it.
+ */
+static double sufficient_height(const wiring_test *test, const double *direct, size_t amplifier)
+{
+    static const double energy_margin = 4;
+    const pzs_selftest_tables *tables = &test->tables;
+    double modelled = 0, noise = 0;
+    for (size_t i = 0; i < tables->sensors; i++) {
+        modelled += pow(tables->scale[i] * direct[i * tables->inputs + amplifier], 2);
+        noise += pow(tables->scale[i] * test->stated[i], 2);
+    }
+    noise *= PZS_SELFTEST_NOISE_ENERGY / tables->pulse_ticks;
+    return modelled > 0 ? sqrt(energy_margin * PZS_SELFTEST_JUDGED * noise / modelled) : HUGE_VAL;
+}
+
+/* Reason why the self-test cannot judge an amplifier, with its words. */
+typedef enum doubt { DOUBT_NONE, DOUBT_UNTESTED, DOUBT_UNMOVED, DOUBT_HIDDEN, DOUBTS } doubt;
+
+static doubt doubt_about(const wiring_test *test, const double *direct, size_t amplifier)
+{
+    const double height = test->tables.amplitude[amplifier];
+    const double least = sufficient_height(test, direct, amplifier);
+    if (!(height > 0))
+        return DOUBT_UNTESTED;
+    if (!(least < HUGE_VAL))
+        return DOUBT_UNMOVED;
+    return height < least ? DOUBT_HIDDEN : DOUBT_NONE;
+}
+
+/* Append the changes that suffice where noise hides the response of some amplifiers. */
+static void append_cure(const wiring_test *test, const design *design, const double *direct,
+                        char text[SCENE_ERROR])
+{
+    double amplitude = 0, ticks = 0, most = HUGE_VAL;
+    for (size_t j = 0; j < test->tables.inputs; j++) {
+        const double height = test->tables.amplitude[j];
+        if (doubt_about(test, direct, j) != DOUBT_HIDDEN)
+            continue;
+        const double least = sufficient_height(test, direct, j);
+        amplitude = fmax(amplitude, least);
+        ticks = fmax(ticks, ceil(test->tables.pulse_ticks * pow(least / height, 2)));
+        most = fmin(most, margin * (design->upper[j] - design->lower[j]) / 2);
+    }
+    if (amplitude <= most)
+        append(text, "; amplitude: %.3g suffices", 1.01 * amplitude);
+    if (ticks <= most_ticks)
+        append(text, "; pulse_ticks: %.0f suffices", ticks);
+    if (amplitude > most && ticks > most_ticks)
+        append(text, "; no pulse suffices, only less noise");
+}
+
+void wiring_test_remarks(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR])
+{
+    static const char *const words[DOUBTS] = {
+        [DOUBT_UNTESTED] = "not tested, because they are held:",
+        [DOUBT_UNMOVED] = "no sensor can tell whether these amplifiers work:",
+        [DOUBT_HIDDEN] = "noise may hide the response of"};
+    const design *design = &analysis->design;
+    const double *direct = test->tables.direct ? test->tables.direct : design->problem.influence;
+    text[0] = '\0';
+    for (int doubt = DOUBT_UNTESTED; doubt < DOUBTS; doubt++) {
+        int count = 0;
+        for (int k = 0; k < design->amplifiers; k++) {
+            if ((int)doubt_about(test, direct, (size_t)k) != doubt)
+                continue;
+            if (count == 0)
+                append(text, "%s%s", *text ? "; " : "", words[doubt]);
+            append(text, "%s %s", count ? "," : "", design->amplifier_name[k]);
+            count++;
+        }
+        if (doubt == DOUBT_HIDDEN && count > 0)
+            append_cure(test, design, direct, text);
+    }
 }
 
 /*

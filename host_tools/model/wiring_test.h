@@ -12,6 +12,8 @@
 typedef struct wiring_test {
     bool is_used; /* true if the scene asks for a self-test; otherwise all other members are zero */
     double *memory; /* memory for all arrays of the self-test tables, in one allocation */
+    double *stated; /* [sensors] RMS noise of each sensor that the scene states (unit of each
+                       sensor) */
     pzs_selftest_tables tables;
 } wiring_test;
 
@@ -32,11 +34,19 @@ void wiring_test_close(wiring_test *test);
 /* Return the duration of the whole self-test (ticks). */
 uint32_t wiring_test_ticks(const wiring_test *test);
 
-/*
- * Describe the self-test in one line of text: height of the test pulses, duration of each pulse and
- * duration of the whole test.
+/* Number of amplifiers that the self-test moves. */
+int wiring_test_tested(const wiring_test *test);
+
+/* Describe the self-test in one line: heights of the pulses, their duration and that of the test.
  */
 void wiring_test_text(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR]);
+
+/*
+ * List as text what the self-test cannot tell: amplifiers that it does not move, amplifiers that
+ * move no sensor, and amplifiers whose response the noise in the scene may hide, with an amplitude
+ * and a duration of the pulses that suffice. The text is empty where there is nothing to list.
+ */
+void wiring_test_remarks(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR]);
 
 /*
  * List what a self-test has found as text, separated by semicolons; the text is empty if nothing

@@ -103,7 +103,10 @@ static void apply_event(loop *loop, const scene_event *event, int tick)
             repair_electrode(loop, event->amplifier[i]);
         break;
     case EVENT_NAN:
-    case EVENT_FROZEN: fail_sensors(loop, event, tick); break;
+    case EVENT_FROZEN:
+        if (tick > 0 || !loop->has_failed_sensors)
+            fail_sensors(loop, event, tick);
+        break;
     case EVENT_LOST: loop->missed_until = tick + event->ticks; break;
     case EVENT_IMPULSE: plant_kick(&loop->simulation->plant, event->load, event->size); break;
     case EVENT_SINE:
@@ -598,6 +601,28 @@ static void fail_first_electrodes(loop *loop)
             fail_electrodes(loop, &simulate->event[k], 0);
 }
 
+/*
+ * Let the sensors fail that the schedule declares missing or stuck at tick 0: during all `ticks`
+ * ticks of the self-test, and then for the stated number of ticks of the schedule.
+ */
+static void fail_first_sensors(loop *loop, int ticks)
+{
+    const scene_simulate *simulate = &loop->design->simulate;
+    for (int k = 0; k < simulate->events && simulate->event[k].tick == 0; k++)
+        if (simulate->event[k].type == EVENT_NAN || simulate->event[k].type == EVENT_FROZEN)
+            fail_sensors(loop, &simulate->event[k], ticks);
+    loop->has_failed_sensors = true;
+}
+
+/* End the self-test: shift the ends of the sensor failures to the ticks of the schedule. */
+static void shift_first_sensors(loop *loop, int ticks)
+{
+    for (int i = 0; i < loop->sensors; i++) {
+        loop->sensor[i].nan_until -= loop->sensor[i].nan_until > 0 ? ticks : 0;
+        loop->sensor[i].stuck_until -= loop->sensor[i].stuck_until > 0 ? ticks : 0;
+    }
+}
+
 /* Run one tick of the self-test. Returns 0, or -1 with error filled. */
 static int run_selftest_tick(loop *loop, int tick, char *error)
 {
@@ -636,10 +661,12 @@ int loop_selftest(loop *loop, char *error)
     if (loop->law != LAW_CONTROLLER || !loop->simulation->wiring.is_used)
         return 0;
     fail_first_electrodes(loop);
+    fail_first_sensors(loop, ticks);
     memcpy(loop->wanted, loop->goal, (size_t)loop->design->targets * sizeof *loop->wanted);
     for (int tick = 0; tick < ticks && loop->status == PZS_W_SELFTEST; tick++)
         if (run_selftest_tick(loop, tick, error) < 0)
             return -1;
+    shift_first_sensors(loop, ticks);
     return PZS_IS_ERROR(loop->status) ? refuse(loop, error) : 0;
 }
 

@@ -91,15 +91,16 @@ typedef struct loop {
                        section */
     sensor *sensor; /* [sensors] faults and drift of each sensor */
     double *sense_memory; /* one allocation that holds all vectors from `noise` to `next_load` */
-    double *noise;     /* [sensors] standard deviation of the noise, in the unit of the reading */
-    double *reading;   /* [sensors] latest readings, with noise and faults */
-    double *sensed;    /* [sensors] readings passed to the controller, delayed as the scene and its
-                          events state */
-    int history_ticks; /* number of ticks whose readings are stored: the delay, plus
-                          the largest additional delay of an event, plus 1 */
-    double *late_reading; /* [history_ticks][sensors] noise-free readings of the last ticks */
-    double *late_load;    /* [history_ticks][loads] load factors known to the controller in the last
-                             ticks */
+    double *noise;   /* [sensors] standard deviation of the noise, in the unit of the reading */
+    double *reading; /* [sensors] latest readings, with noise and faults */
+    double *sensed;  /* [sensors] readings passed to the controller, delayed as the scene and its
+                        events state */
+    bool has_failed_sensors; /* the self-test has already begun the sensor failures of tick 0 */
+    int history_ticks;       /* number of ticks whose readings are stored: the delay, plus
+                                the largest additional delay of an event, plus 1 */
+    double *late_reading;    /* [history_ticks][sensors] noise-free readings of the last ticks */
+    double *late_load; /* [history_ticks][loads] load factors known to the controller in the last
+                          ticks */
     double *known_load, *next_load; /* [loads] load factors known to the controller, of the present
                                        tick and of the next one */
     const double *load_when_read;   /* [loads] load factors known to the controller for the time at

@@ -672,6 +672,23 @@ static bool may_be_reported(const pzs_wiring *finding, const line_sums *sums)
 }
 
 /*
+ * Return the sum of all squared modelled entries of a column or row (1/V2), also of those that
+ * belong to faulty amplifiers or sensors. Differences that are tiny beside this sum are not
+ * reported, because a sensor that mainly a faulty amplifier moves shows little but errors of the
+ * model.
+ */
+static pzs_real whole_energy(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
+{
+    const pzs_selftest_state *state = &selftest->state;
+    pzs_real sum = 0;
+    for (uint32_t k = 0; k < axis->entries; k++) {
+        const pzs_real scale = state->tables->scale[axis->is_row ? line : k];
+        sum += square(scale * state->direct[line * axis->model_line + k * axis->model_entry]);
+    }
+    return sum;
+}
+
+/*
  * Find the amplifier (or sensor) whose measured response differs most from the model, among those
  * whose difference exceeds the tolerance of the gains.
  */
@@ -684,7 +701,8 @@ static worst_line find_worst(const pzs_selftest *selftest, const selftest_axis *
         const pzs_real difference = sums.measured - 2 * gain * sums.product + expected - sums.noise;
         const pzs_real most = square(selftest->state.tables->gain_tolerance) * expected;
         if (may_be_reported(&axis->line[line], &sums) && !(difference <= most) &&
-            !(difference <= worst.difference))
+            !(difference <= worst.difference) &&
+            !(difference <= SAME_DIRECTION * whole_energy(selftest, axis, line)))
             worst = (worst_line){difference, line, true};
     }
     return worst;

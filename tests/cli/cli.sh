@@ -485,11 +485,21 @@ run 2 tables plate-closed-loop $quick --image control -o "$dir/none.h" --set 'si
     grep -q 'a loop that damps vibration' "$dir/err"; check 'a fault detector in a damped loop: exit 2' $?
 run 0 check plate-closed-loop $quick --set 'safety={selftest: {amplitude: 5, pulse_ticks: 20}}' && grep -q 'pulses of 5 V, 20 ticks each, 8[0-9][0-9] ticks' "$dir/out"
 check 'self-test: check prints its duration' $?
-run 0 simulate plate-closed-loop $wired --set 'safety={selftest: {amplitude: 5, pulse_ticks: 20}}' && grep -q 'self-test before the loop.*passed' "$dir/out"
+run 0 simulate plate-closed-loop $wired --set 'safety={selftest: {amplitude: 20, pulse_ticks: 20}}' && grep -q 'self-test before the loop.*passed' "$dir/out"
 check 'self-test: healthy wiring passes' $?
+tested='safety={selftest: {amplitude: 20, pulse_ticks: 20}}'
+run 0 simulate plate-closed-loop $wired --set "$tested" --json && grep -q '"verdict": "passed"' "$dir/out" && grep -q '"tested": 25' "$dir/out"; check 'self-test: --json tells the verdict' $?
+run 1 simulate plate-closed-loop $wired --set "$tested" --set 'simulate.sensors={noise: 1e-3}' && grep -q 'self-test: vibration or noise hides the response of v_1_1, ' "$dir/err"
+check 'self-test: noise above all responses does not pass' $?
+run 0 check plate-closed-loop $quick --set "$tested" --set 'simulate.sensors={noise: 1e-6}' && grep -q 'noise may hide the response of .*pulse_ticks: [0-9]* suffices' "$dir/out"
+check 'self-test: check names amplifiers that noise hides, and a cure' $?
+run 0 check plate-closed-loop $quick --set 'safety={selftest: {amplitude: 5000}}' && grep -q 'half the voltage range allows no 5000 V' "$dir/out"
+check 'self-test: check tells pulses that the limits cut' $?
+run 1 simulate plate-closed-loop $wired --set "$tested" --set 'simulate.events=[{at: 0, missing_sensors: 0.1, ticks: 10}]' && grep -q 'self-test: sensor [0-9]* does not respond' "$dir/err"
+check 'self-test: sensors missing at tick 0 are named' $?
 for fault in 'amplifiers.reversed=[v_1_3]:v_1_3 is reversed' 'amplifiers.swapped=[v_1_3, v_2_2]:v_1_3 is swapped with v_2_2; v_2_2 is swapped with v_1_3' \
     'events=[{at: 0, dead: [v_3_3]}]:v_3_3 does not respond'; do
-    run 1 simulate plate-closed-loop $wired --set 'safety={selftest: {amplitude: 5, pulse_ticks: 20}}' --set "simulate.${fault%%]:*}]" &&
+    run 1 simulate plate-closed-loop $wired --set 'safety={selftest: {amplitude: 20, pulse_ticks: 20}}' --set "simulate.${fault%%]:*}]" &&
         grep -qF "self-test: ${fault##*]:}" "$dir/err"
     check "self-test: ${fault##*]:}" $?
 done
