@@ -440,7 +440,9 @@ typedef enum pzs_supervisor_event {
                             the output was parked */
     PZS_EVENT_NO_FRAME,  /* no reading was usable, or the target was not finite */
     PZS_EVENT_ARM,       /* command PZS_COMMAND_ARM */
-    PZS_EVENT_PARK,      /* command PZS_COMMAND_PARK or PZS_COMMAND_FLAT */
+    PZS_EVENT_PARK,      /* command that the supervisor follows: PZS_COMMAND_PARK (ramp to the
+                            park voltages) or PZS_COMMAND_FLAT (ramp to the stored voltages of
+                            the flat shape) */
     PZS_EVENT_RESUME,
     PZS_EVENT_STOP,
     PZS_EVENT_TIMEOUT, /* no reading was usable for pzs_supervision.timeout ticks */
@@ -662,10 +664,11 @@ extern const pzs_block_type pzs_vibration_block;
 /* ---- governor: moving targets of a damped tick (lib/control/governor.c) */
 
 /*
- * Tables of the governor, which lets a damped tick follow a moving target. The governor computes
- * the static optimum within the limits for each new target and moves the voltages there in
- * proportion, at a part of their step limits. In a list of blocks it follows the feed-forward and
- * precedes the vibration damper.
+ * Tables of the governor, which slows a moving target down so that the vibration damper can follow
+ * it. For each new target the governor computes the static optimum within the limits. In each tick
+ * it moves all voltages towards this optimum by the same fraction of their distances, at most by a
+ * set part of each step limit. In a list of blocks the governor comes after the feed-forward and
+ * before the vibration damper.
  */
 typedef struct pzs_governor {
     pzs_real share; /* factor by which a damped tick multiplies the gradient of its objective, equal

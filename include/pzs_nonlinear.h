@@ -215,8 +215,9 @@ typedef struct pzs_follower {
     uint8_t load_face;   /* face on which the pressure acts: 0 inner, 1 outer, 2 half on each */
     uint8_t normal_face; /* face whose normal gives the direction of the pressure: 0 inner, 1 outer
                           */
-    uint8_t true_area;   /* 1: pressure per deformed area of the face normal_face; 0: pressure per
-                            undeformed area, along the unit normal */
+    uint8_t true_area;   /* 1: the pressure is force per deformed area of the face given by
+                            normal_face; 0: force per undeformed area. In both cases it acts
+                            along the normal of the deformed face */
     pzs_real share[3]; /* parts of the force by the pressure at one corner that act on this corner,
                           on each neighbouring corner and on the opposite corner (1) */
     const pzs_real (*area)[4];    /* [types] area of the element that belongs to each corner (m2) */

@@ -3,7 +3,10 @@
 #include <stdio.h>
 #include "print.h"
 
-/* Print one table of the modes' errors for each pair of voltage limits. */
+/*
+ * Print, for each pair of a lower and an upper voltage limit, a table of the shape error that is
+ * left of each mode of the target.
+ */
 void print_modes(const design *design, const modes *modes)
 {
     for (int bound = 0; modes->count > 0 && bound < modes->limits; bound++) {

@@ -9,7 +9,8 @@
 
 /* Records and files that receive the results of every tick of a simulation. */
 typedef struct simulate_sinks {
-    simulate_record *record; /* record of the errors of all control laws, opened by the caller */
+    simulate_record *record; /* shape errors of all control laws in every tick; the caller has
+                                opened the record */
     FILE *csv; /* CSV file that receives a header and one line for each tick of the controller, or
                   NULL */
     history *history; /* record of every tick of the controller, opened by the caller, or NULL */

@@ -78,11 +78,12 @@ typedef struct damper_model {
  * all arrays.
  */
 typedef struct damper_gains {
-    double *turn;     /* [4][modes] propagators of free vibration over one tick */
-    double *observer; /* [3][modes][modes] observer gains of position, velocity and static position
-                       */
-    double *explain;  /* [modes][modes] matrix that fits modal coordinates to readings */
-    double *damping;  /* [modes][inputs] damping gradient per unit of each mode's deviation */
+    double *turn;          /* [4][modes] propagators of free vibration over one tick */
+    double *observer;      /* [3][modes][modes] gains of the observer for position, velocity and
+                              static position of the modes (first index): matrices that multiply
+                              the errors of the fitted modal coordinates */
+    double *explain;       /* [modes][modes] matrix that fits modal coordinates to readings */
+    double *damping;       /* [modes][inputs] damping gradient per unit of each mode's deviation */
     double *inverse_angle; /* [modes] reciprocal of the angle of each mode in a tick (1/rad) */
     double *covariance;    /* [3 modes][3 modes] covariance of the observer's error, or NULL */
     double share, mix, slow;

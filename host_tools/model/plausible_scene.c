@@ -151,7 +151,10 @@ static double span_of(const scene_line *line)
     return line->point[line->elements] - line->point[0];
 }
 
-/* Dimensions of a curved shell near a load, for one of the curved directions of its surface. */
+/*
+ * Radius, thickness, length and element size of a curved shell near a load, for one of the two
+ * directions in which its surface is curved (m).
+ */
 typedef struct bend {
     double radius, thickness, length; /* radius of curvature, thickness, and length of the shell
                                          across the curved direction */

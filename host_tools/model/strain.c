@@ -58,8 +58,8 @@ void strain_of_element(const mesh *mesh, int element, const double *displacement
 /* ---- outputs ---------------------------------------------------------------- */
 
 /*
- * Return the height of an output above the reference surface (m): a height in its layer, or in the
- * package of all layers where the output names no layer.
+ * Return the distance of an output from the reference surface (m): that of its place in the layer
+ * that the output names, or in the whole laminate if it names none.
  */
 static double height_of(const mesh *mesh, const scene_output *output)
 {

@@ -54,8 +54,8 @@ static double centre_normal(const quad_mesh *mesh, size_t element, double normal
 }
 
 /*
- * Refuse elements whose area is 0 relative to the squared length of their longer diagonal. Returns
- * 0, or -1 after writing the error message of the mesh file.
+ * Refuse elements whose area is below 1e-9 of the squared length of their longer diagonal. Returns
+ * 0, or -1 after writing an error message with the name of the mesh file and the element.
  */
 static int check_areas(const quad_mesh *mesh, const quad_origin *origin)
 {

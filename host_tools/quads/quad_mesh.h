@@ -16,7 +16,8 @@
  * joins the corners s and (s + 1) % 4 of the element.
  */
 typedef struct quad_set {
-    char *name;      /* name of the set in the mesh file or in the mesh generator */
+    char *name;      /* name of the set of nodes, elements or edges, as the mesh file or the mesh
+                        generator gives it */
     size_t count;    /* number of members of the set */
     uint32_t *index; /* [count] numbers of the nodes, elements or edges, ascending, without
                         repetition */

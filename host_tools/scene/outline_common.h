@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Area that two electrodes of any outline on two layers cover together. */
+/* Area of the overlap of two electrodes of any outline that lie on different layers. */
 #ifndef OUTLINE_COMMON_H
 #define OUTLINE_COMMON_H
 

@@ -223,7 +223,8 @@ static int check_surface(const scene *scene, char *error)
 
 /*
  * Return the number of the mesh line nearest to a coordinate. If the coordinate lies on that line
- * within rounding, *coordinate becomes the coordinate of the line and *is_on becomes 1.
+ * within rounding, *coordinate becomes the coordinate of the line and *is_on becomes 1,
+ * otherwise 0.
  */
 static int snap(const scene_line *line, double *coordinate, int *is_on)
 {

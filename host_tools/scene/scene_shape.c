@@ -286,7 +286,10 @@ typedef struct line_text {
     bool slit;
 } line_text;
 
-/* Check that the ends of a mesh direction lie within the range that the surface itself has. */
+/*
+ * Check that the first and the last coordinate of the mesh in a direction lie in the range in
+ * which the surface is defined.
+ */
 static int check_ends(reader *reader, int node, int direction, double from, double to)
 {
     const char *name = tree_name(reader->t, node);

@@ -736,8 +736,8 @@ static const choice target_weights[] = {{"equal", 0}, {"area", 1}, {NULL, 0}};
 static const form free_form = {.type = FORM_LIST, .item = &row_function_form, .most = SCENE_FREE};
 
 /*
- * Rows of the table of keys that every target has: values, weights, alternative shapes and
- * functions that are removed.
+ * Entries of the table of keys for the keys that all kinds of targets have: values, weights,
+ * alternative shapes, and functions, such as rigid motions, that are removed from the misfit.
  */
 #define TARGET_VALUES                                                                              \
     {"value",                                                                                      \

@@ -6,7 +6,7 @@ enum { COLUMNS = 100 };
 
 /*
  * Return the length of the longest beginning of a text that ends with a whole word and has at most
- * `room` characters; it contains at least one word.
+ * `room` characters. If the first word alone is longer, its length is returned.
  */
 static int line_length(const char *text, int room)
 {

@@ -26,8 +26,8 @@
 #define STEP_COUNT_LIMIT PZS_R(1e9)
 
 /*
- * Return the last whole step on the way from `present` to `wanted`, or `present` if there is none
- * (V).
+ * Return the multiple of the converter step, between `present` and `wanted`, that is nearest to
+ * `wanted`, or `present` if there is none between them (V).
  */
 static pzs_real last_step(pzs_real wanted, pzs_real present, pzs_real step)
 {

@@ -51,7 +51,8 @@
     100u /* number of shapes during which an electrode that has passed a test is not suspected */
 #define NO_INPUT 0xFFFFu /* input number of a test signal that is not in use */
 #define MISSING_LIMIT                                                                              \
-    8u /* electrodes are observed while at most one in this number of outputs is not measured */
+    8u /* electrodes are watched for faults only while at most 1/MISSING_LIMIT of all outputs are  \
+          not measured */
 
 /*
  * Bits of state.missing. NOT_MEASURED: the output was not measured in the last shape. EXCLUDED: the

@@ -293,8 +293,8 @@ typedef struct effect_walk {
 #define NOWHERE PZS_R(HUGE_VAL)
 
 /*
- * Return the slope of the piecewise linear function in segment k, counted in the direction of the
- * search.
+ * Return the slope of the piecewise linear function in its segment k. The segments are numbered
+ * upwards if the search goes upwards, otherwise downwards.
  */
 static pzs_real slope_of(const effect_walk *walk, uint32_t k)
 {

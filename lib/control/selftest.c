@@ -449,7 +449,8 @@ static selftest_axis rows_of(const pzs_selftest *selftest)
 typedef struct line_sums {
     pzs_real product;  /* sum of the products of measured and modelled responses (1/V2) */
     pzs_real measured; /* sum of the squared measured responses (1/V2) */
-    pzs_real modelled; /* sum of the squared modelled responses (1/V2) */
+    pzs_real modelled; /* sum of the squared responses that the model predicts, each times the
+                          scale of its sensor (1/V2) */
     pzs_real noise;    /* expected contribution of noise and vibration to the sum of the squared
                           measured responses (1/V2) */
 } line_sums;

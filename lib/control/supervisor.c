@@ -95,7 +95,9 @@ static bool is_in_control(uint32_t mode)
 
 /* ---- ramps -------------------------------------------------------------- */
 
-#define MOST_TICKS 4e9f /* a ramp of more ticks counts as one without a bound */
+#define MOST_TICKS                                                                                 \
+    4e9f /* longest bounded ramp (ticks): a ramp that would take more ticks is                     \
+            taken as one that never ends */
 
 /*
  * Return the smallest number of ticks in which a voltage changes by `way` (V) with a step limit

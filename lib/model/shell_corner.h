@@ -20,8 +20,8 @@ enum { E11M, E11D, E22M, E22D, E33M, E33D, E12M, E12D, E13, E23 };
 static const uint8_t neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
 
 /*
- * mode_sign[m][r]: value at corner r of strain mode m (00, 01, 10, 11), which varies over the
- * element as xi1^r1 xi2^r2.
+ * mode_sign[m][r]: value of strain mode m at corner r of the element. The modes 00, 01, 10 and 11
+ * are named by two exponents a and b; mode ab varies over the element as xi1^a xi2^b.
  */
 static const pzs_real mode_sign[4][4] = {
     {1, 1, 1, 1}, {-1, -1, 1, 1}, {-1, 1, 1, -1}, {1, -1, 1, -1}};

@@ -16,7 +16,8 @@
 #include "pzs_model.h"
 
 /*
- * Return whether an element is not a parallelogram, so that its strain modes need the correction.
+ * Return whether an element is not a parallelogram, so that its strain modes must be corrected for
+ * the skew of the element.
  */
 static inline bool shell_is_skewed(const pzs_element_type *type)
 {
