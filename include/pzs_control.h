@@ -115,25 +115,6 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 /* ---- work of a step --------------------------------------------------- */
 
 /*
- * Work of the optimiser, counted in multiply-adds; a loop over the inputs that only compares counts
- * as a few of them. PZS_PRODUCT_WORK: product of the Hessian with a vector. PZS_EXCHANGE_WORK: move
- * of one input between free set and active set. PZS_ITERATION_WORK: one iteration, with at most one
- * such move. PZS_ROUND_WORK: start of a round of iterations. lib/control/boxls.c explains the
- * method.
- */
-#define PZS_PRODUCT_WORK(inputs) ((uint64_t)(inputs)*PZS_CONTROL_WIDTH(inputs))
-#define PZS_EXCHANGE_WORK(inputs)                                                                  \
-    (((uint64_t)(inputs) + 6u) * ((uint64_t)(inputs) + 6u) / 2u +                                  \
-     (PZS_PENDING + 4u) * PZS_CONTROL_WIDTH(inputs))
-#define PZS_ITERATION_LOOPS 8u
-#define PZS_ITERATION_WORK(inputs)                                                                 \
-    (PZS_EXCHANGE_WORK(inputs) +                                                                   \
-     (2u * PZS_PENDING + PZS_ITERATION_LOOPS) * PZS_CONTROL_WIDTH(inputs))
-#define PZS_ROUND_LOOPS 16u
-#define PZS_ROUND_WORK(inputs)                                                                     \
-    (PZS_PRODUCT_WORK(inputs) + PZS_ROUND_LOOPS * PZS_CONTROL_WIDTH(inputs))
-
-/*
  * Smallest useful work_limit of the controller settings (multiply-adds): with it a voltage step
  * makes at least one iteration.
  */

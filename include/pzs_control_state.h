@@ -23,6 +23,25 @@ struct pzs_block;
 #define PZS_PENDING PZS_BY_TILE(4u, 32u, 32u)
 
 /*
+ * Work of the optimiser, counted in multiply-adds; a loop over the inputs that only compares counts
+ * as a few of them. PZS_PRODUCT_WORK: product of the Hessian with a vector. PZS_EXCHANGE_WORK: move
+ * of one input between free set and active set. PZS_ITERATION_WORK: one iteration, with at most one
+ * such move. PZS_ROUND_WORK: start of a round of iterations. lib/control/boxls.c explains the
+ * method.
+ */
+#define PZS_PRODUCT_WORK(inputs) ((uint64_t)(inputs)*PZS_CONTROL_WIDTH(inputs))
+#define PZS_EXCHANGE_WORK(inputs)                                                                  \
+    (((uint64_t)(inputs) + 6u) * ((uint64_t)(inputs) + 6u) / 2u +                                  \
+     (PZS_PENDING + 4u) * PZS_CONTROL_WIDTH(inputs))
+#define PZS_ITERATION_LOOPS 8u
+#define PZS_ITERATION_WORK(inputs)                                                                 \
+    (PZS_EXCHANGE_WORK(inputs) +                                                                   \
+     (2u * PZS_PENDING + PZS_ITERATION_LOOPS) * PZS_CONTROL_WIDTH(inputs))
+#define PZS_ROUND_LOOPS 16u
+#define PZS_ROUND_WORK(inputs)                                                                     \
+    (PZS_PRODUCT_WORK(inputs) + PZS_ROUND_LOOPS * PZS_CONTROL_WIDTH(inputs))
+
+/*
  * One pivot exchange, which moves an input between the free set and the active set of the
  * optimiser. The row of the matrix that belongs to the exchange is stored in pzs_optimiser.pending.
  */
