@@ -86,8 +86,8 @@ if tap_needs "$ARM_CC" 'loop' && tap_needs "$QEMU" 'loop'; then
     loop_damped damped --device netduinoplus2 && [ "$(count "$scratch/damped.json" device_same)" = 114 ] &&
         grep -q '"dynamics": "inertia"' "$scratch/damped.json" && tail -n 1 "$scratch/damped.csv" | awk -F, '{ exit !($4 < 0.05) }'
     tap $? 'netduinoplus2: the damped tick on a vibrating plant, 114 ticks with the bits of the same C here, vibration below 5 %'
-    loop tested --device netduinoplus2 --set 'safety={selftest: {amplitude: 5, pulse_ticks: 16}}' && [ "$(count "$scratch/tested.json" device_same)" = 190 ] &&
-        ! loop wired --device netduinoplus2 --set 'safety={selftest: {amplitude: 5, pulse_ticks: 16}}' --set 'simulate.amplifiers.reversed=[v_1_3]' &&
+    loop tested --device netduinoplus2 --set 'safety={selftest: {amplitude: 20, pulse_ticks: 16}}' && [ "$(count "$scratch/tested.json" device_same)" = 190 ] &&
+        ! loop wired --device netduinoplus2 --set 'safety={selftest: {amplitude: 20, pulse_ticks: 16}}' --set 'simulate.amplifiers.reversed=[v_1_3]' &&
         grep -q 'self-test: ' "$scratch/found"
     tap $? 'netduinoplus2: a self-test with the bits of the same C here, and one that refuses a reversed wire'
     loop_rows && [ "$(count "$scratch/rows.json" device_same)" = 100 ] &&
