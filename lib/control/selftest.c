@@ -23,10 +23,10 @@
  * sensor to all amplifiers. First, the column or row that differs most from the model is
  * reported if it is reversed. Then pairs of similar columns and of similar rows are compared,
  * because two amplifiers or sensors with exchanged cables may respond so similarly that neither
- * looks faulty alone. Then
- * each tick reports the amplifier or sensor whose column or row differs most from the model, and
- * excludes it from later comparisons: a faulty amplifier also changes the rows of sensors near it,
- * but by less than its own column, and a faulty sensor changes the columns of amplifiers likewise.
+ * looks faulty alone. Then each tick reports the amplifier or sensor whose column or row differs
+ * most from the model, and excludes it from later comparisons: a faulty amplifier also changes the
+ * rows of sensors near it, but by less than its own column, and a faulty sensor changes the columns
+ * of amplifiers likewise.
  */
 #include <string.h>
 #include "pzs_loop.h"

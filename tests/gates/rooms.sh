@@ -49,6 +49,13 @@ for room in $rooms; do
     tap $? "$room includes: $allowed"
 done
 
+# The top level holds the files and folders of the project and nothing else, such as output written by mistake.
+git ls-files --cached --others --exclude-standard 2>/dev/null | sed 's|/.*||' | sort -u |
+    grep -v -x -e '\.ci' -e '\.clang-format' -e '\.editorconfig' -e '\.gitignore' -e '[A-Z]*\.md' -e LICENSE -e Makefile \
+        -e firmware_demo -e host_tools -e include -e lib -e tests >"$scratch/found"
+[ ! -s "$scratch/found" ]
+tap $? 'nothing but the project at the top level'
+
 # A file and its header count as one: NAME.c and NAME.h.
 for file in $(git ls-files --cached --others --exclude-standard '*.[ch]'); do
     [ -f "$file" ] && direct "$file"
