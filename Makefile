@@ -292,6 +292,7 @@ check-long: setup-test
 	    tests/unit/test_simulate.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-simulate \
 	    && $(B)/long-simulate
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DLONG_MOTION=1 $(FOLDERS) $(INCLUDE) tests/unit/test_shell_motion.c tests/rigs/testdata.c \
+	    tests/rigs/scene_run.c \
 	    $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-motion && $(B)/long-motion
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DSLOW_ROWS=1 $(FOLDERS) $(INCLUDE) \
 	    tests/unit/test_path_tables.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-path \

@@ -11,17 +11,22 @@
 
 enum { MOST_CHANGES = 24 };
 
-int scene_run_open(scene_run *run, const char *name, const char *changes)
+int scene_run_read(scene *scene, const char *name, const char *changes, char error[SCENE_ERROR])
 {
     char path[512], text[4096];
     const char *set[MOST_CHANGES];
     int sets = 0;
-    memset(run, 0, sizeof *run);
     snprintf(path, sizeof path, strchr(name, '/') ? "%s" : SCENE_FOLDER "/%s.yaml", name);
     snprintf(text, sizeof text, "%s", changes);
     for (char *part = strtok(text, ";"); part && sets < MOST_CHANGES; part = strtok(NULL, ";"))
         set[sets++] = part;
-    if (scene_read(&run->scene, path, set, sets, run->error) < 0 ||
+    return scene_read(scene, path, set, sets, error);
+}
+
+int scene_run_open(scene_run *run, const char *name, const char *changes)
+{
+    memset(run, 0, sizeof *run);
+    if (scene_run_read(&run->scene, name, changes, run->error) < 0 ||
         analysis_prepare(&run->analysis, &run->scene, run->error) < 0)
         return -1;
     run->u = calloc((size_t)run->analysis.design.mesh.free_dof, sizeof *run->u);

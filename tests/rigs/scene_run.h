@@ -17,9 +17,15 @@ typedef struct scene_run {
 } scene_run;
 
 /*
- * Read and prepare a scene.
+ * Read a scene.
  *   name    in  name of a shipped scene, or a path with a '/'
  *   changes in  "key=value;key=value", as after --set on the command line
+ * Returns 0, or -1 with a message in error.
+ */
+int scene_run_read(scene *scene, const char *name, const char *changes, char error[SCENE_ERROR]);
+
+/*
+ * Read and prepare a scene, whose name and changes are those of scene_run_read.
  * Returns 0, or -1 with a message in error. The run must be closed in either case.
  */
 int scene_run_open(scene_run *run, const char *name, const char *changes);

@@ -36,15 +36,9 @@ typedef struct rig {
 
 static void rig_open(rig *r, const char *name, const char *changes, double lumped)
 {
-    char path[512], text[2048], error[SCENE_ERROR] = "";
-    const char *set[24];
-    int sets = 0;
+    char error[SCENE_ERROR] = "";
     memset(r, 0, sizeof *r);
-    snprintf(path, sizeof path, strchr(name, '/') ? "%s" : SCENE_FOLDER "/%s.yaml", name);
-    snprintf(text, sizeof text, "%s", changes);
-    for (char *part = strtok(text, ";"); part && sets < 24; part = strtok(NULL, ";"))
-        set[sets++] = part;
-    if (scene_read(&r->scene, path, set, sets, error) < 0 ||
+    if (scene_run_read(&r->scene, name, changes, error) < 0 ||
         design_build(&r->design, &r->scene, error) < 0 ||
         mass_build(&r->mass, &r->design, lumped, error) < 0)
         fail_msg("%s", error);
