@@ -4,9 +4,9 @@
 #include "unrolled.h"
 
 /*
- * Remainders of the CRC-32 for the 16 values of each of the eight groups of four bits in a 32-bit
- * word, the lowest bits first. The table takes 512 bytes of flash; a table for whole bytes would
- * take 4 KB.
+ * Remainders of the CRC-32 of a 32-bit word in which only one group of four bits is not zero: one
+ * row for each of the eight groups, the lowest bits first, and one column for each of the 16 values
+ * of the group. The table takes 512 bytes of flash; a table for whole bytes would take 4 KB.
  */
 static const uint32_t nibble_crc[8][16] = {
     {0x00000000u, 0xB8BC6765u, 0xAA09C88Bu, 0x12B5AFEEu, 0x8F629757u, 0x37DEF032u, 0x256B5FDCu,
@@ -35,7 +35,7 @@ static const uint32_t nibble_crc[8][16] = {
      0xA00AE278u, 0xBDBDF21Cu},
 };
 
-/* Return the CRC-32 remainder of one 32-bit word. */
+/* Return the CRC-32 remainder of one 32-bit word, by table look-ups for its groups of four bits. */
 static inline uint32_t word_crc(uint32_t word)
 {
     uint32_t crc = 0;
@@ -83,8 +83,8 @@ bool pzs_guard_rows_fit(const pzs_rows *rows, uint32_t dof)
 }
 
 /*
- * The last entry of `start` is the number of entries of the sparse rows. Therefore the checksum
- * covers `start` before the arrays of entries.
+ * The array `start` of sparse rows holds the index of the first entry of each row; its last element
+ * is the number of all entries. Therefore the checksum covers `start` before the arrays of entries.
  */
 uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof)
 {

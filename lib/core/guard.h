@@ -55,8 +55,8 @@ static inline void guard_repair_bool(bool *flag)
 }
 
 /*
- * Continue a checksum that changes with every single flipped bit of `number`. It costs less than a
- * CRC-32.
+ * Continue a cheap checksum of numbers by one number, and return it. It changes with every single
+ * flipped bit of `number`, and costs less than a CRC-32.
  */
 static inline uint32_t guard_add(uint32_t sum, pzs_real number)
 {
@@ -68,13 +68,16 @@ static inline uint32_t guard_add(uint32_t sum, pzs_real number)
 }
 
 /*
- * Return whether the number of entries of sparse rows is at most the number of rows times `dof`
- * columns. A larger number is damaged: neither a checksum nor a check of indices may then read the
- * entries.
+ * Return whether the number of entries of sparse rows is at most the number of rows times the
+ * number of columns, `dof`. A larger number shows damaged memory: neither a checksum nor a check of
+ * indices may then read the entries.
  */
 bool pzs_guard_rows_fit(const pzs_rows *rows, uint32_t dof);
 
-/* Continue a CRC-32 over the arrays of sparse rows over `dof` columns. */
+/*
+ * Continue a CRC-32 over the arrays of sparse rows, whose column indices are below `dof`: starts of
+ * the rows, columns and values of the entries.
+ */
 uint32_t pzs_guard_rows_crc(uint32_t crc, const pzs_rows *rows, uint32_t dof);
 
 #endif

@@ -12,8 +12,9 @@
 #if PZS_TILE > 4
 
 /*
- * LANE_BYTES: bytes of a vector, the smaller of a processor register and PZS_TILE reals. IN_LANE:
- * reals in a vector. IN_TILE: vectors that hold PZS_TILE reals.
+ * LANE_BYTES: size in bytes of a vector for parallel arithmetic, the smaller of a processor
+ * register and PZS_TILE reals. IN_LANE: number of reals in such a vector. IN_TILE: number of such
+ * vectors that hold PZS_TILE reals.
  */
 #if defined(__AVX512F__)
 #define REGISTER 64u

@@ -26,8 +26,8 @@
 #define GROUP 16u
 
 /*
- * MOVE copies `count` numbers between memory and local variables: one by one, or with memcpy where
- * the host has wide vector registers.
+ * The macro MOVE copies `count` numbers between memory and local variables: one by one, or with
+ * memcpy where the processor has wide vector registers.
  */
 #if PZS_TILE == 4
 #define MOVE(to, from, count) UNROLLED for (int m = 0; m < (count); m++)(to)[m] = (from)[m]
@@ -112,15 +112,18 @@ void pzs_linalg_clear(pzs_envelope *matrix)
     memset(matrix->value, 0, matrix->start[panel_count(matrix->n)] * sizeof *matrix->value);
 }
 
-/* Return the leftmost stored column of a panel, which follows from its number of entries. */
+/*
+ * Return the leftmost stored column of a panel (PZS_TILE rows of a matrix in envelope storage),
+ * which follows from the number of stored entries of the panel.
+ */
 static uint32_t leftmost_column(const pzs_envelope *matrix, uint32_t panel)
 {
     return (panel + 1u) * PZS_TILE - (matrix->start[panel + 1u] - matrix->start[panel]) / PZS_TILE;
 }
 
 /*
- * Return the address of column k in a panel: PZS_TILE entries, one for each row, directly followed
- * by those of the next column.
+ * Return the address of column k in a panel of a matrix: PZS_TILE entries, one for each row,
+ * directly followed by those of the next column.
  */
 static pzs_real *column(const pzs_envelope *matrix, uint32_t panel, uint32_t k)
 {
@@ -133,7 +136,10 @@ pzs_real *pzs_linalg_entry(const pzs_envelope *matrix, uint32_t i, uint32_t j)
     return column(matrix, i / PZS_TILE, j) + i % PZS_TILE;
 }
 
-/* Copy the entries of those rows of a panel that exist: PZS_TILE, or fewer in the last panel. */
+/*
+ * Copy the entries of one column of a panel: PZS_TILE entries, or fewer in the last panel, where
+ * the matrix has no more rows.
+ */
 static void copy_rows(pzs_real *restrict to, const pzs_real *restrict from, uint32_t rows)
 {
     if (rows == PZS_TILE)
@@ -173,8 +179,8 @@ int32_t pzs_linalg_scale(pzs_envelope *matrix, pzs_real *scale)
 }
 
 /*
- * The entries are scaled in the order of memory, panel by panel and column by column. Padding
- * entries are zero and stay zero.
+ * The entries of the matrix are scaled in the order of memory, panel by panel and column by column.
+ * Padding entries are zero and stay zero.
  */
 void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale)
 {
@@ -209,7 +215,9 @@ static void add_sizes(const pzs_real *entry, uint32_t row, uint32_t past, uint32
     }
 }
 
-/* The entries are read in the order of memory, panel by panel and column by column. */
+/*
+ * The entries of the matrix are read in the order of memory, panel by panel and column by column.
+ */
 pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 {
     const pzs_real *entry = matrix->value;
@@ -233,15 +241,17 @@ pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 /* ---- factor ----------------------------------------------------------- */
 
 /*
- * Eliminate a strip of STRIP columns of a panel left of its diagonal tile. For A = L D L^T and W =
- * L D, each entry is W_ij = A_ij - sum over k < j of W_ik L_jk. T stands for PZS_TILE.
+ * Innermost loop of the factorisation: eliminate STRIP neighbouring columns (a strip) of a panel of
+ * T matrix rows, left of the diagonal tile of the panel. For A = L D L^T and W = L D, each entry is
+ * W_ij = A_ij - sum over k < j of W_ik L_jk. T is PZS_TILE.
  *   strip [STRIP][T] in/out  in: columns of A; out: columns of W; the columns of W before the strip
  *                            precede them in memory
- *   lower [STRIP][T] in      entries of L in the rows j, column by column, beginning with the
- *                            columns of the strip; the entry of the first of these rows comes
- *                            first; those in the columns before the strip precede them in memory
+ *   lower [STRIP][T] in      entries L_jk for the rows j of the strip's columns, column by column,
+ *                            beginning with the columns of the strip; the entry of the first of
+ *                            these rows comes first; those in the columns before the strip precede
+ *                            them in memory
  *   count            in      number of columns before the strip that are subtracted
- * The last STRIP terms of each sum use the columns of the strip that have just been finished.
+ * The terms with k inside the strip use columns of the strip that have just been finished.
  */
 static void eliminate(pzs_real *restrict strip, const pzs_real *restrict lower, uint32_t count)
 {
@@ -267,9 +277,9 @@ static void eliminate(pzs_real *restrict strip, const pzs_real *restrict lower, 
 }
 
 /*
- * Subtract all earlier columns from the diagonal tile of a panel: A - sum over k of W_k L_k^T,
- * where W = L D has the columns W_k, and L_k is W_k times the inverse pivot k. T stands for
- * PZS_TILE.
+ * Subtract the products with all columns left of the diagonal tile of a panel (T matrix rows) from
+ * this tile: A - sum over k of W_k L_k^T, where W = L D has the columns W_k, and L_k is W_k times
+ * the inverse pivot k. T is PZS_TILE.
  *   tile    [T][T]     in/out  diagonal tile of A; entries above the diagonal are not used
  *   scaled  [count][T] in/out  in: columns of W = L D; out: columns of L
  *   inverse [count]    in      reciprocals of the pivots of these columns
@@ -290,7 +300,7 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scale
             UNROLLED
         /*
          * With wide vector registers, the entries above the diagonal are computed, too, although
-         * they are not used, because a whole column is faster than a part of it.
+         * they are not used, because whole columns of the tile are faster than parts.
          */
         for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++)
             sum[j * PZS_TILE + i] -= scaled[i] * lower[j];
@@ -300,10 +310,10 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scale
 }
 
 /*
- * Factor the diagonal tile of a panel after eliminate_diagonal. T stands for PZS_TILE.
- *   tile    [T][T] in/out  in: result of eliminate_diagonal; out: L, with the pivots on the
- *                          diagonal
- *   least   [rows] in      bound of each pivot: a pivot that is not larger counts as zero
+ * Factor the diagonal tile (T x T entries, T is PZS_TILE) of a panel, from which all columns on its
+ * left have been eliminated.
+ *   tile    [T][T] in/out  in: entries to factor; out: factor L, with the pivots on the diagonal
+ *   least   [rows] in      bound of each pivot; a pivot that is not above its bound counts as zero
  *   inverse [rows] out     reciprocals of the pivots
  * Returns the number of usable pivots: `rows`, or the row of the first zero pivot.
  */
@@ -327,7 +337,7 @@ static uint32_t factor_tile(pzs_real *restrict tile, const pzs_real *restrict le
 }
 
 /*
- * Eliminate the STRIP columns from column `at` on of the panels `panel` to `past` - 1, whose
+ * Eliminate STRIP columns, beginning with column `at`, of the panels `panel` to `past` - 1, whose
  * diagonal tiles lie further right. With wide vectors, panels are eliminated in pairs.
  */
 static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t panel, uint32_t past)
@@ -355,9 +365,9 @@ static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t pa
 }
 
 /*
- * Return the first of the columns that are to be eliminated before a panel can be finished. For the
- * first panel of a group of GROUP panels these are all columns left of the group, for any other
- * panel those of the panel before it.
+ * Return the index of the first column that is still to be eliminated before a panel (PZS_TILE
+ * matrix rows) can be finished. For the first panel of a group of GROUP panels these are all
+ * columns left of the group, for any other panel those of the panel before it.
  */
 static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {
@@ -371,10 +381,10 @@ static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uin
 }
 
 /*
- * Eliminate the columns left of a panel from this panel and from the next panels of its group, up
- * to panel `past` - 1, except columns that have been eliminated together with an earlier panel.
- * Each strip of columns is eliminated from all of these panels while the factors of its rows are in
- * the cache.
+ * Factorisation: eliminate the columns left of a panel (PZS_TILE matrix rows) from this panel and
+ * from the next panels of its group, up to panel `past` - 1, except columns that have been
+ * eliminated together with an earlier panel. Each strip of columns is eliminated from all of these
+ * panels while the factors of its rows are in the cache.
  */
 static void eliminate_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {
@@ -502,7 +512,10 @@ static void backward(const pzs_envelope *matrix, uint32_t panel, pzs_real *vecto
         vector[k] -= lower[i] * part[i];
 }
 
-/* Each panel is applied to all right-hand sides before the next panel, while it is in the cache. */
+/*
+ * Each panel (PZS_TILE rows) of the factors is applied to all right-hand sides before the next
+ * panel, while the panel is in the cache.
+ */
 void pzs_linalg_solve_many(const pzs_envelope *matrix, pzs_real *vector, uint32_t count,
                            size_t stride)
 {
@@ -580,8 +593,8 @@ static void fill_alternating(pzs_real *vector, uint32_t count)
 /*
  * Hager's method maximises |A^-1 x| in the 1-norm over the unit ball, whose corners are the unit
  * vectors. The gradient at x, A^-1 sign(A^-1 x), shows the corner of the largest increase. Every
- * vector x gives a lower bound, and five corners are enough in practice. The first vector is solved
- * together with the alternating one.
+ * vector x gives a lower bound, and five corners are enough in practice. The solve for the first x
+ * is combined with the solve for the vector of alternating signs.
  */
 pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_real *work)
 {

@@ -23,9 +23,9 @@
 size_t pzs_linalg_reals(const uint16_t *first, uint32_t rows);
 
 /*
- * pzs_linalg_layout completes an envelope whose members n, first, start and value are set: it
- * computes the panel starts and sets all entries to zero. pzs_linalg_clear only sets all entries to
- * zero.
+ * pzs_linalg_layout completes a matrix in envelope storage whose number of rows, first stored
+ * columns and memory have been set: it computes the start of each panel (PZS_TILE rows) and sets
+ * all entries to zero. pzs_linalg_clear only sets all entries to zero.
  */
 void pzs_linalg_layout(pzs_envelope *matrix);
 void pzs_linalg_clear(pzs_envelope *matrix);
@@ -38,12 +38,15 @@ void pzs_linalg_clear(pzs_envelope *matrix);
  */
 void pzs_linalg_dense_layout(pzs_envelope *dense, uint32_t rows, pzs_real *work, void *index);
 
-/* Return the address of entry (i, j) of the lower triangle; column j must be stored in row i. */
+/*
+ * Return the address of entry (i, j) in the lower triangle of a symmetric matrix; column j must be
+ * stored in row i.
+ */
 pzs_real *pzs_linalg_entry(const pzs_envelope *matrix, uint32_t i, uint32_t j);
 
 /*
  * Scale a matrix symmetrically by powers of two, so that its diagonal entries lie between 1/2 and
- * 2: entry (i, j) is multiplied by scale_i scale_j.
+ * 2: entry (i, j) is multiplied by scale[i] scale[j].
  *   scale [rows] out  the powers of two
  * Returns -1, or the first row whose diagonal entry is zero, negative or not finite; the matrix is
  * then unchanged.
@@ -51,7 +54,7 @@ pzs_real *pzs_linalg_entry(const pzs_envelope *matrix, uint32_t i, uint32_t j);
 int32_t pzs_linalg_scale(pzs_envelope *matrix, pzs_real *scale);
 
 /*
- * Scale a matrix symmetrically: entry (i, j) is multiplied by scale_i scale_j.
+ * Scale a matrix symmetrically: entry (i, j) is multiplied by scale[i] scale[j].
  *   scale [rows] in  factors of the rows and columns
  */
 void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale);
@@ -63,10 +66,10 @@ void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale);
 pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum);
 
 typedef struct linalg_inertia {
-    uint32_t negative;      /* number of pivots below zero */
-    int32_t first_negative; /* row of the first pivot below zero; -1: none */
+    uint32_t negative;      /* number of negative pivots of the factorisation */
+    int32_t first_negative; /* row of the first negative pivot; -1: no pivot is negative */
     int32_t zero; /* row of the first pivot that is below its bound or not finite, which makes the
-                     factors unusable; -1: none */
+                     factors unusable; -1: no such pivot */
     pzs_real growth; /* largest absolute value of a pivot divided by the largest absolute value of a
                         diagonal entry before the factorisation */
 } linalg_inertia;
@@ -90,7 +93,8 @@ void pzs_linalg_solve(const pzs_envelope *matrix, pzs_real *vector);
 
 /*
  * Solve linear equations by the factors L D L^T of their matrix for `count` right-hand sides, each
- * replaced by its solution. The first entries of two successive ones are `stride` reals apart.
+ * replaced by its solution. The first entries of two successive right-hand sides are `stride` reals
+ * apart.
  */
 void pzs_linalg_solve_many(const pzs_envelope *matrix, pzs_real *vector, uint32_t count,
                            size_t stride);

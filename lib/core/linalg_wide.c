@@ -16,15 +16,18 @@ bool pzs_linalg_has_wide(void)
     return __builtin_cpu_supports("avx2") != 0;
 }
 
-/* Return the address of the column that lies `count` columns before a column of a panel. */
+/*
+ * Return the address of the matrix column that lies `count` columns before another column of a
+ * panel (PZS_TILE rows).
+ */
 static inline const pzs_real *before(const pzs_real *at, uint32_t count)
 {
     return at - (size_t)count * PZS_TILE;
 }
 
 /*
- * Subtract from a strip of columns the products with all columns of W = L D before the strip except
- * the last `rest` of them.
+ * Subtract, from a strip of PZS_TILE columns in one panel of matrix rows, the products with all
+ * columns of W = L D before the strip except the last `rest` of these columns.
  */
 AVX2 static void subtract_one(const wide_strip *strip, uint32_t rest, const pzs_real *lower)
 {
@@ -45,8 +48,8 @@ AVX2 static void subtract_one(const wide_strip *strip, uint32_t rest, const pzs_
 }
 
 /*
- * Subtract from a strip of columns, in two panels, the products with the last `count` columns of W
- * = L D before the strip.
+ * Subtract, from a strip of PZS_TILE columns in two panels of matrix rows, the products with the
+ * last `count` columns of W = L D before the strip.
  */
 AVX2 static void subtract_two(const wide_strip strip[2], uint32_t count, const pzs_real *lower)
 {
@@ -81,8 +84,8 @@ AVX2 static void subtract_two(const wide_strip strip[2], uint32_t count, const p
 }
 
 /*
- * Subtract from each column of a strip the products with the columns of the same strip that come
- * before it.
+ * Subtract, from each column of a strip of PZS_TILE columns, the products with the columns of the
+ * strip that come before it.
  */
 AVX2 static void subtract_own(const wide_strip *strip, const pzs_real *lower)
 {

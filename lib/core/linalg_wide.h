@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Innermost loop of the factorisation for hosts with the vector unit AVX2 (option PZS_WIDE). Two
- * panels (linalg.h) are processed together: the eight sums of vectors that this takes fit into the
- * registers and do not wait for each other. Each entry is computed by the operations of the
- * portable loop in their order, so that the bits of the factors are the same.
+ * panels, groups of PZS_TILE matrix rows, are processed together: the eight sums of vectors that
+ * this takes fit into the registers and do not wait for each other. Each entry is computed by the
+ * operations of the portable loop in their order, so that the bits of the factors are the same.
  */
 #ifndef PZS_LIB_LINALG_WIDE_H
 #define PZS_LIB_LINALG_WIDE_H
@@ -11,8 +11,8 @@
 #include "pzs_base.h"
 
 /*
- * A strip of PZS_TILE columns in one panel. In memory, the columns that have been eliminated before
- * precede the strip.
+ * A strip: PZS_TILE neighbouring matrix columns in one panel of PZS_TILE rows. In memory, the
+ * columns that have already been eliminated precede the strip.
  */
 typedef struct wide_strip {
     pzs_real *entry; /* [PZS_TILE][PZS_TILE] columns of the matrix A = L D L^T, which become columns
@@ -26,8 +26,9 @@ typedef struct wide_strip {
 bool pzs_linalg_has_wide(void);
 
 /*
- * Eliminate a strip of columns in two panels: W_ij = A_ij - sum over k < j of W_ik L_jk, for the
- * rows i of the panels and the columns j of the strip.
+ * Step of the factorisation A = L D L^T with W = L D: eliminate a strip of PZS_TILE columns in two
+ * panels (PZS_TILE rows each): W_ij = A_ij - sum over k < j of W_ik L_jk, for the rows i of the
+ * panels and the columns j of the strip.
  *   strip [2]                  in/out  the strip in both panels
  *   lower [PZS_TILE][PZS_TILE] in      entries L_jk of the diagonal tile of the rows j, column by
  *                                      column; those of the columns k before it precede them in

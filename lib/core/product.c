@@ -9,9 +9,9 @@
 #include "unrolled.h"
 
 /*
- * Number of matrix columns that one loop over the rows processes, chosen so that the partial sums
- * fit into the registers: as groups of four columns (FOURS, and FEW for the remaining columns), or
- * as tiles of PZS_TILE columns (MANY, and SOME for the remaining columns).
+ * Numbers of matrix columns that one loop over the matrix rows processes, chosen so that the
+ * partial sums fit into the registers: as groups of four columns (FOURS, and FEW for the remaining
+ * columns), or as tiles of PZS_TILE columns (MANY, and SOME for the remaining columns).
  */
 #define FOURS PZS_BY_BITS(7, 3)
 #define FEW PZS_BY_BITS(3, 2)
@@ -22,14 +22,15 @@
 /* ---- table times vector ----------------------------------------------------- */
 
 /*
- * Whether column k of a group of COUNT columns exists. Only the last three columns of a group can
- * be missing, so the compiler compares only these with the number of columns `cols`.
+ * Whether column k of a group of COUNT matrix columns exists. Only the last three columns of a
+ * group can be missing, so the compiler compares only these with the number of columns `cols`.
  */
 #define IS_COLUMN(k, COUNT) ((k) < (COUNT)-3u || (k) < cols)
 
 /*
- * Define a function that computes product = from + table times vector for a table of at most COUNT
- * columns, with the vector in registers. `from` advances by `step` (0 or 1) from row to row.
+ * Define a function that computes product [rows] = from [rows] + table [rows][cols] times vector
+ * [cols], for at most COUNT columns, with the vector in registers. `from` is one number for all
+ * rows (step = 0) or has an entry for each row (step = 1).
  */
 #define MULTIPLY(name, COUNT)                                                                      \
     static void name(pzs_real *product, const pzs_real *from, size_t step, const pzs_real *table,  \
@@ -80,8 +81,8 @@ static void multiply(pzs_real *product, const pzs_real *from, size_t step, const
 }
 
 /*
- * From this number of columns on, a row of the table is too long to be read column group by column
- * group. Each row is then read at once, and its sum is that of pzs_product_dot.
+ * From this number of columns on, a row of a matrix is too long to be read in groups of columns.
+ * Each row is then read at once, and its product with the vector is that of pzs_product_dot.
  */
 #define LONG_ROW 128u
 
@@ -136,9 +137,9 @@ void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
 #else
 
 /*
- * First column whose sums vector register k holds, for COUNT tiles of PZS_TILE columns. The last
- * tile ends with the last column, so it may overlap the tile before it; both then compute the same
- * sums.
+ * Index of the first matrix column whose sum vector register k holds, for COUNT tiles of PZS_TILE
+ * columns. The last tile ends with the last column, so it may overlap the tile before it; both then
+ * compute the same sums.
  */
 #define LANE_AT(k, COUNT)                                                                          \
     ((k) / IN_TILE + 1u < (COUNT) ? (k)*IN_LANE : last + (k) % IN_TILE * IN_LANE)
@@ -217,9 +218,10 @@ void pzs_product_sum_rows(pzs_real *restrict product, const pzs_real *restrict t
     (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])))
 
 /*
- * Define a function that returns the sum of TERM over the entries of two vectors. Entry i of a
- * group of LANES entries is added to partial sum i. The partial sums are independent, and the bits
- * of the result are the same at any vector width. Zeros at the end of the vectors change nothing.
+ * Define a function that returns the sum of the expression TERM over the entries of two vectors.
+ * The term of entry i in each group of LANES entries is added to partial sum i. The partial sums
+ * are independent, and the bits of the result are the same at any vector width. Zeros that pad the
+ * end of the vectors do not change the sum.
  */
 #define SUM_OF(name, TERM)                                                                         \
     pzs_real name(const pzs_real *left, const pzs_real *right, size_t count)                       \

@@ -29,9 +29,9 @@ void pzs_product_sum_rows(pzs_real *restrict product, const pzs_real *restrict t
                           const pzs_real *restrict vector, size_t rows, size_t cols);
 
 /*
- * pzs_product_energy returns the sum over i of (weight_i vector_i)^2. pzs_product_weigh sets
- * weighted_difference_i = weight_i^2 (left_i - right_i) and returns the sum over i of (weight_i
- * (left_i - right_i))^2.
+ * pzs_product_energy returns the sum over i of (weight[i] vector[i])^2. pzs_product_weigh sets
+ * weighted_difference[i] = weight[i]^2 (left[i] - right[i]) and returns the sum over i of
+ * (weight[i] (left[i] - right[i]))^2.
  */
 pzs_real pzs_product_energy(const pzs_real *weight, const pzs_real *vector, size_t count);
 pzs_real pzs_product_weigh(pzs_real *restrict weighted_difference, const pzs_real *restrict weight,
@@ -39,9 +39,9 @@ pzs_real pzs_product_weigh(pzs_real *restrict weighted_difference, const pzs_rea
                            size_t count);
 
 /*
- * pzs_product_dot returns the scalar product of two vectors, and pzs_product_dot_size that of
- * `left` with the absolute values of `right`. pzs_product_largest returns the largest entry of a
- * vector, at least zero, for a `count` that is a multiple of 4.
+ * pzs_product_dot returns the scalar product of two vectors, and pzs_product_dot_size the scalar
+ * product of `left` with the absolute values of `right`. pzs_product_largest returns the largest
+ * entry of a vector, at least zero, for a `count` that is a multiple of 4.
  */
 pzs_real pzs_product_dot(const pzs_real *left, const pzs_real *right, size_t count);
 pzs_real pzs_product_dot_size(const pzs_real *left, const pzs_real *right, size_t count);

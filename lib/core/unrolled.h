@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * UNROLLED before a loop with a small constant number of iterations asks the compiler to unroll the
- * loop, so that its sums stay in registers. It affects only the speed.
+ * Written before a loop with a small constant number of iterations, the macro UNROLLED asks the
+ * compiler to unroll the loop, so that its sums stay in registers. It affects only the speed.
  */
 #ifndef PZS_LIB_UNROLLED_H
 #define PZS_LIB_UNROLLED_H

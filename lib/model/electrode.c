@@ -3,8 +3,8 @@
  * Charges and open electrodes in the undeformed state (pzs_model.h). The voltage of an open
  * electrode is one more unknown, coupled to all degrees of freedom under the electrode. A Schur
  * complement on the factors of the stiffness matrix eliminates it: one solve for each electrode
- * gives its charge per unit of every input. From this small dense matrix all voltages and charges
- * follow without further solves.
+ * gives its charge per unit of every input. From the small dense matrix of these charges all
+ * voltages and charges follow without further solves.
  */
 #include "electrode.h"
 #include "../core/guard.h"
@@ -30,8 +30,8 @@ uint32_t pzs_electrode_crc(const pzs_electrodes *tables, uint32_t inputs)
     crc = pzs_guard_crc(crc, tables->open, tables->count * sizeof *tables->open);
     crc = pzs_guard_crc(crc, tables->direct.start,
                         (tables->count + 1u) * sizeof *tables->direct.start);
-    if (entries > (uint32_t)tables->count * inputs) /* a damaged count must not lead the checksum
-                                                       beyond the tables */
+    if (entries > (uint32_t)tables->count * inputs) /* A damaged number of entries must not lead the
+                                                       checksum beyond the end of the tables. */
         return crc;
     crc = pzs_guard_crc(crc, tables->direct.dof, entries * sizeof *tables->direct.dof);
     return ~pzs_guard_crc(crc, tables->direct.value, entries * sizeof *tables->direct.value);
@@ -145,8 +145,9 @@ static pzs_real *sensitivity(const pzs_electric *electric, uint32_t electrode, u
 
 /*
  * Compute the charge of electrode k per unit of every input. With the stiffness matrix K, the force
- * vectors f and the displacement u = K^-1 f_k, the charge per unit of input j is f_j . u, because K
- * is symmetric. One solve thus gives the whole row.
+ * f_j per unit of input j, the force f_k per volt on the electrode and the displacement u = K^-1
+ * f_k, the charge per unit of input j is f_j . u, because K is symmetric. One solve thus gives the
+ * charges of the electrode for all inputs.
  */
 static pzs_status charge_row(const pzs_electric *electric, uint32_t k)
 {
@@ -259,9 +260,10 @@ pzs_status pzs_charges(const pzs_electric *electric, const pzs_real *value, pzs_
 
 /*
  * On open electrodes the charge is prescribed, not the voltage. In each row of the influence
- * matrix, solving with the charge matrix turns the entries of the open electrodes into entries per
- * unit of charge. From the entry of any other input, these entries are subtracted, each times the
- * charge that the input causes on the open electrode.
+ * matrix, the entries per volt on the open electrodes are converted to entries per unit of their
+ * charge, by a solve with the matrix of their charges per volt. The entry of every other input is
+ * then reduced by the product of these entries and the charges that the input causes on the open
+ * electrodes.
  */
 pzs_status pzs_influence_open(const pzs_electric *electric, pzs_real *influence)
 {

@@ -18,17 +18,18 @@ uint32_t pzs_electrode_crc(const pzs_electrodes *tables, uint32_t inputs);
 pzs_status pzs_electrode_check(const pzs_electrodes *tables, const pzs_structure *structure);
 
 /*
- * Return the index among all electrodes of an open electrode, given its number among the open ones.
+ * Return the index, among all electrodes, of the open electrode with number `open` (0 to the number
+ * of open electrodes - 1).
  */
 uint32_t pzs_electrode_open(const pzs_electrodes *tables, uint32_t open);
 
 /*
- * Return the index of the input that is the voltage of an open electrode, given the number of the
- * electrode among the open ones.
+ * Return the index of the input that stands for the voltage of open electrode number `open` (0 to
+ * the number of open electrodes - 1).
  */
 uint16_t pzs_electrode_open_input(const pzs_electrodes *tables, uint32_t open);
 
-/* Return the number of open electrodes. */
+/* Return the number of open electrodes, those whose voltage is not prescribed. */
 uint32_t pzs_electrode_open_count(const pzs_electrodes *tables);
 
 /*

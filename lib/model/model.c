@@ -47,7 +47,10 @@ static bool structure_complete(const pzs_structure *structure)
            (structure->spring.count == 0 || structure->spring_stiffness);
 }
 
-/* Whether the row starts of sparse rows ascend and every column index is below `dof`. */
+/*
+ * Whether the indices of the first entries of sparse rows ascend from row to row, and every column
+ * index is below `dof`.
+ */
 static bool rows_in_range(const pzs_rows *rows, uint32_t dof)
 {
     for (uint32_t row = 0; row < rows->count; row++)
@@ -61,9 +64,9 @@ static bool rows_in_range(const pzs_rows *rows, uint32_t dof)
 }
 
 /*
- * Whether the stiffness entries of an element lie inside the envelope: in the row of each of its
- * free degrees of freedom, the first stored column is not right of the lowest of these degrees of
- * freedom.
+ * Whether the stiffness entries of an element lie inside the envelope of the stiffness matrix (its
+ * stored entries): in the row of each of its free degrees of freedom, the first stored column is
+ * not right of the lowest of these degrees of freedom.
  */
 static bool element_in_envelope(const pzs_structure *structure, const uint16_t node[4])
 {
@@ -163,7 +166,7 @@ static uint16_t unconstrained_dof(const pzs_model *model, uint16_t dof)
                : dof;
 }
 
-/* Return the indices of the free degrees of freedom of a node, [dof_per_node]. */
+/* Return the indices of the free degrees of freedom of a node, an array of dof_per_node indices. */
 static const uint16_t *node_dofs(const pzs_model *model, uint16_t node)
 {
     return model->state.structure->node_dof + (size_t)node * model->state.structure->dof_per_node;
@@ -177,10 +180,10 @@ pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element)
 }
 
 /*
- * Place of one degree of freedom of an element in the envelope matrix. The entry in its row and in
- * the column of another degree of freedom is at index base + step of the other one, because
- * successive columns of a panel are PZS_TILE reals apart. The unsigned base may wrap round where
- * column 0 is outside the panel; the sum is correct.
+ * Place of one degree of freedom of an element in the stiffness matrix in envelope storage. The
+ * entry in the row of this degree of freedom and in the column of another one has the index base +
+ * step of the other one, because successive columns of a panel are PZS_TILE reals apart. The
+ * unsigned `base` may wrap round where column 0 is outside the panel; the sum is correct.
  */
 typedef struct add_place {
     uint16_t dof;
@@ -248,7 +251,8 @@ static void add_computed_matrix(pzs_model *model, uint32_t element)
     const pzs_element_type *type = &structure->type[structure->element_type[element]];
     for (unsigned i = 0; i < SHELL_NODES * (unsigned)structure->dof_per_node; i++) {
         const uint16_t row = element_dof(model, element, i);
-        pzs_real force[SHELL_MAX] = {0}; /* first the displacement of the element, then its force */
+        pzs_real force[SHELL_MAX] = {0}; /* nodal displacement of the element, which is then
+                                            replaced by the nodal force */
         if (row == PZS_CONSTRAINED)
             continue;
         force[i] = 1;
@@ -323,7 +327,8 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
 /*
  * Largest condition number that pzs_factor accepts. The relative error of a solve is about the
  * condition number times the machine epsilon. Where solutions are refined, the factors are only a
- * preconditioner, which in float serves up to 5e9. No well-supported structure reaches 1e14.
+ * preconditioner, which in single precision works up to condition numbers of 5e9. No well-supported
+ * structure reaches 1e14.
  */
 static pzs_real condition_limit(const pzs_model *model)
 {
@@ -338,8 +343,8 @@ pzs_status pzs_factor(pzs_model *model)
         return PZS_E_ARGUMENT;
     if (model->state.stage != STAGE_ASSEMBLED)
         return fail(model, PZS_E_STAGE, -1);
-    model->state.stage = STAGE_READY; /* from here on the stiffness matrix is overwritten by its
-                                         factors, even if an error follows */
+    model->state.stage = STAGE_READY; /* From here on, the memory of the stiffness matrix is
+                                         overwritten by its factors, even if an error follows. */
 
     const int32_t unsupported = pzs_linalg_scale(&model->state.stiffness, model->state.scale);
     if (unsupported >= 0)
@@ -389,8 +394,8 @@ static void add_force(const pzs_model *model, const pzs_real *vector, pzs_real *
 {
     const pzs_structure *structure = model->state.structure;
     for (uint32_t element = 0; element < structure->elements; element++) {
-        pzs_real element_vector[SHELL_MAX]; /* first the displacement of the element, then its force
-                                             */
+        pzs_real element_vector[SHELL_MAX]; /* nodal displacement of the element, which is then
+                                               replaced by the nodal force */
         pzs_model_gather(model, structure->element[element], SHELL_NODES, vector, element_vector);
         pzs_shell_force(&structure->type[structure->element_type[element]], structure->dof_per_node,
                         element_vector, element_vector);
@@ -419,10 +424,10 @@ pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *force)
 
 /*
  * Solve K u = r by conjugate gradients that start at u = 0 and are preconditioned by the factors of
- * K. The products with the stiffness matrix K are computed from strains. The first iteration is the
- * plain solve by the factors, the others refine it. The iteration ends when the squared error in
- * the energy norm is below the rounding error of the energy of u, or after REFINEMENT_LIMIT
- * iterations.
+ * K. The products with the stiffness matrix K are computed from the strains of the elements. The
+ * first iteration is the plain solve by the factors, the others refine it. The iteration ends when
+ * the squared error in the energy norm is below the rounding error of the energy of u, or after
+ * REFINEMENT_LIMIT iterations.
  *   r [free_dof] in/out  in: force; out: residual force
  *   u [free_dof] out     displacement
  */
@@ -467,8 +472,9 @@ void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real value, pzs
 }
 
 /*
- * Compute the residual (force minus stiffness times displacement) from strains, and the energy norm
- * of the error relative to that of the displacement, into the info of the model.
+ * Compute the residual of the linear equations (force minus stiffness matrix times displacement)
+ * from the strains of the elements, and the energy norm of the error of the displacement relative
+ * to the energy norm of the displacement, and write both into the info of the model.
  *   residual, correction [free_dof] out  work arrays
  */
 static void estimate_error(pzs_model *model, const pzs_real *force, const pzs_real *displacement,
@@ -483,15 +489,18 @@ static void estimate_error(pzs_model *model, const pzs_real *force, const pzs_re
         residual[i] = force[i] - residual[i];
     pzs_model_backsolve(model, residual, correction);
     const pzs_real error = pzs_linalg_inner(residual, correction, free_dof);
-    /* A tiny error may be negative by rounding and then counts as 0; a NaN must stay NaN. */
+    /*
+     * A tiny squared error may be negative because of rounding and then counts as 0; a NaN must
+     * stay NaN.
+     */
     model->info.residual = load <= 0 ? 0 : PZS_SQRT(pzs_model_scaled_norm2(model, residual) / load);
     const pzs_real error2 = error < 0 ? 0 : error;
     model->info.error_estimate = load <= 0 ? 0 : PZS_SQRT(error2 / energy);
 }
 
 /*
- * Multiply a force by a power of two that brings its largest scaled entry near 1, so that its
- * squares neither overflow nor underflow. Returns the power of two.
+ * Multiply a force by a power of two that brings its largest scaled entry near 1, so that the
+ * squares of its entries neither overflow nor underflow. Returns the power of two.
  */
 static pzs_real scale_force(const pzs_model *model, pzs_real *force)
 {

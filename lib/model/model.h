@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Internals of the linear model that the electrodes and the nonlinear solver share: assembly,
- * gathering and solving over the free degrees of freedom of a structure. In all functions `node`
- * [count] lists nodes, whose degrees of freedom are taken node after node.
+ * gathering and solving over the free degrees of freedom of a structure. In all functions `node` is
+ * a list of `count` node numbers, and the degrees of freedom of these nodes are ordered node by
+ * node.
  */
 #ifndef PZS_LIB_MODEL_H
 #define PZS_LIB_MODEL_H
@@ -23,15 +24,15 @@ uint32_t pzs_structure_crc(const pzs_structure *structure);
 bool pzs_structure_rows_fit(const pzs_structure *structure);
 
 /*
- * Return the factor by which the stiffness of an element is multiplied, that of its element type,
- * as passed to pzs_assemble; 1 where no factors were passed.
+ * Return the factor by which the stiffness of an element is multiplied, the factor of its element
+ * type that was passed to pzs_assemble, or 1 where no factors were passed.
  */
 pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element);
 
 /*
- * Add a matrix over the degrees of freedom of some nodes, times a factor, to the stiffness matrix
- * of the model.
- *   entry [SHELL_PACKED(count dof_per_node)] in  packed lower triangle
+ * Add a symmetric matrix, whose rows are the degrees of freedom of `count` nodes, times a factor,
+ * to the stiffness matrix of the model.
+ *   entry [SHELL_PACKED(count dof_per_node)] in  packed lower triangle of the symmetric matrix
  */
 void pzs_model_add_matrix(pzs_model *model, const uint16_t *node, unsigned count, pzs_real factor,
                           const pzs_real *entry);
@@ -47,7 +48,7 @@ void pzs_model_gather(const pzs_model *model, const uint16_t *node, unsigned cou
 /*
  * Add a vector over the degrees of freedom of some nodes, times a factor, to a vector over the free
  * degrees of freedom. Entries at constrained degrees of freedom are dropped.
- *   gathered [count dof_per_node] in      entries to add
+ *   gathered [count dof_per_node] in      entries to add, node by node
  *   vector   [free_dof]           in/out  sum
  */
 void pzs_model_scatter(const pzs_model *model, const uint16_t *node, unsigned count,
@@ -66,7 +67,7 @@ void pzs_model_backsolve(const pzs_model *model, const pzs_real *force, pzs_real
 pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *force);
 
 /*
- * Add the force vector of input j times `value` to a force [free_dof], except at constrained
+ * Add `value` times the force vector of input number j to a force [free_dof], except at constrained
  * degrees of freedom.
  */
 void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real value, pzs_real *force);

@@ -52,9 +52,9 @@ static shape undeformed_shape(const pzs_element_type *type, int corner)
 }
 
 /*
- * Derivatives of a displacement at one corner. In each direction the coupling matrices of the
- * element type multiply the displacement of the corner itself and that of its neighbour, for the
- * mean and for the difference of the two faces.
+ * Compute the derivatives of the displacement at one corner of an element. In each direction the
+ * coupling matrices of the element type multiply the displacement of the corner itself and that of
+ * its neighbour, for the mean and for the difference of the two faces.
  */
 static shell_corner corner_derivatives(const pzs_element_type *type, unsigned dof_per_node,
                                        const pzs_real *displacement, int corner)
@@ -75,8 +75,9 @@ static shell_corner corner_derivatives(const pzs_element_type *type, unsigned do
 }
 
 /*
- * Transpose of corner_derivatives: turn forces that are conjugate to the displacement derivatives
- * at one corner into nodal forces, and add them to nodal_force [4 dof_per_node].
+ * Turn forces that are conjugate to the displacement derivatives at one corner of an element into
+ * nodal forces, and add them to nodal_force [4 dof_per_node]. This is the transpose of the linear
+ * map from nodal displacements to these derivatives.
  */
 static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
                            const shell_corner *force, int corner, pzs_real *nodal_force)
@@ -95,11 +96,11 @@ static void corner_scatter(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * First variation of the ten strains at a corner with the base vectors `base`, for derivatives of
- * the displacement that change by `change`. On each face, the strain e_aa = g.lambda +
- * lambda.lambda/2 in direction a, with the base vector g and the derivative lambda of the
- * displacement, has the variation (g + lambda).d lambda. Written in means and differences of the
- * faces, no terms cancel.
+ * Compute the first variation of the ten strains at a corner of an element with the base vectors
+ * `base`, when the derivatives of the displacement change by `change`. On each face, the strain
+ * e_aa = g.lambda + lambda.lambda/2 in direction a, with the base vector g and the derivative
+ * lambda of the displacement, has the variation (g + lambda).d lambda. Written in means and
+ * differences of the two faces, this variation has no terms that cancel each other.
  */
 static void corner_strains(const shape *base, const shell_corner *change, pzs_real thickness,
                            pzs_real strain[10])
@@ -130,8 +131,8 @@ static void corner_strains(const shape *base, const shell_corner *change, pzs_re
 }
 
 /*
- * Transpose of corner_strains: turn the ten stresses at a corner into forces that are conjugate to
- * the displacement derivatives there.
+ * Turn the ten stresses at a corner of an element into forces that are conjugate to the
+ * displacement derivatives there (transpose of the first variation of the strains).
  */
 static void corner_stresses(const shape *base, const pzs_real stress[10], pzs_real thickness,
                             shell_corner *force)
@@ -161,8 +162,9 @@ static void corner_stresses(const shape *base, const pzs_real stress[10], pzs_re
 }
 
 /*
- * Add the strains of one corner to the strain modes 00, 01, 10, 11. Each mode is the mean over the
- * corners of the strains, multiplied by the sign (1 or -1) that the mode has at the corner.
+ * Add the strains of one corner to the strain modes 00, 01, 10 and 11 of an element. Each strain
+ * mode is the mean over the corners of the strains, multiplied by the sign (1 or -1) that the mode
+ * has at the corner.
  */
 static void add_modes(pzs_real modes[4][10], const pzs_real strain[10], int corner)
 {
@@ -171,7 +173,10 @@ static void add_modes(pzs_real modes[4][10], const pzs_real strain[10], int corn
             modes[mode][i] += (pzs_real)0.25 * mode_sign[mode][corner] * strain[i];
 }
 
-/* Stresses at one corner from the resultants of the strain modes, the transpose of add_modes. */
+/*
+ * Compute the ten stresses at one corner of an element from the stress resultants of its four
+ * strain modes (transpose of the map from strains at corners to strain modes).
+ */
 static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real stress[10])
 {
     for (int i = 0; i < SHELL_STRAINS; i++) {
@@ -182,8 +187,9 @@ static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real st
 }
 
 /*
- * List of the strain components that each mode keeps; the others are left out: all in mode 00;
- * those of 11, 33 and 13 in mode 01; those of 22, 33 and 23 in mode 10; those of 33 in mode 11.
+ * Number and list of the strain components that each strain mode of an element keeps; the other
+ * components are left out. Mode 00 keeps all ten; mode 01 those of 11, 33 and 13; mode 10 those of
+ * 22, 33 and 23; mode 11 those of 33.
  */
 static const uint8_t kept_strains[4] = {10, 5, 5, 2};
 static const uint8_t kept_strain[4][10] = {
@@ -194,8 +200,8 @@ static const uint8_t kept_strain[4][10] = {
 };
 
 /*
- * Replace the strains of one mode by its resultants. `stiffness` is a packed lower triangle of 10
- * rows.
+ * Replace the strains of one strain mode of an element by the stress resultants of this mode.
+ * `stiffness` is the packed lower triangle of a symmetric 10 x 10 matrix.
  */
 static void multiply_mode(const pzs_real *stiffness, int mode, pzs_real strain[10])
 {
@@ -214,8 +220,8 @@ static void multiply_mode(const pzs_real *stiffness, int mode, pzs_real strain[1
 }
 
 /*
- * Correct the mean strain 12 of mode 00 for the warp of the element: add a linear combination of
- * other strains, with the factors pzs_element_type.warp.
+ * Correct the mean in-plane shear strain 12 in strain mode 00 for the warp of the element: add a
+ * linear combination of other strains, with the factors pzs_element_type.warp.
  */
 static void add_warp(const pzs_element_type *type, pzs_real strain[4][10])
 {
@@ -225,7 +231,10 @@ static void add_warp(const pzs_element_type *type, pzs_real strain[4][10])
                        w[6] * strain[1][E11D] + w[7] * strain[0][E22D] + w[8] * strain[2][E22D];
 }
 
-/* Transpose of add_warp: distribute the mean resultant 12 of mode 00 to other resultants. */
+/*
+ * Distribute the mean stress resultant 12 of strain mode 00 to other resultants of a warped element
+ * (transpose of the correction of the strains for warp).
+ */
 static void distribute_warp(const pzs_element_type *type, pzs_real resultant[4][10])
 {
     const pzs_real *w = type->warp, mean = resultant[0][E12M];
@@ -240,7 +249,10 @@ static void distribute_warp(const pzs_element_type *type, pzs_real resultant[4][
     resultant[2][E22D] += w[8] * mean;
 }
 
-/* Correct the strains of all modes for warp and skew of the element. */
+/*
+ * Correct the strains of all four strain modes of an element for the warp and the skew of the
+ * element.
+ */
 static void correct_modes(const pzs_element_type *type, pzs_real strain[4][10])
 {
     add_warp(type, strain);
@@ -249,8 +261,8 @@ static void correct_modes(const pzs_element_type *type, pzs_real strain[4][10])
 }
 
 /*
- * Transpose of correct_modes: turn resultants of the corrected strains into resultants of the
- * strain modes.
+ * Turn the resultants that belong to strains corrected for warp and skew into resultants of the
+ * uncorrected strain modes (transpose of correct_modes).
  */
 static void distribute_modes(const pzs_element_type *type, pzs_real resultant[4][10])
 {
@@ -260,8 +272,8 @@ static void distribute_modes(const pzs_element_type *type, pzs_real resultant[4]
 }
 
 /*
- * Replace the corrected strains of all modes by their resultants, to which distribute_modes is then
- * to be applied.
+ * Replace the corrected strains of all four strain modes of an element by their stress resultants,
+ * which distribute_modes then turns into resultants of the uncorrected strains.
  */
 static void multiply_modes(const pzs_element_type *type, pzs_real strain[4][10])
 {
@@ -270,7 +282,8 @@ static void multiply_modes(const pzs_element_type *type, pzs_real strain[4][10])
 }
 
 /*
- * Compute the strains of each mode in the undeformed state, which are linear in the displacement.
+ * Compute the strains of all four strain modes of an element in the undeformed state, where they
+ * are linear in the displacement.
  */
 static void small_strains(const pzs_element_type *type, unsigned dof_per_node,
                           const pzs_real *displacement, pzs_real modes[4][10])
@@ -288,8 +301,8 @@ static void small_strains(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Compute the nodal forces [4 dof_per_node] of the resultants of all modes in the undeformed state.
- * The resultants are overwritten.
+ * Compute the nodal forces [4 dof_per_node] of the stress resultants of all strain modes of an
+ * element in the undeformed state. The resultants are overwritten.
  */
 static void small_force(const pzs_element_type *type, unsigned dof_per_node,
                         pzs_real resultant[4][10], pzs_real *nodal_force)
@@ -339,7 +352,10 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
 
 #if PZS_NONLINEAR
 
-/* Return the base vectors at a deformed corner, stored in a shell_corner, as a struct `shape`. */
+/*
+ * Convert the base vectors at a deformed corner of an element from the struct shell_corner to the
+ * struct shape.
+ */
 static shape shape_of(const shell_corner *corner)
 {
     const shape base = {corner->mean, corner->diff, corner->beta, corner->q};
@@ -347,8 +363,8 @@ static shape shape_of(const shell_corner *corner)
 }
 
 /*
- * Base vectors at one corner after a displacement whose derivatives are `part` times the given
- * derivatives.
+ * Return the base vectors at one corner of an element after a displacement whose derivatives are
+ * `part` times the given derivatives.
  */
 static shell_corner deformed_corner(const pzs_element_type *type, const shell_corner *derivative,
                                     pzs_real part, int at_corner)
@@ -374,10 +390,10 @@ static void all_derivatives(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Add the first variation of the strains of all modes, at a fraction `part` of a displacement u and
- * for a displacement increment v.
- *   derivative [4] in  derivatives of u at the corners
- *   variation  [4] in  derivatives of v at the corners
+ * Add, to the strains of an element's four strain modes, their first variation for a displacement
+ * increment v, taken at the fraction `part` of a displacement u.
+ *   derivative [4] in  derivatives of u at the four corners
+ *   variation  [4] in  derivatives of v at the four corners
  */
 static void add_variation(const pzs_element_type *type, const shell_corner derivative[4],
                           pzs_real part, const shell_corner variation[4], pzs_real strain[4][10])
@@ -392,9 +408,9 @@ static void add_variation(const pzs_element_type *type, const shell_corner deriv
 }
 
 /*
- * Strains of all modes at a displacement, plus their first variation for the increment du (NULL: no
- * increment). Strains are quadratic in the displacement u, so they equal their first variation at
- * u/2 for the increment u.
+ * Compute the strains of an element's four strain modes at a displacement, plus their first
+ * variation for the increment du (NULL: no increment). Strains are quadratic in the displacement u,
+ * so they equal their first variation at u/2 for the increment u.
  */
 static void extrapolated_strains(const pzs_element_type *type, unsigned dof_per_node,
                                  const pzs_real *displacement, const pzs_real *du,

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The four-node shell element GEX7P4: one kernel for all formulations, which differ in tables
- * alone.
+ * The four-node shell element GEX7P4: one code for all formulations of the element, which differ
+ * only in their tables.
  *
  * Each node has dof_per_node (6 or 7) degrees of freedom: the mean displacement u1 u2 u3 of the two
- * faces; the difference of outer and inner face over the thickness for u1 u2 u3; and, with 7, the
- * value q, by which u3 of the middle surface exceeds the mean, over the thickness. Strains are
- * computed at the four corners, in the frame of the corner, as means and differences of the two
- * faces. They are combined into the modes 00, 01, 10, 11, which vary over the element as xi1^r1
- * xi2^r2. Of the ten strains of each mode, 22 in all are kept.
+ * faces; the difference of u1 u2 u3 between outer and inner face, divided by the thickness; and, as
+ * the seventh, q: the amount by which u3 of the middle surface exceeds the mean of the faces,
+ * divided by the thickness. Strains are computed at the four corners, in the frame of the corner,
+ * as means and differences of the two faces. They are combined into four strain modes 00, 01, 10
+ * and 11; mode r1 r2 varies over the element as xi1^r1 xi2^r2 with the element coordinates xi1 and
+ * xi2. Each mode has ten strains; of these 40 strains, 22 are kept.
  */
 #ifndef PZS_LIB_SHELL_H
 #define PZS_LIB_SHELL_H
@@ -23,8 +24,8 @@ enum { SHELL_NODES = 4, SHELL_STRAINS = 10, SHELL_MODES = 4, SHELL_MAX = 28 };
 /*
  * Internal force of an element in the undeformed state, computed from its strains.
  *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
- *   force        [4 dof_per_node] out  nodal force (N and N m); may be the array of the
- *                                      displacement
+ *   force        [4 dof_per_node] out  nodal force (N and N m); may be the same array as
+ *                                      `displacement`
  * The small strains are formed as differences before anything is multiplied by a stiffness, so the
  * force keeps the digits that a product with the stiffness matrix loses on thin shells.
  */
@@ -39,8 +40,9 @@ void pzs_shell_force(const pzs_element_type *type, unsigned dof_per_node,
 void pzs_shell_stiffness(const pzs_element_type *type, unsigned dof_per_node, pzs_real *stiffness);
 
 /*
- * Nodal force of prescribed stress resultants (actuation or temperature) in mode 00, in the
- * undeformed state: minus the internal force of these resultants.
+ * Nodal force of prescribed stress resultants (of actuation or temperature) that are constant over
+ * an element (strain mode 00), in the undeformed state: minus the internal force of these
+ * resultants.
  *   h0    [10]             in   resultants times the area of the element (N m), in the strain order
  *                               of pzs_element_type.d
  *   force [4 dof_per_node] out  nodal force (N and N m)
@@ -49,9 +51,9 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
                                 const pzs_real *h0, pzs_real *force);
 
 /*
- * Derivatives of a displacement at one corner, or deformed base vectors there, which have the same
- * form: mean of the two faces and difference over the thickness in both directions, director beta,
- * and seventh degree of freedom q.
+ * Derivatives of a displacement at one corner of an element, or deformed base vectors there, which
+ * have the same form: mean of the two faces and difference over the thickness in both directions,
+ * director beta, and seventh degree of freedom q.
  */
 typedef struct shell_corner {
     pzs_real mean[2][3];
@@ -63,16 +65,16 @@ typedef struct shell_corner {
 #if PZS_NONLINEAR
 /*
  * Number of stress resultants of an element at a displacement. They belong to the kept strains of
- * each mode (00, 01, 10, 11, in this order). Those of the mode xi1^r1 xi2^r2 are multiplied by
- * area/3^(r1+r2) (N m). The strains are exact to second order in the displacement, so their second
- * variation is constant.
+ * the four strain modes 00, 01, 10 and 11, in this order. Those of the strain mode that varies as
+ * xi1^r1 xi2^r2 are multiplied by area/3^(r1+r2) (N m). The strains are exact to second order in
+ * the displacement, so their second variation is constant.
  */
 enum { SHELL_RESULTANTS = 22 };
 
 /*
- * Strains of each mode at a displacement.
+ * Strains of the four strain modes of an element at a displacement.
  *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
- *   strain       [4][10]          out  strains in the order of pzs_element_type.d
+ *   strain       [4][10]          out  ten strains of each mode, in the order of pzs_element_type.d
  */
 void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node,
                           const pzs_real *displacement, pzs_real strain[4][10]);
@@ -80,13 +82,13 @@ void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node,
 /*
  * Tangent stiffness and internal force of an element, for Newton's method with independent
  * resultants:
- *   f = sum over modes of L_m^T H_m,  H = D e(u) + H0
- *   K = sum over modes of L_m^T D_m L_m + (resultants)_m A_m
+ *   f = sum over the strain modes m of L_m^T H_m,  H = D e(u) + H0
+ *   K = sum over m of L_m^T D_m L_m + (resultants)_m A_m
  * with the strains e at the displacement u, their first variation L and second variation A, the
- * stiffness D and the prescribed resultants H0.
+ * stiffness D, the resultants H and the prescribed resultants H0.
  *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
- *   given        [10]             in   H0 of mode 00, times the area of the element (N m); NULL:
- *                                      zero
+ *   given        [10]             in   H0 of strain mode 00, times the area of the element (N m);
+ *                                      NULL: zero
  *   resultant    [22]             in   resultants of the geometric part of K, H0 included; NULL: H
  *   force        [4 dof_per_node] out  internal force f (N and N m)
  *   stiffness    [SHELL_PACKED(4 dof_per_node)] out  tangent K, packed lower triangle
@@ -99,8 +101,8 @@ void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node,
  * Stress resultants of an element, extrapolated along an increment of the displacement: the
  * stiffness of the strains times (strains + their first variation), plus the prescribed resultants.
  *   du        [4 dof_per_node] in   increment (m and 1); NULL: no extrapolation
- *   given     [10]             in   prescribed resultants of mode 00, times the area of the element
- *                                   (N m); NULL: zero
+ *   given     [10]             in   prescribed resultants of strain mode 00, times the area of the
+ *                                   element (N m); NULL: zero
  *   resultant [22]             out  resultants (N m)
  */
 void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node,
@@ -120,16 +122,18 @@ void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node,
                        const pzs_real *displacement, shell_corner shape[4]);
 
 /*
- * Stresses at the four corners from the stress resultants of the modes, with warp and skew.
+ * Stresses at the four corners of an element from the stress resultants of its strain modes, with
+ * the corrections for warp and skew.
  *   resultant [22]    in   resultants (N m)
- *   stress    [4][10] out  stresses in the strain order of pzs_element_type.d
+ *   stress    [4][10] out  ten stresses at each corner, in the strain order of pzs_element_type.d
  */
 void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant,
                         pzs_real stress[4][10]);
 
 /*
- * Replace the strains of the modes of a skewed element by the resultants of the modes, in place.
- * The strains include warp; those that a mode does not keep are not read.
+ * Replace the strains of the four strain modes of a skewed element by their stress resultants, in
+ * place. The strains include the correction for warp; of the ten strains of each mode, those that
+ * the mode does not keep are not read.
  *   strain [4][10] in/out  in: strains; out: resultants times the area of the element (N m)
  */
 void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real strain[4][10]);
@@ -137,7 +141,7 @@ void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real strain[4
 /*
  * Internal nodal force of the stresses at the four corners of a deformed element.
  *   shape  [4]              in   deformed base vectors at the corners
- *   stress [4][10]          in   stresses at the corners
+ *   stress [4][10]          in   ten stresses at each corner
  *   force  [4 dof_per_node] out  internal force (N and N m)
  */
 void pzs_shell_corner_force(const pzs_element_type *type, unsigned dof_per_node,

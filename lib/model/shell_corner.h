@@ -9,8 +9,8 @@
 #include "pzs_base.h"
 
 /*
- * Strain components in the order of pzs_element_type.d. Suffix M: mean of the two faces; suffix D:
- * difference of the two faces. The transverse shear strains 13 and 23 have no difference.
+ * Strain components in the order of pzs_element_type.d. Suffix M stands for the mean of the two
+ * faces, suffix D for their difference. The transverse shear strains 13 and 23 have no difference.
  */
 enum { E11M, E11D, E22M, E22D, E33M, E33D, E12M, E12D, E13, E23 };
 
@@ -20,8 +20,9 @@ enum { E11M, E11D, E22M, E22D, E33M, E33D, E12M, E12D, E13, E23 };
 static const uint8_t neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
 
 /*
- * mode_sign[m][r]: value of strain mode m at corner r of the element. The modes 00, 01, 10 and 11
- * are named by two exponents a and b; mode ab varies over the element as xi1^a xi2^b.
+ * mode_sign[m][r]: value of strain mode m at corner r of the element. The strain modes 00, 01, 10
+ * and 11 are named by two exponents a and b; mode ab varies over the element as xi1^a xi2^b with
+ * the element coordinates xi1 and xi2.
  */
 static const pzs_real mode_sign[4][4] = {
     {1, 1, 1, 1}, {-1, -1, 1, 1}, {-1, 1, 1, -1}, {1, -1, 1, -1}};

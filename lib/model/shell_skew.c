@@ -4,13 +4,14 @@
 #include "shell_corner.h"
 
 /*
- * Correct the in-plane strains of the modes, means (face = 0) or differences (face = 1) of the two
- * faces. With the skew alpha_1, alpha_2 and the length ratio r, the average over the corners
- * exceeds the value at the centre by c in strain 11 and by c/r^2 in strain 22:
+ * Correct the in-plane strains of an element's strain modes for the skew of the element; the
+ * strains are means (face = 0) or differences (face = 1) of the two faces. With the skew alpha_1,
+ * alpha_2 and the length ratio r, the average over the corners exceeds the value at the centre by c
+ * in strain 11 and by c/r^2 in strain 22:
  *   c = [alpha_1 (e01_11 - alpha_1 e00_11) + alpha_2 r (r (e10_22 - alpha_2 e00_22) - alpha_1
  *     e00_12)]
  *       / (1 - alpha_1^2 - alpha_2^2)
- * where e01_11 is strain 11 of mode 01, and so on.
+ * where e01_11 is strain 11 of strain mode 01, and so on.
  */
 static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
 {
@@ -26,7 +27,10 @@ static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
     *along2 -= 2 * a2 * *e22 + a1 / ratio * e12;
 }
 
-/* Transpose of skew_plane, for the resultants of the modes. */
+/*
+ * Turn resultants of the strains that were corrected for skew into resultants of the uncorrected
+ * strain modes (transpose of skew_plane).
+ */
 static void skew_plane_back(const pzs_real skew[3], pzs_real resultant[4][10], int face)
 {
     const pzs_real a1 = skew[0], a2 = skew[1], ratio = skew[2];

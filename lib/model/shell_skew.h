@@ -4,10 +4,10 @@
  *
  * With the base vectors g_1, g_2 and the hourglass vector g_h of an element, its skew is alpha_a =
  * g_h . g^a (dual base vectors g^a), its length ratio is r, and its area varies as 1 + alpha_1 xi2
- * + alpha_2 xi1. A constant strain then appears in the modes 01 and 10 too, and the average over
- * the corners differs from the value at the centre. Multiples of other strains remove both effects:
- * mode 00 holds the strain at the centre, and the other modes vanish under a constant strain. On a
- * parallelogram (alpha = 0) nothing changes.
+ * + alpha_2 xi1. A constant strain then appears in the linear strain modes 01 and 10 too, and the
+ * average over the corners differs from the value at the centre. Multiples of other strains remove
+ * both effects: mode 00 holds the strain at the centre, and the other modes vanish under a constant
+ * strain. On a parallelogram (alpha = 0) nothing changes.
  */
 #ifndef PZS_LIB_SHELL_SKEW_H
 #define PZS_LIB_SHELL_SKEW_H
@@ -25,13 +25,18 @@ static inline bool shell_is_skewed(const pzs_element_type *type)
 }
 
 /*
- * Correct the strains of the modes, warp included, for the skew of the element.
+ * Correct the strains of an element's four strain modes, in which warp is included, for the skew of
+ * the element.
  *   skew   [3]     in      alpha_1, alpha_2 and length ratio of pzs_element_type
- *   strain [4][10] in/out  strains; those that a mode does not keep are neither read nor written
+ *   strain [4][10] in/out  ten strains of each mode; those that a mode does not keep are neither
+ *                          read nor written
  */
 void pzs_shell_skew_strains(const pzs_real skew[3], pzs_real strain[4][10]);
 
-/* Transpose of pzs_shell_skew_strains, to be applied to the resultants of the corrected strains. */
+/*
+ * Turn resultants of the strains that were corrected for skew into resultants of the uncorrected
+ * strain modes (transpose of pzs_shell_skew_strains).
+ */
 void pzs_shell_skew_resultants(const pzs_real skew[3], pzs_real resultant[4][10]);
 
 #endif

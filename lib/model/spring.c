@@ -5,8 +5,8 @@
 #include "../core/linalg.h"
 
 /*
- * Whether the stiffness entry for two degrees of freedom of a spring is inside the envelope of the
- * matrix, or above its diagonal.
+ * Whether the stiffness entry that couples two degrees of freedom of a spring is among the stored
+ * entries (the envelope) of the stiffness matrix, or above its diagonal.
  */
 static bool in_envelope(const pzs_structure *structure, uint32_t own, uint32_t other)
 {
@@ -31,8 +31,9 @@ bool pzs_springs_in_range(const pzs_structure *structure)
 }
 
 /*
- * Factor of one degree of freedom in the elongation of a spring, given the index of its entry in
- * the sparse rows of the springs; 0 at a constrained degree of freedom.
+ * Return the factor of one degree of freedom in the elongation of a spring, or 0 at a constrained
+ * degree of freedom.
+ *   entry  in  index of the factor among the entries of the sparse rows of the springs
  */
 static pzs_real weight(const pzs_model *model, uint32_t entry)
 {

@@ -3,11 +3,12 @@
  * Contact with a rigid convex body (pzs_nonlinear.h): a primal-dual active-set method with a
  * proximal multiplier, inside Newton's method.
  *
- * Each node of the face has an area w, a gap g with the gradient n at the deformed position, a
- * contact pressure p (the negative multiplier) and a penalty stiffness e. A node in contact carries
- * the force and the stiffness
+ * Each node of the face that can touch the body has an area w, a gap g with the gradient n at the
+ * deformed position, a contact pressure p (the negative multiplier) and a penalty stiffness e. A
+ * node in contact carries the force and the stiffness
  *   f = w (p - e g) n,  -df/du = w (e n n' - p Hess g)
- * with the pressure p that the last linear solve has predicted. A linear solve with the increment d
+ * with the displacement u, the matrix Hess g of the second derivatives of the gap, and the pressure
+ * p that the last linear solve has predicted. A linear solve with the displacement increment d
  * predicts the next pressure p - e (g + n . d). At convergence g = 0, so the result does not depend
  * on e.
  */
@@ -23,16 +24,16 @@
 #if PZS_NONLINEAR
 
 /*
- * A node stays in contact while its contact pressure (N/m2) exceeds this factor times its gap (m)
- * times the stiffness of the structure at the node, per area (N/m3).
+ * Factor f: a node stays in contact while its contact pressure (N/m2) exceeds f times its gap to
+ * the body (m) times the stiffness of the shell at the node, per area (N/m3).
  */
 #define PRESSURE_SCALE ((pzs_real)1e-5)
-/* Largest penalty stiffness, relative to the stiffness of the structure. */
+/* Largest penalty stiffness of a contact, relative to the stiffness of the shell at the node. */
 #define LARGEST_STIFFNESS ((pzs_real)100)
 /*
- * A load step that starts with the active set of the last equilibrium keeps this set while the last
- * increment of the displacement, relative to the displacement of the load step, is above this
- * bound.
+ * A load step begins with the set of nodes that were in contact at the last equilibrium, and keeps
+ * this set while the last increment of the displacement, relative to the displacement of the load
+ * step, is above this bound.
  */
 #define ACTIVE_SET_INCREMENT ((pzs_real)0.2)
 
@@ -41,7 +42,7 @@
 
 enum {
     NO_MOTION_INPUT = 0xFFFF
-}; /* value of pzs_contact_face.input for a body that does not move */
+}; /* value of pzs_contact_face.input where no input moves the contact body */
 
 static pzs_contact *contact_of(pzs_solver_option *option)
 {
@@ -51,10 +52,11 @@ static pzs_contact *contact_of(pzs_solver_option *option)
 /* ---- bodies ----------------------------------------------------------- */
 
 /*
- * Signed distance from a sphere, or from a cylinder, of the given radius.
+ * Compute the signed distance of a point from a sphere or a cylinder of a given radius, with its
+ * gradient (the normal) and its second derivatives.
  *   from  [3] in  vector to the point from the centre or, at right angles, from the axis (m)
  *   along [3] in  unit vector along the axis of a cylinder; NULL: sphere
- * At the centre the normal is undefined; normal and second derivatives are then 0.
+ * At the centre, where the normal is undefined, normal and second derivatives are 0.
  */
 static pzs_real gap_round(pzs_real radius, const pzs_real from[3], const pzs_real *along,
                           pzs_real normal[3], pzs_real hessian[3][3])
@@ -104,8 +106,8 @@ pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real position[3], pzs_re
 /* ---- one node of the face ---------------------------------------------- */
 
 /*
- * A node relative to the body: gap (m), gradient of the gap in global axes and in the frame of the
- * node (1), and second derivatives of the gap in the frame of the node (1/m).
+ * Position of a node relative to the contact body: gap (m), gradient of the gap in global axes and
+ * in the frame of the node (1), and second derivatives of the gap in the frame of the node (1/m).
  */
 typedef struct contact_point {
     pzs_real gap, global[3], normal[3], hessian[3][3];
@@ -156,9 +158,9 @@ static contact_point find_point(const pzs_contact *contact, const pzs_solver *so
 }
 
 /*
- * Stiffness of the structure at a node, per area (N/m3), from the diagonal of the stiffness matrix;
- * the degrees of freedom along the normal e3 come first. 0 where the face has no free degree of
- * freedom.
+ * Return the stiffness of the shell at a node, per area (N/m3), from the diagonal of the stiffness
+ * matrix: that along the normal e3 of the shell if this degree of freedom is free, otherwise that
+ * of another one. Returns 0 where the face has no free degree of freedom.
  */
 static pzs_real structure_stiffness(const pzs_contact *contact, const pzs_solver *solver,
                                     uint16_t node)
@@ -178,9 +180,9 @@ static pzs_real structure_stiffness(const pzs_contact *contact, const pzs_solver
 }
 
 /*
- * Penalty stiffness at a node, per area (N/m3). A linear solve leaves the part s/(s + e) of a gap,
- * with the stiffness s of the structure and the penalty stiffness e. Since a small e converges
- * slowly, e doubles with each linear solve of a load step.
+ * Return the penalty stiffness of the contact at a node, per area (N/m3). A linear solve reduces a
+ * gap to the fraction s/(s + e) of its size, with the stiffness s of the shell and the penalty
+ * stiffness e. Since a small e converges slowly, e doubles with each linear solve of a load step.
  */
 static pzs_real contact_stiffness(const pzs_contact *contact, const pzs_solver *solver,
                                   uint16_t node)
@@ -194,8 +196,9 @@ static pzs_real contact_stiffness(const pzs_contact *contact, const pzs_solver *
 /* ---- active set ------------------------------------------------------- */
 
 /*
- * Compute state.facing [nodes]: for each node, the sum over its elements of the scalar product of
- * the outward normal of the deformed face and the normal of the body.
+ * Compute state.facing [nodes], which is negative where the deformed shell points towards the
+ * contact body: for each node, the sum over its elements of the scalar product of the outward
+ * normal of the deformed face and the normal of the body.
  */
 static void find_facing(pzs_contact *contact, const pzs_solver *solver)
 {
@@ -220,8 +223,8 @@ static void find_facing(pzs_contact *contact, const pzs_solver *solver)
 }
 
 /*
- * Whether a node can come into contact: the face there points towards the body, and the node has a
- * free degree of freedom.
+ * Whether a node can come into contact: the contact face of the shell points towards the body
+ * there, and the node has a free degree of freedom.
  */
 static bool can_touch(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
@@ -229,8 +232,9 @@ static bool can_touch(const pzs_contact *contact, const pzs_solver *solver, uint
 }
 
 /*
- * Whether a node belongs to the active set, by its gap and its contact pressure. A node whose gap
- * is closed belongs to the set while its pressure is positive.
+ * Whether a node belongs to the active set of a contact (the nodes held on the body), by its gap
+ * and its contact pressure. A node whose gap is closed belongs to the set while its pressure is
+ * positive.
  */
 static bool is_active(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
@@ -245,7 +249,10 @@ static bool is_active(const pzs_contact *contact, const pzs_solver *solver, uint
            PRESSURE_SCALE * structure_stiffness(contact, solver, node) * least;
 }
 
-/* Return the node with the smallest gap among those that can come into contact, or -1. */
+/*
+ * Return the node with the smallest gap to the contact body among those that can come into contact,
+ * or -1.
+ */
 static int32_t nearest_node(const pzs_contact *contact, const pzs_solver *solver)
 {
     int32_t best = -1;
@@ -262,9 +269,9 @@ static int32_t nearest_node(const pzs_contact *contact, const pzs_solver *solver
 }
 
 /*
- * Choose the active set for the first linear solve of a load step: the nodes in contact at the last
- * equilibrium, and those that the moving body has reached. Without contact at the last equilibrium:
- * the nodes whose gap is closed.
+ * Choose the active set of a contact (the nodes held on the body) for the first linear solve of a
+ * load step: the nodes in contact at the last equilibrium, and those that the moving body has
+ * reached. Without contact at the last equilibrium, these are the nodes whose gap is closed.
  */
 static void start_active_set(pzs_contact *contact, const pzs_solver *solver)
 {
@@ -286,9 +293,10 @@ static void start_active_set(pzs_contact *contact, const pzs_solver *solver)
 }
 
 /*
- * Update the active set by gaps and pressures. If it becomes empty on a shell that its supports
- * leave loose, the nearest node stays in contact, because the tangent matrix would be singular
- * without it; such a state never counts as converged.
+ * Update the active set of a contact (the nodes held on the body) by gaps and pressures. If the set
+ * becomes empty although the supports do not hold the shell, the node nearest to the body stays in
+ * contact, because the tangent matrix would be singular without it; such a state never counts as
+ * converged.
  */
 static void update_active_set(pzs_contact *contact, const pzs_solver *solver)
 {
@@ -355,8 +363,9 @@ static pzs_real largest_part(pzs_solver_option *option, const pzs_solver *solver
 /* ---- forces ----------------------------------------------------------- */
 
 /*
- * Add the contact stiffness of a node to the tangent matrix: its area times (penalty stiffness
- * times n n' minus pressure times second derivatives of the gap), with the gradient n of the gap.
+ * Add the contact stiffness of a node to the tangent matrix: the area of the node times (penalty
+ * stiffness times n n' minus pressure times second derivatives of the gap), with the gradient n of
+ * the gap and its transpose n'.
  */
 static void add_tangent(const pzs_contact *contact, pzs_solver *solver, uint16_t node,
                         const contact_point *point, pzs_real stiffness)
@@ -415,9 +424,9 @@ static void after_solve(pzs_solver_option *option, pzs_solver *solver, const pzs
 }
 
 /*
- * Add the contact forces per unit of the input that moves the body. The motion closes the gap by
- * its component along the normal, and turns the normal by the second derivatives of the gap times
- * the motion.
+ * Add the contact forces that one unit of the input that moves the body causes. The motion of the
+ * body closes the gap by its component along the normal, and turns the normal by the second
+ * derivatives of the gap times the motion.
  */
 static void add_unit_force(pzs_solver_option *option, pzs_solver *solver, uint32_t input,
                            pzs_real *out)
@@ -491,9 +500,9 @@ static bool is_fixed(const pzs_solver *solver, uint16_t dof)
 
 /*
  * Add one constrained degree of freedom to a Gram matrix [6][6], the sum of r' r over the rows r
- * [6] of all constrained degrees of freedom. A row holds what the six rigid motions of the shell
- * (three translations, and three rotations times the size of the mesh) cause in the degree of
- * freedom k (0 to 5) of a node.
+ * [6] of all constrained degrees of freedom. A row r holds the displacements that the six rigid
+ * motions of the shell (three translations, and three rotations times the size of the mesh) cause
+ * in degree of freedom k (0 to 5) of a node.
  */
 static void add_support(const pzs_contact *contact, pzs_real height, uint16_t node, int k,
                         pzs_real gram[6][6])
@@ -549,8 +558,8 @@ static bool settings_in_range(const pzs_solver_option *option)
 }
 
 /*
- * Whether the body does not support a shell that its supports leave loose: the shell does not touch
- * the body, is not pressed onto it, or slides along it at the first contact.
+ * Whether the contact body does not hold a shell that its supports leave loose: the shell does not
+ * touch the body, is not pressed onto the body, or slides along the body at the first contact.
  */
 static bool is_unsupported(const pzs_solver_option *option, const pzs_solver *solver)
 {
@@ -610,8 +619,9 @@ uint32_t pzs_body_crc(const pzs_body *body)
 }
 
 /*
- * Check that the numbers of a body suit its distance function. *where is the index of the first one
- * that is not finite: 0 to 2 for the point, 3 to 5 for the axis, 6 for the radius.
+ * Check that the numbers that describe a contact body (point, axis, radius) suit its distance
+ * function. *where is the index of the first number that is not finite: 0 to 2 for the point, 3 to
+ * 5 for the axis, 6 for the radius.
  */
 static pzs_status check_body(const pzs_body *body, int32_t *where)
 {

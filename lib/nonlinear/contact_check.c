@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Check of a contact for penetration between the nodes and during a load step (contact_check.h). */
+/*
+ * Check of a contact for penetration of the shell by the body, between the nodes and during a load
+ * step (contact_check.h).
+ */
 #include "contact_check.h"
 #include "face.h"
 #include "../core/vector3.h"
@@ -9,17 +12,20 @@
 
 #if PZS_NONLINEAR
 
-/* Number of bisections of a side of an element: positions are found to within 1/512 of a side. */
+/*
+ * Number of bisections in the search along a side of an element; it finds positions to within 1/512
+ * of the length of the side.
+ */
 enum { SIDE_BISECTIONS = 8 };
 /*
- * MOTION_BISECTIONS: number of bisections that find the smallest gap along the motion of a point.
- * MOTION_STEPS: largest number of steps that find how far the body can move before it is near a
- * node.
+ * MOTION_BISECTIONS: number of bisections that find the smallest gap between a point of the shell
+ * and the body while the point moves. MOTION_STEPS: largest number of steps that find how far the
+ * body can move before it is near a node.
  */
 enum { MOTION_BISECTIONS = 24, MOTION_STEPS = 32 };
 /*
- * Largest accepted depth to which a flat element enters a curved body, relative to the radius of
- * curvature of the body.
+ * Largest accepted depth to which a flat element may enter a curved contact body, relative to the
+ * radius of curvature of the body.
  */
 #define SAG_LIMIT ((pzs_real)0.2)
 
@@ -31,7 +37,10 @@ pzs_real pzs_contact_closed_gap(const pzs_contact *contact)
 
 /* ---- positions relative to the body -------------------------------------- */
 
-/* Input value that scales the motion of the body; 0 for a body that does not move. */
+/*
+ * Return the input value that scales the motion of the contact body, or 0 for a body that does not
+ * move.
+ */
 static pzs_real body_motion(const pzs_contact *contact, const pzs_solver *solver,
                             const pzs_real *value)
 {
@@ -41,7 +50,8 @@ static pzs_real body_motion(const pzs_contact *contact, const pzs_solver *solver
 }
 
 /*
- * Compute the positions of some nodes relative to the moved body, on the face at a given height.
+ * Compute the positions of `count` nodes relative to the moved contact body, for the face of the
+ * shell at a given height above its middle.
  *   displacement [free_dof] in   displacement (m and 1)
  *   value        [inputs]   in   input values
  *   position     [count][3] out  positions (m)
@@ -85,11 +95,11 @@ pzs_real pzs_contact_reach(const pzs_contact *contact, const pzs_structure *stru
 typedef struct body_point {
     pzs_real gap, normal[3];
     /*
-     * second derivatives of the gap along the surface of the body (1/m); in the direction of the
-     * normal, where they would be 0, the largest curvature takes their place
+     * second derivatives of the gap to the contact body along its surface (1/m); in the direction
+     * of the normal, where they would be 0, they are replaced by the largest curvature
      */
     pzs_real hessian[3][3];
-    pzs_real radius; /* smallest radius of curvature of the body (m); 0: flat */
+    pzs_real radius; /* smallest radius of curvature of the contact body (m); 0: the body is flat */
 } body_point;
 
 static pzs_real gap_at(const pzs_contact *contact, const pzs_real position[3], pzs_real normal[3])
@@ -99,9 +109,9 @@ static pzs_real gap_at(const pzs_contact *contact, const pzs_real position[3], p
 }
 
 /*
- * Return the larger principal curvature (1/m), from the second derivatives of the gap along the
- * surface. It is the larger of their two eigenvalues that are not zero, and follows from trace and
- * Frobenius norm.
+ * Return the larger principal curvature (1/m) of the contact body, from the second derivatives of
+ * the gap along its surface. It is the larger of their two eigenvalues that are not zero, and
+ * follows from trace and Frobenius norm.
  */
 static pzs_real largest_curvature(const pzs_real hessian[3][3])
 {
@@ -116,8 +126,9 @@ static pzs_real largest_curvature(const pzs_real hessian[3][3])
 }
 
 /*
- * Compute gap, normal and curvature of the body at a point. A surface of constant gap has the
- * radius of the body plus the gap, so the radius of the body is 1/curvature - gap.
+ * Compute the gap between a point and the contact body, and the normal and curvature of the body
+ * there. A surface of constant gap has the radius of the body plus the gap, so the radius of the
+ * body is 1/curvature - gap.
  */
 static body_point find_body_point(const pzs_contact *contact, const pzs_real position[3])
 {
@@ -139,7 +150,10 @@ static body_point find_body_point(const pzs_contact *contact, const pzs_real pos
     return at;
 }
 
-/* Return d'H d for a vector d and the second derivatives H of the gap along the surface. */
+/*
+ * Return the second derivative d'H d of the gap in the direction of a vector d, with the matrix H
+ * of the second derivatives of the gap along the surface of the body.
+ */
 static pzs_real curvature_along(const body_point *at, const pzs_real direction[3])
 {
     const pzs_real product[3] = {vector3_dot(at->hessian[0], direction),
@@ -150,32 +164,35 @@ static pzs_real curvature_along(const body_point *at, const pzs_real direction[3
 
 /* ---- one element -------------------------------------------------------- */
 
-/* How and where the body penetrates an element, as described in pzs_contact_info. */
+/*
+ * Place and kind of a penetration of an element by the contact body, as described in
+ * pzs_contact_info.
+ */
 typedef struct penetration {
     pzs_penetration how;
-    bool is_behind; /* the point lies on a part of the shell that faces away from the body, while
-                       another part of the shell is in contact */
+    bool is_behind; /* whether the point lies on a part of the shell that faces away from the body,
+                       while another part of the shell is in contact */
     uint16_t node;
     pzs_real spot[3], depth;
 } penetration;
 
 /*
- * Search for points where the body penetrates one element, which is taken as a flat facet: corners
- * of the facet at the last equilibrium (0) and at the present displacement (1), and result of the
- * search.
+ * Search for points where the contact body penetrates one element of the shell, which is taken as a
+ * flat facet: corners of the facet at the last equilibrium (0) and at the present displacement (1),
+ * and result of the search.
  */
 typedef struct facet_search {
     pzs_contact *contact;
     pzs_real corner[2][4][3];
-    bool follows_motion; /* true: search along the motion of the points during the load step; false:
-                            search the present positions */
-    bool is_supported;   /* at least one corner of the facet is in contact */
+    bool follows_motion; /* true: the search follows the motion of the points of the facet during
+                            the load step; false: it checks their present positions */
+    bool is_supported;   /* whether at least one corner of the facet is in contact with the body */
     penetration found;
-    pzs_real slope[2]; /* derivatives of the gap with respect to the two facet coordinates, at the
-                          last point searched (m) */
+    pzs_real slope[2]; /* derivatives of the gap to the contact body with respect to the two
+                          coordinates of the facet (0 to 1), at the last point searched (m) */
 } facet_search;
 
-/* Position of a point of a facet, given its two coordinates from 0 to 1. */
+/* Compute the position of a point of a flat facet, given its two facet coordinates from 0 to 1. */
 static void facet_point(const pzs_real corner[4][3], pzs_real along, pzs_real across,
                         pzs_real position[3])
 {
@@ -190,8 +207,9 @@ static pzs_real interpolate(pzs_real part, pzs_real from, pzs_real to)
 }
 
 /*
- * Compute the derivatives of normal . x with respect to the two facet coordinates, where x is the
- * position at a time (0 to 1) within the load step.
+ * Compute the derivatives of the scalar product normal . x with respect to the two facet
+ * coordinates, where x is the position of a point of the facet at a time (0 to 1) within the load
+ * step.
  */
 static void find_slopes(facet_search *search, pzs_real along, pzs_real across, pzs_real time,
                         const pzs_real normal[3])
@@ -205,12 +223,13 @@ static void find_slopes(facet_search *search, pzs_real along, pzs_real across, p
 }
 
 /*
- * Return the depth (m) that is allowed for a point of a facet whose nodes lie outside the body. A
- * flat facet whose corners touch a body of radius R enters it by the sum over the corners of shape
- * function times distance^2 / (2 R), which is length^2 / (8 R) in the middle of a side. This error
- * of the mesh is allowed twice, because a distance function may return more than the distance, but
- * at most R/5; a facet with diagonals of length R enters by R (1 - sqrt(3/4)). A body smaller than
- * the diagonals may enter only where a corner is in contact, because nothing else holds it back.
+ * Return the depth in the contact body (m) that is allowed for a point of a facet whose nodes lie
+ * outside the body. A flat facet whose corners touch a body of radius R enters it by the sum over
+ * the corners of shape function times distance^2 / (2 R), which is length^2 / (8 R) in the middle
+ * of a side. This error of the mesh is allowed twice, because a distance function may return more
+ * than the distance, but at most R/5; a facet with diagonals of length R enters by R (1 -
+ * sqrt(3/4)). A body smaller than the diagonals may enter only where a corner is in contact,
+ * because nothing else holds it back.
  */
 static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real across,
                             const pzs_real position[3], const body_point *at)
@@ -237,8 +256,8 @@ static pzs_real allowed_sag(const facet_search *search, pzs_real along, pzs_real
 }
 
 /*
- * Whether a point of the facet at the present displacement lies deeper in the body than is allowed
- * at a node or between nodes.
+ * Whether a point of a facet of the shell lies, at the present displacement, deeper in the contact
+ * body than is allowed at a node or between nodes.
  */
 static bool is_penetrated(facet_search *search, pzs_real along, pzs_real across)
 {
@@ -262,9 +281,9 @@ static bool is_penetrated(facet_search *search, pzs_real along, pzs_real across)
 }
 
 /*
- * Follow a point on its way relative to the body and find the smallest gap. Returns the time (0 to
- * 1) of the smallest gap, or -1 if the point has come from the front of the body to behind it,
- * through the body.
+ * Follow a point of the shell on its way relative to the contact body and find the smallest gap
+ * between them. Returns the time (0 to 1) of the smallest gap, or -1 if the point has come from the
+ * front of the body to behind it, through the body.
  *   normal [3] out  normal of the body at the smallest gap
  */
 static pzs_real crossing_time(const pzs_contact *contact, const pzs_real from[3],
@@ -316,9 +335,9 @@ static bool is_faulty(facet_search *search, pzs_real along, pzs_real across)
 }
 
 /*
- * Search a line of constant first coordinate on a facet for the smallest gap to the body, by
- * bisection for the point where the derivative of the gap along the line is zero. Returns whether a
- * point has penetrated or passed through the body.
+ * Search a line of constant first coordinate on a facet for the smallest gap to the contact body,
+ * by bisection for the point where the derivative of the gap along the line is zero. Returns
+ * whether a point has penetrated or passed through the body.
  */
 static bool search_line(facet_search *search, pzs_real along)
 {
@@ -336,10 +355,11 @@ static bool search_line(facet_search *search, pzs_real along)
 }
 
 /*
- * Search a facet for its smallest gap to the body: bisection over the first coordinate for the
- * point where the derivative of the gap is zero, with a search of the line of constant first
- * coordinate in each step. On a flat facet this is the smallest gap of all points, because the gap
- * is a convex function. Returns whether a point has penetrated or passed through the body.
+ * Search a facet of the shell for its smallest gap to the contact body: bisection over the first
+ * coordinate for the point where the derivative of the gap is zero, with a search of the line of
+ * constant first coordinate in each step. On a flat facet this is the smallest gap of all points,
+ * because the gap is a convex function. Returns whether a point has penetrated or passed through
+ * the body.
  */
 static bool search_facet_points(facet_search *search)
 {
@@ -357,9 +377,9 @@ static bool search_facet_points(facet_search *search)
 }
 
 /*
- * Whether the facet stays in front of one tangent plane of the body during the whole load step, so
- * that it cannot touch the convex body behind the plane. The plane is the one nearest to the middle
- * of the facet at its start (k = 0) or its end (k = 1).
+ * Whether a facet of the shell stays in front of one tangent plane of the contact body during the
+ * whole load step, so that it cannot touch the convex body behind the plane. The plane is the one
+ * nearest to the middle of the facet at its start (k = 0) or its end (k = 1).
  */
 static bool is_separated(const facet_search *search, int k)
 {
@@ -373,9 +393,9 @@ static bool is_separated(const facet_search *search, int k)
 }
 
 /*
- * Search a facet for points that have penetrated or passed through the body. The result is
- * search->found, whose node is a corner number from 0 to 3, or PZS_CONSTRAINED for a point between
- * the corners.
+ * Search a facet of the shell for points that have penetrated or passed through the contact body.
+ * The result is search->found, whose node is a corner number from 0 to 3, or PZS_CONSTRAINED for a
+ * point between the corners.
  */
 static void search_facet(facet_search *search)
 {
@@ -402,8 +422,8 @@ static void search_facet(facet_search *search)
 }
 
 /*
- * Whether the contact face points away from the body in the middle of the facet, both now and at
- * the last equilibrium.
+ * Whether the contact face of the shell points away from the contact body in the middle of the
+ * facet, both now and at the last equilibrium.
  */
 static bool faces_away(const facet_search *search)
 {
@@ -481,8 +501,9 @@ pzs_status pzs_contact_check(pzs_contact *contact, const pzs_solver *solver)
 /* ---- length of a load step ---------------------------------------------- */
 
 /*
- * Return the part (0 to 1) of a motion of the body after which its gap to a point is `near`. The
- * gap falls by at most the length of the motion, so each step moves the body by the remaining gap.
+ * Return the part (0 to 1) of a motion of the contact body after which its gap to a point of the
+ * shell has shrunk to `near` (m). The gap falls by at most the length of the motion, so each step
+ * moves the body by the remaining gap.
  */
 static pzs_real free_motion(const pzs_contact *contact, const pzs_real position[3],
                             const pzs_real motion[3], pzs_real near)

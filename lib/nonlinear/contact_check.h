@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Checks of a contact beyond its active set of nodes: points between the nodes, the other face of
- * the shell, and the motion of both faces relative to the body during a load step.
+ * Checks of a contact beyond the nodes that are held on the body: points between the nodes, the
+ * other face of the shell, and the motion of both faces relative to the body during a load step.
  *
  * All bodies are convex: a body lies behind each of its tangent planes, and its distance is a
  * convex function of the position, also along a straight line. Smallest distances are therefore
@@ -14,7 +14,7 @@
 
 #if PZS_NONLINEAR
 
-/* Return the largest gap that counts as closed (m). */
+/* Return the largest gap between shell and contact body that counts as closed (m). */
 pzs_real pzs_contact_closed_gap(const pzs_contact *contact);
 
 /*
@@ -24,16 +24,16 @@ pzs_real pzs_contact_closed_gap(const pzs_contact *contact);
 pzs_real pzs_contact_reach(const pzs_contact *contact, const pzs_structure *structure);
 
 /*
- * Check whether the body penetrates the shell at the present displacement, or has passed through it
- * since the last equilibrium. Returns PZS_OK, PZS_W_BEHIND or PZS_E_PENETRATION and describes the
- * penetration in contact->info.
+ * Check whether the contact body penetrates the shell at the present displacement, or has passed
+ * through it since the last equilibrium. Returns PZS_OK, PZS_W_BEHIND or PZS_E_PENETRATION and
+ * describes the penetration in contact->info.
  */
 pzs_status pzs_contact_check(pzs_contact *contact, const pzs_solver *solver);
 
 /*
  * Return the largest part (above 0, at most 1) of the way from the last equilibrium to the input
- * values that one load step may take: until the body is closer to a node than half of the longest
- * diagonal of an element, and then by half of the smallest radius of curvature of the body.
+ * values that one load step may take: until the contact body is closer to a node than half of the
+ * longest diagonal of an element, and then by half of the smallest radius of curvature of the body.
  *   value [inputs] in  wanted input values
  */
 pzs_real pzs_contact_largest_part(const pzs_contact *contact, const pzs_solver *solver,

@@ -23,9 +23,9 @@ static pzs_circuit *circuit_of(pzs_solver_option *option)
 }
 
 /*
- * Return the charge of an electrode at the present displacement: minus the product of the stress
- * resultants per volt and the strains, summed over the elements, plus the charge that flows while
- * the shell cannot deform.
+ * Return the charge of an electrode at the present displacement: minus the product of the
+ * prescribed stress resultants per volt and the strains, summed over the elements, plus the charge
+ * that would flow if the shell could not deform.
  */
 static pzs_real charge_at(const pzs_solver *solver, const pzs_electrodes *tables,
                           uint32_t electrode)
@@ -58,8 +58,8 @@ pzs_status pzs_charges_at(const pzs_solver *solver, const pzs_electrodes *tables
 }
 
 /*
- * Compute the force [free_dof] of one volt on an open electrode, given its number among the open
- * ones.
+ * Compute the force [free_dof] per volt on an open electrode, given its number among the open
+ * electrodes.
  */
 static void unit_voltage_force(const pzs_circuit *circuit, pzs_solver *solver, uint32_t open,
                                pzs_real *force)
@@ -70,7 +70,7 @@ static void unit_voltage_force(const pzs_circuit *circuit, pzs_solver *solver, u
 
 /*
  * Solve for the displacement under a force with the factors of the tangent matrix, in place, with
- * the degrees of freedom of the prescribed motion held.
+ * the degrees of freedom whose motion is prescribed kept at zero.
  */
 static void solve_free(pzs_solver *solver, pzs_real *vector)
 {
@@ -103,8 +103,9 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
     }
     const linalg_inertia inertia = pzs_linalg_factor(&circuit->state.open);
     /*
-     * An open electrode stiffens the structure: each negative pivot of the charge matrix cancels
-     * one negative pivot of the tangent matrix, because the inertia of a matrix is additive.
+     * An open electrode stiffens the structure: each negative pivot of the matrix of charges per
+     * volt cancels one negative pivot of the tangent matrix, because the inertia of a matrix is
+     * additive.
      */
     solver->info.negative_pivots -= inertia.negative < solver->info.negative_pivots
                                         ? inertia.negative
@@ -114,8 +115,8 @@ static bool factor_open(pzs_circuit *circuit, pzs_solver *solver, pzs_real *forc
 
 /*
  * Return the charge that electrode k must gain: prescribed minus present charge (input = NEWTON),
- * or the charge to gain per unit of an input. The input of an open electrode then stands for its
- * prescribed charge.
+ * or the charge to gain per unit of an input. An input that is the voltage of an open electrode
+ * then stands for the prescribed charge of this electrode.
  */
 static pzs_real charge_to_add(const pzs_circuit *circuit, const pzs_solver *solver, uint32_t k,
                               uint32_t input)
@@ -154,8 +155,8 @@ static bool condense(pzs_solver_option *option, pzs_solver *solver, uint32_t inp
 }
 
 /*
- * Write the voltages of the open electrodes into the input values and the prescribed stress
- * resultants of the solver.
+ * Write the voltages of the open electrodes into the input values of the solver, and update the
+ * prescribed stress resultants that they cause.
  */
 static void set_voltages(const pzs_circuit *circuit, pzs_solver *solver)
 {

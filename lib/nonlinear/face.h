@@ -11,8 +11,8 @@
 
 /*
  * Return the height of a face above the mean of the two faces (m): minus half the thickness for the
- * inner face, half the thickness for the outer face, 0 for any other number. All elements of a
- * shell have the same thickness.
+ * inner face, half the thickness for the outer face, 0 for any other number of the face. All
+ * elements of a shell have the same thickness.
  */
 pzs_real pzs_face_height(const pzs_structure *structure, unsigned face);
 

@@ -22,8 +22,9 @@
 #if PZS_NONLINEAR
 
 /*
- * A vector at a corner with its derivatives: with respect to the displacement of the face at the
- * four corners (12 columns), then with respect to the director of the corner (3 columns).
+ * A vector at a corner of an element with its 15 derivatives: with respect to the displacement of
+ * the face at the four corners (12 columns), then with respect to the director of the corner (3
+ * columns).
  */
 enum { BY_DIRECTOR = 12, VARIABLES = 15 };
 typedef struct vector_slope {
@@ -36,7 +37,10 @@ typedef struct vector_slope {
  */
 enum { CORNER_DOF = 6, FACE_DOF = 24 };
 
-/* Add the vector product of two vectors, times a factor, to `sum`, with its derivatives. */
+/*
+ * Add the vector product of two vectors, times a factor, to `sum`; the derivatives of the product
+ * are added as well.
+ */
 static void add_cross(pzs_real factor, const vector_slope *left, const vector_slope *right,
                       vector_slope *sum)
 {
@@ -54,7 +58,10 @@ static void add_cross(pzs_real factor, const vector_slope *left, const vector_sl
     }
 }
 
-/* Divide `vector` by the length `size` of `normal`, with its derivatives. */
+/*
+ * Divide `vector` by the length `size` of the vector `normal`, and update the derivatives of
+ * `vector`.
+ */
 static void normalise(const vector_slope *normal, pzs_real size, vector_slope *vector)
 {
     const pzs_real inverse = size > 0 ? 1 / size : 0;
@@ -71,7 +78,7 @@ static void normalise(const vector_slope *normal, pzs_real size, vector_slope *v
 
 /*
  * Set the base vector U_a = G_a - (g_a . e3) t of the face at one corner, with its derivatives: G_a
- * and g_a are the deformed and undeformed base vectors, e3 the normal, t the director.
+ * and g_a are the deformed and undeformed base vectors, e3 the normal, t the director of the shell.
  */
 static void set_base(const pzs_element_type *type, pzs_real height, unsigned corner,
                      unsigned direction, const pzs_real face_base[3], const vector_slope *director,
@@ -92,11 +99,12 @@ static void set_base(const pzs_element_type *type, pzs_real height, unsigned cor
 }
 
 /*
- * Compute the directions n and side of the pressure at one corner, per undeformed area, with their
- * derivatives.
+ * Compute, with their derivatives, the two directions in which a follower pressure acts at one
+ * corner of an element, per undeformed area: `normal` to the loaded face, and `side` on the middle
+ * surface.
  *   displacement [4][3] in   displacement of the face at the corners (m)
  *   director_at  [3]    in   director of the corner
- *   normal, side        out  directions, multiplied by the ratio of the areas
+ *   normal, side        out  directions, multiplied by the ratio of deformed to undeformed area
  */
 static void pressure_force(const pzs_follower *load, const pzs_structure *structure, uint16_t type,
                            const pzs_real (*displacement)[3], const pzs_real director_at[3],
@@ -130,7 +138,8 @@ static void pressure_force(const pzs_follower *load, const pzs_structure *struct
 
 /*
  * Add `part` times a direction of the pressure at one corner to the force [24] on the element, in
- * the rows of loaded_corner, and its derivatives to slope [24][24]. slope may be NULL.
+ * the six rows of the corner `loaded_corner`, and its derivatives to slope [24][24]. slope may be
+ * NULL.
  */
 static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real z_load,
                              pzs_real height, unsigned corner, unsigned loaded_corner,
@@ -152,7 +161,8 @@ static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real
 
 /*
  * Index in pzs_follower.share of the part of the pressure at `corner` that acts on the node at
- * loaded_corner: 0 for the same corner, 1 for a neighbour, 2 for the opposite corner.
+ * `loaded_corner`: 0 if the two corners are the same, 1 if they are neighbours, 2 if they are
+ * opposite.
  */
 static unsigned share_index(unsigned loaded_corner, unsigned corner)
 {
@@ -203,8 +213,8 @@ static void element_forces(const pzs_follower *load, const pzs_solver *solver, u
 /* ---- over the dof of an element ---------------------------------------- */
 
 /*
- * Index (0 to 23) of degree of freedom i of an element among those that move a face, or FACE_DOF if
- * it moves none.
+ * Return the index (0 to 23) of degree of freedom i of an element among those that move a face, or
+ * FACE_DOF if degree of freedom i moves no face.
  */
 static unsigned face_dof_of(unsigned i, unsigned dof_per_node)
 {
@@ -212,7 +222,10 @@ static unsigned face_dof_of(unsigned i, unsigned dof_per_node)
                                          : FACE_DOF;
 }
 
-/* Add the forces [24] of an element, times a factor, to `vector` [free_dof]. */
+/*
+ * Add the nodal forces [24] of a follower load on an element, times a factor, to `vector`
+ * [free_dof].
+ */
 static void scatter_forces(const pzs_solver *solver, uint32_t element, pzs_real factor,
                            const pzs_real *force, pzs_real *vector)
 {
@@ -227,8 +240,8 @@ static void scatter_forces(const pzs_solver *solver, uint32_t element, pzs_real 
 }
 
 /*
- * Compute the symmetric part of the tangent of the load, minus half of the sum of the derivatives
- * and their transpose, as a packed lower triangle.
+ * Compute the symmetric part of the tangent stiffness of a follower load on an element, minus half
+ * of the sum of the derivatives of its forces and their transpose, as a packed lower triangle.
  */
 static void symmetric_tangent(pzs_real (*slope)[FACE_DOF], unsigned dof_per_node, pzs_real *k)
 {
@@ -272,8 +285,8 @@ static void add_unit_force(pzs_solver_option *option, pzs_solver *solver, uint32
 }
 
 /*
- * Add the skew-symmetric part of the derivative of the forces, times x and a factor, to y; both
- * vectors are [free_dof].
+ * Add the product A x, times a factor, to y [free_dof]. A is the skew-symmetric part of the
+ * derivative of the forces of a follower load, and x [free_dof] is a displacement.
  */
 static void add_skew(pzs_solver_option *option, pzs_solver *solver, const pzs_real *x,
                      pzs_real factor, pzs_real *y)

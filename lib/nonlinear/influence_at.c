@@ -24,8 +24,8 @@ static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 }
 
 /*
- * Compute the force per unit of the input that prescribes a motion. The tangent matrix is assembled
- * and factored anew for it.
+ * Compute the force per unit of the input that prescribes a motion. For this purpose the tangent
+ * matrix is assembled and factored anew.
  *   force [free_dof] in/out  in: zero; out: force (N and N m)
  */
 static void prescribed_motion_force(pzs_solver *solver, pzs_real *force)
@@ -53,8 +53,8 @@ static void add_outputs(const pzs_structure *structure, const pzs_real *displace
 }
 
 /*
- * Whether an option of the solver, such as a follower load, has forces with a skew-symmetric
- * derivative, which the tangent matrix omits.
+ * Whether an option of the equilibrium solver, such as a follower load, has forces with a
+ * skew-symmetric derivative, which the tangent matrix omits.
  */
 static bool has_skew_part(const pzs_solver *solver)
 {
@@ -68,7 +68,7 @@ static bool has_skew_part(const pzs_solver *solver)
 /*
  * Add the product W x, times a factor, to y, both [free_dof]. W is the skew-symmetric part of the
  * derivative of all forces, which the factored tangent K leaves out: K - W is the exact tangent.
- * The result is zero at the degrees of freedom of the prescribed motion.
+ * The product is zero at the degrees of freedom whose motion is prescribed.
  */
 static void add_skew(pzs_solver *solver, const pzs_real *x, pzs_real factor, pzs_real *y)
 {

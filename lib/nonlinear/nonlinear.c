@@ -28,8 +28,9 @@ static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 /* ---- init ------------------------------------------------------------- */
 
 /*
- * Whether the numbers of entries are possible for tables of this structure. Otherwise a damaged
- * number could lead the checksum or the check of indices beyond the tables.
+ * Whether the numbers of entries in the tables of the equilibrium solver are possible for this
+ * structure. Otherwise a damaged number could lead the checksum or the check of indices beyond the
+ * tables.
  */
 static bool counts_fit(const pzs_nonlinear *tables, const pzs_structure *structure)
 {
@@ -309,8 +310,9 @@ void pzs_nonlinear_clear_prescribed(const pzs_solver *solver, pzs_real *internal
 }
 
 /*
- * Apply the prescribed motion to the right-hand side [free_dof] and to the tangent matrix. Returns
- * the squared norm of the reaction forces, each multiplied by the scale factor of its matrix row.
+ * Apply the prescribed motion of some degrees of freedom to the right-hand side [free_dof] and to
+ * the tangent matrix. Returns the squared norm of the reaction forces, each multiplied by the scale
+ * factor of its matrix row.
  */
 static pzs_real prescribe_all(pzs_solver *solver, pzs_real *right_side)
 {
@@ -380,7 +382,7 @@ bool pzs_nonlinear_condense(pzs_solver *solver, uint32_t input, pzs_real *du)
 }
 
 /*
- * Make one linear solve and update displacement and stress resultants.
+ * Make one linear solve of Newton's method and update displacement and stress resultants.
  *   du [free_dof] out  increment of the displacement (m and 1)
  * Returns false if the tangent matrix is singular, or the additional unknowns of an option
  * (voltages of open electrodes) cannot be solved for.
@@ -423,7 +425,7 @@ static pzs_status unconverged_option(pzs_solver *solver)
     return open;
 }
 
-/* Add the force of actuation at the present displacement to `vector` [free_dof]. */
+/* Add the force of the actuators at the present displacement to `vector` [free_dof]. */
 static void add_actuation(const pzs_solver *solver, pzs_real *vector)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
@@ -441,14 +443,15 @@ static void add_actuation(const pzs_solver *solver, pzs_real *vector)
 }
 
 /*
- * A force imbalance counts as a rounding error if the norm of its entries, each multiplied by the
- * scale factor of its matrix row, is below this part of the norm of the displacement.
+ * Rounding bound of the equilibrium: a force imbalance counts as a rounding error if the norm of
+ * its entries, each multiplied by the scale factor of its matrix row, is below this factor times
+ * the norm of the displacement.
  */
 #define IMBALANCE_ROUNDING (256 * PZS_EPSILON)
 
 /*
- * Assess the present displacement: compute its stress resultants, its force imbalance and the
- * factors of its tangent matrix.
+ * Assess whether the present displacement is an equilibrium: compute its stress resultants, its
+ * force imbalance and the factors of its tangent matrix.
  *   next [free_dof] out  increment that Newton's method would make next (m and 1)
  * Returns false if the tangent matrix is singular or a result is not finite.
  */
@@ -479,8 +482,9 @@ static bool assess_equilibrium(pzs_solver *solver, pzs_real *next)
 }
 
 /*
- * Whether the iteration may continue. Close to convergence it may take twice as many linear solves.
- * It counts as divergent after four successive increments of about the size of the load step.
+ * Whether Newton's method may continue in this load step. Close to convergence it may take twice as
+ * many linear solves. The iteration counts as divergent after four successive increments of about
+ * the size of the load step.
  */
 static bool may_continue(const pzs_solver *solver, uint32_t divergence_count)
 {
@@ -495,8 +499,8 @@ static bool may_continue(const pzs_solver *solver, uint32_t divergence_count)
  * load step, and the force imbalance is not larger than the applied force or is a rounding error.
  * Where a load step moves less than a thousandth of the whole displacement (a tenth in float,
  * because of rounding), the increments are compared with that part of the whole displacement.
- * Returns whether the iteration has converged. state.pending_error holds the status of an option
- * that has not.
+ * Returns whether the iteration has converged. state.pending_error holds the status of an option of
+ * the solver that has not converged.
  */
 static bool iterate(pzs_solver *solver)
 {
@@ -585,8 +589,9 @@ static bool options_accept(pzs_solver *solver)
 }
 
 /*
- * Try one load step by `part` of the remaining way to the input values. Returns whether it has
- * converged and is accepted; only then is it saved as the last equilibrium.
+ * Try one load step by `part` of the remaining way to the input values. Returns whether the load
+ * step has converged and its shape is accepted; only then is the shape saved as the last
+ * equilibrium.
  */
 static bool try_load_step(pzs_solver *solver, const pzs_real *value, pzs_real part)
 {
@@ -641,9 +646,9 @@ static pzs_real largest_part(const pzs_solver *solver, const pzs_real *value)
 }
 
 /*
- * Progress of the input values from the last equilibrium to the wanted values. The way is divided
- * into equal units: units in total, units done, units of the next load step, and units of the
- * longest load step.
+ * Progress of the input values from the last equilibrium to the wanted values. The way between them
+ * is divided into equal units: units in total, units done, units of the next load step, and units
+ * of the longest load step.
  */
 typedef struct load_progress {
     uint32_t total, done, stride, longest;
@@ -688,8 +693,8 @@ static uint32_t next_step_units(const pzs_solver *solver, load_progress *progres
 /*
  * Run all load steps. The way to the input values is divided into load_steps * 2^STEP_HALVINGS
  * units or more, so that the last load step ends exactly at the input values. A load step that does
- * not converge is halved. After one that converges, the next is doubled, up to the size of the
- * first.
+ * not converge is halved. After one that converges, the length of the next one is doubled, up to
+ * the size of the first.
  */
 static pzs_status run_load_steps(pzs_solver *solver, const pzs_real *value)
 {

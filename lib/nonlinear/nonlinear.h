@@ -17,14 +17,14 @@ struct pzs_solver_option_calls {
     /* Called before an equilibrium: return whether the settings of the option are in range. */
     bool (*settings_in_range)(const pzs_solver_option *option);
     /*
-     * Called before each linear solve of a load step: choose the active set, the nodes that a
-     * contact holds on the body. state.iteration counts the linear solves of the load step from 0.
-     * Returns false if no linear solve is possible.
+     * Called before each linear solve of a load step: prepare the option, for example choose the
+     * nodes that a contact holds on its body (active set). state.iteration counts the linear solves
+     * of the load step from 0. Returns false if no linear solve is possible.
      */
     bool (*prepare_solve)(pzs_solver_option *option, pzs_solver *solver);
     /*
-     * Add the forces of the option at the present displacement to load [free_dof], and subtract
-     * their derivative from the stiffness matrix of the model.
+     * Add the forces of a solver option (such as a contact) at the present displacement to load
+     * [free_dof], and subtract their derivative from the stiffness matrix of the model.
      */
     void (*add_forces)(pzs_solver_option *option, pzs_solver *solver, pzs_real *load);
     /*
@@ -33,8 +33,9 @@ struct pzs_solver_option_calls {
      */
     void (*after_solve)(pzs_solver_option *option, pzs_solver *solver, const pzs_real *du);
     /*
-     * has_converged returns whether the option has converged at the present displacement.
-     * not_converged is the status of a solver that ends because the option has not.
+     * has_converged returns whether a solver option (such as a contact) has converged at the
+     * present displacement. not_converged is the status of a solver that ends because the option
+     * has not converged.
      */
     bool (*has_converged)(pzs_solver_option *option, pzs_solver *solver);
     pzs_status not_converged;
@@ -55,8 +56,8 @@ struct pzs_solver_option_calls {
      */
     bool (*is_unsupported)(const pzs_solver_option *option, const pzs_solver *solver);
     /*
-     * save stores the state of the option as that of the last equilibrium, restore returns to that
-     * state, and reset returns to the undeformed state.
+     * For a solver option such as a contact, save stores its state as that of the last equilibrium,
+     * restore returns to that state, and reset returns to the undeformed state.
      */
     void (*save)(pzs_solver_option *option, pzs_solver *solver);
     void (*restore)(pzs_solver_option *option, pzs_solver *solver);
@@ -65,17 +66,18 @@ struct pzs_solver_option_calls {
     void (*add_unit_force)(pzs_solver_option *option, pzs_solver *solver, uint32_t input,
                            pzs_real *force);
     /*
-     * For an option with unknowns of its own (voltages of open electrodes): add the displacement
-     * that these unknowns cause to du [free_dof], which was solved for without them.
+     * For a solver option with unknowns of its own (voltages of open electrodes): add the
+     * displacement that these unknowns cause to du [free_dof], which was solved for without them.
      *   input in  the input to whose unit du is the response; NEWTON: du is the response to the
      *             force imbalance; NO_INPUT: du is the response to another force
-     * Returns false if the unknowns cannot be solved for. Rows three and four of the work array of
-     * the model are free for this function.
+     * Returns false if the unknowns cannot be solved for. This function may use the third and
+     * fourth vector of the work array of the model.
      */
     bool (*condense)(pzs_solver_option *option, pzs_solver *solver, uint32_t input, pzs_real *du);
     /*
      * Add the product W x, times a factor, to y. W is the skew-symmetric part of the derivative of
-     * the forces that add_forces adds; the stiffness matrix leaves it out.
+     * the forces of a solver option (such as a follower load), which the stiffness matrix leaves
+     * out.
      *   x [free_dof] in      vector
      *   y [free_dof] in/out  sum
      */
@@ -86,8 +88,8 @@ struct pzs_solver_option_calls {
 enum { NEWTON = 0xFFFF, NO_INPUT = 0xFFFE };
 
 /*
- * Stages of a solver. SOLVER_CONVERGED: the model holds the factors of the tangent matrix at the
- * equilibrium.
+ * Stages of the equilibrium solver. SOLVER_READY: initialised. SOLVER_CONVERGED: the model holds
+ * the factors of the tangent matrix at the equilibrium.
  */
 enum { SOLVER_READY = 1, SOLVER_CONVERGED = 2 };
 
@@ -102,14 +104,14 @@ uint32_t pzs_follower_crc(const pzs_follower *tables, const pzs_structure *struc
 uint32_t pzs_contact_crc(const pzs_contact_face *tables, const pzs_structure *structure);
 
 /*
- * Return whether an option is in the list of a solver. Attaching an option twice would make the
- * list endless.
+ * Return whether an option (such as a contact) is already in the linked list of a solver's options.
+ * Attaching an option twice would make the list endless.
  */
 bool pzs_nonlinear_is_attached(const pzs_solver *solver, const pzs_solver_option *option);
 
 /*
- * Put an option at the front of the list of attached options. Its present state counts as that of
- * the last equilibrium.
+ * Put an option at the front of the linked list of a solver's options. The present state of the
+ * option counts as that of the last equilibrium.
  */
 void pzs_nonlinear_attach(pzs_solver *solver, pzs_solver_option *option,
                           const struct pzs_solver_option_calls *call);
@@ -133,7 +135,7 @@ void pzs_nonlinear_unit_force(pzs_solver *solver, uint32_t input, pzs_real *forc
 
 /*
  * Assemble the tangent matrix in the model, and compute the force imbalance at the present
- * displacement and the load state.load.
+ * displacement and the applied load state.load.
  *   uses_true_resultants in   true: the geometric part comes from the stress resultants of the
  *                             displacement; false: from the extrapolated ones
  *   imbalance [free_dof] out  load minus internal force (N and N m)

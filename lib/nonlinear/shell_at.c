@@ -2,16 +2,17 @@
 /*
  * Tangent stiffness of the shell element GEX7P4 at a deformed shape (shell.h), in closed form.
  *
- * The strains of all modes 00, 01, 10, 11 are the same sums over the four nodes, apart from the
- * signs xi1^r1 xi2^r2 of the nodes. One array A of nodal strains thus serves every mode m: its
- * strain matrix L_m is A with the sign of m at each node. With the stiffness D_m of the modes, the
- * products D_m A are combined, with the signs of both nodes, into the stresses of each node p,
+ * The strains of the four strain modes 00, 01, 10, 11 of an element are the same sums over the four
+ * nodes, apart from the signs xi1^r1 xi2^r2 of the nodes at the element coordinates xi1, xi2. One
+ * array A of nodal strains thus serves every mode m: its strain matrix L_m is A with the sign of m
+ * at each node. With the stiffness D_m of the modes, the products D_m A are combined, with the
+ * signs of both nodes, into the stresses of each node p,
  *   Y_p = sum over m of sign_m(p) sign_m D_m A,
  * and the rows of node p in the tangent stiffness are
  *   K_p = A_p^T Y_p + geometric part,  p = 0 to 3.
  * The columns are the six degrees of freedom of each of the four nodes (mean, difference over the
- * thickness), followed by the seventh degree of freedom q of the four nodes, which contributes
- * to five strains only.
+ * thickness), followed by the seventh degree of freedom q of the four nodes, which contributes to
+ * five strains only.
  */
 #include "../model/shell.h"
 #include "../model/shell_corner.h"
@@ -25,16 +26,17 @@ enum { NODE_DOF = 6, HALF = 12, FIRST_Q = 24, COLUMNS = 28 };
 
 /*
  * Order of the strains in the rows of the nodal strain array. Mean displacements do not contribute
- * to the first two.
+ * to the first two strains. The suffix M stands for the mean of the two faces, D for their
+ * difference.
  */
 enum { A33M, A33D, A13, A23, A11M, A11D, A22M, A22D, A12M, A12D };
 enum { ROWS = SHELL_STRAINS, WITH_Q = 5, WITHOUT_MEAN = 2 };
 static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D, E12M, E12D};
 
 /*
- * Rows of the nodal strain array to which the seventh degree of freedom q contributes. The row of
- * the mean strain 12 is one of them because warp adds transverse shear to it. In rows_of_mode the
- * rows with q come first, or are at the positions that they have here.
+ * Rows of the array of nodal strains to which the seventh degree of freedom q contributes. The row
+ * of the mean strain 12 is one of them because warp adds transverse shear to it. The lists in
+ * rows_of_mode have the rows with q first, or in the same positions as this list.
  */
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
@@ -55,12 +57,13 @@ static const mode_rows rows_of_mode[4] = {
 
 /*
  * A pair of stress rows (stiffness of a mode times nodal strains) of two modes that contribute to
- * the same stress. A node needs only the sum or the difference of a pair, so these two replace the
- * pair. Which of them the node needs depends on the product of two signs of the mode `mode`: the
- * sign at the node, and the sign at the node to which the column belongs. In each column the sum is
- * stored in the first row if the sign of the column is negative, and else in the second. The first
- * row then serves all nodes of negative sign, and the second all nodes of positive sign. In the
- * columns of the seventh degree of freedom q only the first PAIRS_WITH_Q pairs are replaced.
+ * the same stress. A node needs only the sum or the difference of a pair, so sum and difference
+ * replace the pair. Which of them the node needs depends on the product of two signs of the strain
+ * mode `mode`: the sign at the node, and the sign at the node to which the column belongs. In each
+ * column the sum is stored in the first row if the sign of the column is negative, and else in the
+ * second. The first row then serves all nodes of negative sign, and the second all nodes of
+ * positive sign. In the columns of the seventh degree of freedom q only the first PAIRS_WITH_Q
+ * pairs are replaced.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
@@ -85,7 +88,7 @@ static const uint8_t stress_row[4][ROWS] = {
 
 /* ---- nodal strains ---------------------------------------------------- */
 
-/* y = transposed matrix times x */
+/* y = transposed matrix times x, for a 3 x 3 matrix */
 static void multiply_transposed(pzs_real y[3], const pzs_real matrix[3][3], const pzs_real x[3])
 {
     for (int j = 0; j < 3; j++)
@@ -109,8 +112,8 @@ static void transpose_derivative(const pzs_element_type *type, int node, int dir
 }
 
 /*
- * Write the rows of a mean strain and of the difference strain at one node, from the derivatives of
- * the mean and of the difference of the base vectors.
+ * Write the rows of a mean strain and of the corresponding difference strain at one node, from the
+ * derivatives of the mean and of the difference of the base vectors.
  */
 static void write_mean_and_difference(pzs_real thickness, const pzs_real mean[3],
                                       const pzs_real diff[3], pzs_real *row_mean,
@@ -126,8 +129,8 @@ static void write_mean_and_difference(pzs_real thickness, const pzs_real mean[3]
 }
 
 /*
- * Compute the rows of the in-plane strains of one node: 11 and 22 from one direction each, 12 from
- * both.
+ * Compute the rows of the in-plane strains of one node in the array of nodal strains: strains 11
+ * and 22 from one direction each, strain 12 from both directions.
  */
 static void write_in_plane_strains(const pzs_element_type *type, const shell_corner shape[4],
                                    int node, pzs_real nodal[ROWS][COLUMNS])
@@ -157,7 +160,10 @@ static void write_in_plane_strains(const pzs_element_type *type, const shell_cor
                               nodal[A12D] + NODE_DOF * node);
 }
 
-/* Compute the rows of the transverse strains 33, 13 and 23 of one node. */
+/*
+ * Compute the rows of the transverse strains 33, 13 and 23 of one node in the array of nodal
+ * strains.
+ */
 static void write_transverse_strains(const pzs_element_type *type, const shell_corner shape[4],
                                      int node, pzs_real nodal[ROWS][COLUMNS])
 {
@@ -188,8 +194,8 @@ static void write_transverse_strains(const pzs_element_type *type, const shell_c
 
 /*
  * Add the effect of warp to the row of the mean strain 12 at one node: a linear combination of
- * other strains. Some of its factors depend on the signs of the modes 01 and 10 at the node. The
- * combination can be part of the row because the mean strain 12 is used in mode 00 only.
+ * other strains. Some of its factors depend on the signs of the strain modes 01 and 10 at the node.
+ * The combination can be part of the row because the mean strain 12 is used in strain mode 00 only.
  */
 static void add_warp(const pzs_element_type *type, int node, pzs_real nodal[ROWS][COLUMNS])
 {
@@ -216,9 +222,9 @@ static void nodal_strains(const pzs_element_type *type, const shell_corner shape
 /* ---- material part ---------------------------------------------------- */
 
 /*
- * Innermost loop of the tangent: set the 12 entries of `to` to the sum over the rows t of factor[t
- * stride] times row[t], from `column` on. The list of rows ends with NULL: with a known number of
- * rows, gcc would vectorise over the rows, with slow gather instructions.
+ * Innermost loop of the tangent stiffness: set the 12 entries of `to` to the sum over the rows t of
+ * factor[t stride] times row[t], from `column` on. The list of rows ends with NULL: with a known
+ * number of rows, gcc would vectorise over the rows, with slow gather instructions.
  */
 static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                      const pzs_real *const *restrict row, int column)
@@ -242,7 +248,7 @@ static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int
 
 /*
  * Set the four columns of the seventh degree of freedom q to the sum of factors times rows, over
- * the `count` rows to which q contributes.
+ * the `count` rows of nodal strains to which q contributes.
  */
 static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
                        const pzs_real *const *row, int count)
@@ -257,14 +263,18 @@ static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, i
     }
 }
 
-/* Whether the seventh degree of freedom q contributes to a row in the list of a mode. */
+/*
+ * Whether the seventh degree of freedom q contributes to a row in the list of rows of a strain
+ * mode.
+ */
 static bool has_q(const mode_rows *mode, int row)
 {
     return mode->with_q == WITH_Q ? row <= A23 || row == A12M : row < mode->with_q;
 }
 
 /*
- * Compute the products of the mode stiffnesses with the nodal strains, for all modes.
+ * Compute the stress rows of an element: the products of the stiffness of each strain mode with the
+ * nodal strains.
  *   nodal         [ROWS][COLUMNS] in   nodal strains
  *   stress_row_of [22][COLUMNS]   out  products, in the order of rows_of_mode
  */
@@ -293,9 +303,9 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Collect the strains of all modes that a unit displacement causes: one column of the nodal
- * strains, which belongs to `node`. Strains to which the seventh degree of freedom q does not
- * contribute are zero in its columns.
+ * Collect the strains of all four strain modes that a unit displacement of one degree of freedom
+ * causes: one column of the nodal strains, which belongs to `node`. Strains to which the seventh
+ * degree of freedom q does not contribute are zero in its columns.
  */
 static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
                           pzs_real strains[4][10])
@@ -309,7 +319,10 @@ static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
         }
 }
 
-/* Write the resultants of one column into the stress rows, without the signs of its node. */
+/*
+ * Write the stress resultants that belong to one column of the nodal strains into the stress rows
+ * (stiffness of each strain mode times nodal strains), without the signs of the node of the column.
+ */
 static void scatter_column(pzs_real resultant[4][10], int column, int node,
                            pzs_real stress_row_of[22][COLUMNS])
 {
@@ -320,8 +333,8 @@ static void scatter_column(pzs_real resultant[4][10], int column, int node,
 }
 
 /*
- * Compute the products of the mode stiffnesses with the nodal strains for a skewed element, whose
- * modes are coupled, column by column.
+ * Compute the stress rows (stiffness of each strain mode times nodal strains) of a skewed element,
+ * whose strain modes are coupled, column by column.
  */
 static void skewed_stress_rows(const pzs_element_type *type, unsigned dof_per_node,
                                pzs_real nodal[ROWS][COLUMNS], pzs_real stress_row_of[22][COLUMNS])
@@ -338,7 +351,7 @@ static void skewed_stress_rows(const pzs_element_type *type, unsigned dof_per_no
 
 /*
  * Replace two rows by their sum and their difference in `count` columns. The first row receives the
- * sum if sum_in_first, and else the second.
+ * sum if sum_in_first is true, otherwise the second row does.
  */
 static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict second,
                                int sum_in_first, int count)
@@ -350,7 +363,10 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
     }
 }
 
-/* Combine the stress rows of the modes into the stress rows of the nodes, in place. */
+/*
+ * Combine the stress rows of the four strain modes of an element into the stress rows of its four
+ * nodes, in place.
+ */
 static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COLUMNS])
 {
     for (int i = 0; i < PAIRS; i++) {
@@ -370,9 +386,9 @@ static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COL
 /* ---- geometric part --------------------------------------------------- */
 
 /*
- * Geometric stiffness between two nodes: `mean` couples mean displacements, `cross` couples a mean
- * with a difference. The coupling of two differences is that of two means times a quarter of the
- * squared thickness.
+ * Geometric stiffness between two nodes: `mean` couples the mean displacements of the two faces,
+ * `cross` couples a mean with a difference over the thickness. The coupling of two differences is
+ * that of two means times a quarter of the squared thickness.
  */
 typedef struct block {
     pzs_real mean[9];
@@ -380,7 +396,8 @@ typedef struct block {
 } block;
 
 /*
- * Index of the pair of corners (node, other), for node >= other, among the ten pairs of an element.
+ * Return the index of the pair of corners (node, other), for node >= other, among the ten pairs of
+ * corners of an element.
  */
 static int pair_of(int node, int other)
 {
@@ -388,8 +405,8 @@ static int pair_of(int node, int other)
 }
 
 /*
- * Add the product of two coupling matrices, times a mean stress and times a stress difference, to
- * the geometric stiffness of a pair of nodes.
+ * Add the product of two coupling matrices, times a mean stress and times a stress difference of
+ * the two faces, to the geometric stiffness of a pair of nodes.
  */
 static void add_product(block *restrict pair, const pzs_real *restrict left_map,
                         const pzs_real *restrict right_map, pzs_real mean, pzs_real cross)
@@ -404,9 +421,10 @@ static void add_product(block *restrict pair, const pzs_real *restrict left_map,
 }
 
 /*
- * Add the geometric stiffness of the in-plane stresses at one corner: the sum over the directions a
- * and b of stress_ab times the product of the derivatives lambda_a and lambda_b.
- *   stress [10]  in      stresses at the corner
+ * Add the geometric stiffness of the in-plane stresses at one corner of an element: the sum over
+ * the directions a and b of stress_ab times the product of the derivatives lambda_a and lambda_b of
+ * the displacement.
+ *   stress [10]  in      ten stresses at the corner
  *   pair   [10]  in/out  geometric stiffness of all pairs of nodes
  */
 static void add_in_plane(const pzs_element_type *type, int corner, const pzs_real stress[10],
@@ -427,8 +445,8 @@ static void add_in_plane(const pzs_element_type *type, int corner, const pzs_rea
 }
 
 /*
- * Address of an entry in a packed lower triangle, for a row and a column on either side of the
- * diagonal.
+ * Return the address of an entry in a packed lower triangle of a symmetric matrix, for a row and a
+ * column on either side of the diagonal.
  */
 static pzs_real *packed_entry(pzs_real *stiffness, unsigned row, unsigned column)
 {
@@ -437,8 +455,8 @@ static pzs_real *packed_entry(pzs_real *stiffness, unsigned row, unsigned column
 }
 
 /*
- * Add the geometric stiffness of the transverse stresses at one corner: products of the director
- * and of the seventh degree of freedom q with the other derivatives.
+ * Add the geometric stiffness of the transverse stresses at one corner of an element: products of
+ * the director and of the seventh degree of freedom q with the other derivatives.
  */
 static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, int corner,
                            const pzs_real stress[10], pzs_real *stiffness)
@@ -472,8 +490,8 @@ static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, 
 /* ---- the tangent ------------------------------------------------------ */
 
 /*
- * Write row i of one node, up to its diagonal, to its place in the packed stiffness: product of
- * nodal strains and stresses plus geometric stiffness.
+ * Write row i of one node, up to its diagonal, to its place in the packed tangent stiffness of an
+ * element: product of nodal strains and stresses plus geometric stiffness.
  */
 static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_real hh4,
                       unsigned dof_per_node, int node, int i, pzs_real *restrict stiffness)
@@ -495,7 +513,7 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
 
 /*
  * Write the rows of one node, except the row of the seventh degree of freedom q, into the packed
- * stiffness. stress [ROWS + 1] in  stress rows of the node, followed by NULL
+ * tangent stiffness of an element. stress [ROWS + 1] in  stress rows of the node, followed by NULL
  */
 static void write_node(const pzs_element_type *type, unsigned dof_per_node, int node,
                        pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
@@ -512,7 +530,10 @@ static void write_node(const pzs_element_type *type, unsigned dof_per_node, int 
     }
 }
 
-/* Write row and column of the seventh degree of freedom q of one node into the packed stiffness. */
+/*
+ * Write row and column of the seventh degree of freedom q of one node into the packed tangent
+ * stiffness of an element.
+ */
 static void write_q(int node, pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
                     pzs_real *stiffness)
 {
@@ -535,8 +556,8 @@ static void write_q(int node, pzs_real nodal[ROWS][COLUMNS], const pzs_real *con
 }
 
 /*
- * Compute the packed tangent stiffness from the deformed base vectors and the stresses [4][10] at
- * the corners.
+ * Compute the packed tangent stiffness of an element from the deformed base vectors and the ten
+ * stresses at each of its four corners.
  */
 static void compute_tangent(const pzs_element_type *type, unsigned dof_per_node,
                             const shell_corner shape[4], pzs_real corner_stress[4][10],
