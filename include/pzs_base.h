@@ -54,7 +54,10 @@ typedef double pzs_real;
 #define PZS_ABS(x) fabs(x)
 #endif
 
-/* PZS_R(x) converts a number of a generated table from double to pzs_real by one rounding. */
+/*
+ * PZS_R(x) converts the number x of a generated table from double to the library's type of real
+ * numbers, pzs_real, by one rounding.
+ */
 #define PZS_R(x) ((pzs_real)(x))
 
 #if PZS_TILE == 4
@@ -84,33 +87,34 @@ typedef enum pzs_status {
      * Warnings have the values 1 to 63: the outputs are valid, but the caller should know the
      * reason.
      */
-    PZS_W_ITERATIONS = 1, /* the optimiser reached its work limit: the voltages are inside all
-                             limits and no worse than before, but not optimal */
-    PZS_W_STEP_LIMIT, /* the step limit and the voltage limits of input info.where do not overlap;
-                         the voltage limits take precedence */
-    PZS_W_SENSOR, /* the measurement with index info.where is missing or stuck; its last deviation
-                     from the model is kept */
-    PZS_W_HELD, /* no measurement is usable, or the target is not finite: the last safe voltages are
-                   held */
-    PZS_W_ELECTRODE, /* electrode info.where does not follow its amplifier; the fault detector holds
-                        it from now on */
+    PZS_W_ITERATIONS = 1, /* Warning: the optimiser reached its work limit, so the voltages are
+                             inside all limits and no worse than before, but not optimal. */
+    PZS_W_STEP_LIMIT, /* Warning: the step limit and the voltage limits of input info.where do not
+                         overlap; the voltage limits take precedence. */
+    PZS_W_SENSOR, /* Warning: the measurement with index info.where is missing or stuck; the last
+                     difference between measurement and model is used instead. */
+    PZS_W_HELD,   /* Warning: no measurement is usable, or the target is not finite, so the voltages
+                     of the last tick are kept. */
+    PZS_W_ELECTRODE, /* Warning: electrode info.where does not follow its amplifier; the fault
+                        detector keeps its voltage constant from now on. */
     /*
      * The shell is in equilibrium and in contact with the rigid body, but a part of the shell that
      * faces away from the body lies inside the body: the shell has passed through itself, or both
      * of its faces would touch the body.
      */
     PZS_W_BEHIND,
-    PZS_W_UNSTABLE, /* the equilibrium is unstable: its tangent stiffness has negative pivots */
-    PZS_W_PARKED, /* the output is at its park voltages (voltages of rest, from the tables) or on a
-                     ramp to them, by command; the loop is not in control */
-    PZS_W_RAMP,   /* the supervisor has taken control away and ramps the output to its park voltages
-                     (voltages of rest, set in the tables); the status at the end of the ramp is
-                     PZS_E_LATCHED */
-    PZS_W_OUTPUT, /* the last gate, the check of all voltages at the end of a tick, has corrected
-                     the voltage of input info.where, which was not finite or beyond a limit because
-                     working memory was damaged */
-    PZS_W_SELFTEST, /* the self-test moves one amplifier after the other; the loop is not yet in
-                       control */
+    PZS_W_UNSTABLE, /* Warning: the equilibrium is unstable, because its tangent stiffness has
+                       negative pivots. */
+    PZS_W_PARKED,   /* Warning: by command, the voltages are at the park voltages (voltages of rest,
+                       from the tables) or on a ramp to them; the loop is not in control. */
+    PZS_W_RAMP, /* Warning: the supervisor has taken control away and ramps the voltages to the park
+                   voltages (voltages of rest, from the tables); the status at the end of the ramp
+                   is PZS_E_LATCHED. */
+    PZS_W_OUTPUT,   /* Warning: the check of all voltages at the end of a tick (last gate) has
+                       corrected the voltage of input info.where, which was not finite or beyond a
+                       limit because working memory was damaged. */
+    PZS_W_SELFTEST, /* Warning: the self-test moves one amplifier after the other, so the loop is
+                       not yet in control. */
     /*
      * input info.where was held, or the controller was started, at voltages from which the limit
      * rows (limits of sums of voltages) allow only a gradual way: the voltages go to the safe
@@ -119,39 +123,42 @@ typedef enum pzs_status {
     PZS_W_LIMIT_ROWS,
 
     /* Errors have values from 64 on: the outputs of the function are untouched. */
-    PZS_E_ARGUMENT = 64, /* a pointer is NULL, or a size, an index or a setting is out of range */
-    PZS_E_FORMAT,    /* the tables have another format number than the library, or come from another
-                        scene than the tables with which they are used */
-    PZS_E_CRC,       /* the tables do not match their checksum */
-    PZS_E_WORKSPACE, /* the workspace is too small or misaligned; info.where is the number of bytes
-                        needed */
-    PZS_E_STAGE,     /* the function was called before the initialisation that it needs */
-    PZS_E_LATCHED, /* the supervisor has taken control away, and the output is at its park voltages
-                      (voltages of rest); only pzs_loop_init starts the loop again */
-    PZS_E_NONFINITE, /* an input array contains NaN or infinity at index info.where */
-    PZS_E_LIMITS,    /* the lower limit of input info.where exceeds its upper limit, or one of its
-                        limits is not a number */
-    PZS_E_LOOSE,    /* the free degree of freedom info.where has no stiffness: a part is loose, or a
-                       support is missing */
-    PZS_E_NEGATIVE, /* the stiffness of the undeformed structure has a negative pivot at the free
-                       degree of freedom info.where */
-    PZS_E_CONDITION, /* the estimated condition number of the stiffness exceeds what this precision
-                        can solve */
-    PZS_E_RESIDUAL,  /* iterative refinement ended with an estimated relative error of the
-                        displacement above the square root of the machine epsilon */
+    PZS_E_ARGUMENT = 64, /* Error: a pointer is NULL, or a size, an index or a setting is out of
+                            range. */
+    PZS_E_FORMAT,    /* Error: the tables have another format number than the library, or come from
+                        another scene file than the tables with which they are used. */
+    PZS_E_CRC,       /* Error: the tables do not match their checksum, so they are damaged or were
+                        changed. */
+    PZS_E_WORKSPACE, /* Error: the workspace (memory that the caller provides) is too small or
+                        misaligned; info.where is the number of bytes needed. */
+    PZS_E_STAGE,     /* Error: the function was called before the initialisation that it needs. */
+    PZS_E_LATCHED, /* Error: the supervisor has taken control away, and the voltages are at the park
+                      voltages (voltages of rest); only pzs_loop_init starts the loop again. */
+    PZS_E_NONFINITE, /* Error: an input array contains NaN or infinity at index info.where. */
+    PZS_E_LIMITS, /* Error: the lower limit of input info.where exceeds its upper limit, or one of
+                     the two limits is not a number. */
+    PZS_E_LOOSE, /* Error: the free degree of freedom info.where has no stiffness, because a part is
+                    loose or a support is missing. */
+    PZS_E_NEGATIVE,  /* Error: the stiffness matrix of the undeformed structure has a negative pivot
+                        at the free degree of freedom info.where. */
+    PZS_E_CONDITION, /* Error: the estimated condition number of the stiffness matrix exceeds what
+                        this floating-point precision can solve. */
+    PZS_E_RESIDUAL,  /* Error: iterative refinement ended with an estimated relative error of the
+                        displacement above the square root of the machine epsilon. */
 
     /*
      * Errors of the equilibrium solver: the solver keeps the last converged equilibrium, and
      * info.load_factor tells where it lies on the way from the input values before the call (0) to
      * the wanted ones (1).
      */
-    PZS_E_DIVERGED, /* no equilibrium was found beyond the last one with load steps halved down to
-                       1/64, or the voltages of open electrodes did not converge */
-    PZS_E_LIMIT,    /* no equilibrium was found and the tangent stiffness becomes singular: a limit
-                       point or a bifurcation is near */
+    PZS_E_DIVERGED, /* Error: no equilibrium was found beyond the last one although load steps were
+                       halved down to 1/64, or the voltages of open electrodes did not converge. */
+    PZS_E_LIMIT, /* Error: no equilibrium was found and the tangent stiffness becomes singular, so a
+                    limit point or a bifurcation is near. */
     /*
-     * the nodes in contact kept changing from iteration to iteration; or a shell that its supports
-     * leave loose does not touch the body at the start, is not pressed onto it, or slides along it
+     * Error: the set of nodes in contact with the rigid body kept changing from iteration to
+     * iteration; or a shell that its supports leave loose does not touch the body at the start, is
+     * not pressed onto the body, or slides along it.
      */
     PZS_E_CONTACT,
     /*
@@ -160,11 +167,11 @@ typedef enum pzs_status {
      * contact tells which
      */
     PZS_E_PENETRATION,
-    PZS_E_SOLVES,  /* the limit on linear solves, settings.solve_limit, was reached before the
-                      equilibrium */
-    PZS_E_SELFTEST /* the self-test found a faulty amplifier or sensor, or vibration hid their
-                      responses; pzs_selftest_info tells which, and the loop does not take control
-                    */
+    PZS_E_SOLVES, /* Error: the limit on linear solves, settings.solve_limit, was reached before the
+                     equilibrium. */
+    PZS_E_SELFTEST /* Error: the self-test found a faulty amplifier or sensor, or vibration hid
+                      their responses; pzs_selftest_info tells which, and the loop does not take
+                      control. */
 } pzs_status;
 
 #define PZS_IS_ERROR(status) ((status) >= PZS_E_ARGUMENT)
@@ -177,7 +184,9 @@ const char *pzs_status_text(pzs_status status);
 
 /* ---- shared tables and matrices --------------------------------------- */
 
-/* Entry of the table node_dof for a degree of freedom that a support holds at zero. */
+/*
+ * Entry of the table pzs_structure.node_dof for a degree of freedom that a support keeps at zero.
+ */
 #define PZS_CONSTRAINED 0xFFFFu
 
 /*
@@ -185,10 +194,12 @@ const char *pzs_status_text(pzs_status status);
  * vector) or for each output (coefficients of the displacement).
  */
 typedef struct pzs_rows {
-    uint16_t count;        /* number of rows */
-    const uint32_t *start; /* [count + 1] index of the first entry of each row */
-    const uint16_t *dof;   /* [start[count]] free degree of freedom (column) of each entry */
-    const pzs_real *value; /* [start[count]] numerical value of each entry */
+    uint16_t count;        /* number of rows of the sparse matrix */
+    const uint32_t *start; /* [count + 1] index of the first entry of each of the `count` rows; the
+                              last element is the number of entries */
+    const uint16_t *dof; /* [number of entries] column of each entry: the index of a free degree of
+                            freedom */
+    const pzs_real *value; /* [number of entries] numerical value of each entry */
 } pzs_rows;
 
 /*
@@ -196,11 +207,12 @@ typedef struct pzs_rows {
  * first nonzero column to the diagonal. Dense, banded and skyline matrices are special cases.
  */
 typedef struct pzs_envelope {
-    uint32_t n;            /* number of rows */
+    uint32_t n;            /* number n of matrix rows */
     const uint16_t *first; /* [n] column of the first stored entry of each row */
-    uint32_t *start; /* [panels + 1] index in `value` at which each panel of PZS_TILE rows starts */
-    pzs_real *value; /* [start[panels]] stored entries, panel by panel */
-    pzs_real *inverse; /* [n] reciprocals of the pivots, after the factorisation */
+    uint32_t *start;       /* [panels + 1] index in `value` at which each panel (a group of PZS_TILE
+                              matrix rows) starts; the last element is the number of stored entries */
+    pzs_real *value;   /* [number of stored entries] stored entries of the matrix, panel by panel */
+    pzs_real *inverse; /* [n] reciprocals of the n pivots, after the factorisation */
 } pzs_envelope;
 
 /*

@@ -7,7 +7,7 @@
 #ifndef PZS_CONFIG_H
 #define PZS_CONFIG_H
 
-/* PZS_REAL_BITS: bits of a real number, 32 (float) or 64 (double). */
+/* PZS_REAL_BITS: number of bits of a real number, 32 (float) or 64 (double). */
 #ifndef PZS_REAL_BITS
 #define PZS_REAL_BITS 64
 #endif

@@ -43,22 +43,25 @@ struct pzs_limit_row_calls;
 
 /*
  * Limits of weighted sums of voltages, in addition to the limits of each voltage: for example the
- * largest difference of two neighbouring voltages. Limit row k demands
- *   lower_k <= sum over the entries of row k of (value * voltage of input dof) <= upper_k.
+ * largest difference of two neighbouring voltages. A limit row is one such limit; row k demands
+ *   lower_k <= sum over the entries of row k of (coefficient `value` * voltage of input `dof`) <=
+ *   upper_k.
  * All voltages that the controller gives obey the limit rows without any rounding error: the
  * optimiser narrows each row by the rounding error of its sum. A program whose voltage problem has
  * no limit rows does not link their code.
  */
 typedef struct pzs_limit_rows {
-    const struct pzs_limit_row_calls *call; /* address of the functions that implement limit rows:
+    const struct pzs_limit_row_calls *call; /* pointer to the functions that implement limit rows:
                                                always &pzs_limit_rows_calls */
-    pzs_rows sums; /* coefficients of the limit rows: `count` rows whose columns `dof` are inputs,
-                      each at most once in a row (1) */
-    const pzs_real *lower; /* [sums.count] lowest value of each sum, or -infinity (V) */
-    const pzs_real *upper; /* [sums.count] highest value of each sum, or infinity; above the lowest
-                              value by more than twice the rounding error of the sum (V) */
-    const pzs_real *safe;  /* [inputs] voltages inside all voltage limits and limit rows, to which
-                              the controller can always return (V) */
+    pzs_rows sums; /* coefficients of the voltages in the limited sums (1): `count` rows whose
+                      columns `dof` are inputs, each input at most once in a row */
+    const pzs_real *lower; /* [sums.count] lower limit of each weighted sum of voltages, or
+                              -infinity (V) */
+    const pzs_real *upper; /* [sums.count] upper limit of each weighted sum of voltages, or infinity
+                              (V); it exceeds the lower limit by more than twice the rounding error
+                              of the sum */
+    const pzs_real *safe;  /* [inputs] safe voltages inside all voltage limits and limit rows, to
+                              which the controller can always return (V) */
 } pzs_limit_rows;
 
 /*
@@ -74,27 +77,30 @@ extern const struct pzs_limit_row_calls pzs_limit_rows_calls;
  * flash.
  */
 typedef struct pzs_problem {
-    uint32_t format; /* format number of the tables, PZS_TABLE_FORMAT */
+    uint32_t format; /* format number of the tables of the voltage problem, PZS_TABLE_FORMAT */
     uint32_t scene;  /* hash of the scene file from which the tables were generated */
-    uint32_t crc;    /* checksum of the following members and their arrays, computed by
-                        pzs_problem_seal */
+    uint32_t crc; /* checksum of the following members of the voltage problem and of their arrays,
+                     computed by pzs_problem_seal */
     uint16_t inputs, outputs;
     const pzs_real *influence; /* [outputs][inputs] influence matrix B: displacement of each output
-                                  per volt on each input (m/V); NULL: passed to pzs_control_init */
+                                  per volt on each input (m/V); NULL: the program passes the matrix
+                                  to pzs_control_init */
     const pzs_real *hessian;   /* [inputs][inputs] Hessian B'W^2 B of the influence matrix B and the
-                                  output weights W (m2/V2); NULL: computed by pzs_control_init */
+                                  output weights W (m2/V2); NULL: pzs_control_init computes it */
     const pzs_real *weight;    /* [outputs] weight of each output in the objective (1) */
-    const pzs_real *lower;     /* [inputs] lower voltage limit (V) */
-    const pzs_real *upper;     /* [inputs] upper voltage limit (V) */
-    const pzs_real *step_limit;        /* [inputs] largest change of a voltage in one step (V) */
+    const pzs_real *lower;     /* [inputs] lower limit of the voltage on each input (V) */
+    const pzs_real *upper;     /* [inputs] upper limit of the voltage on each input (V) */
+    const pzs_real *step_limit; /* [inputs] largest change of the voltage on each input in one step
+                                   (V) */
     const pzs_real *reference_voltage; /* [inputs] voltages towards which the regularisation pulls
                                           the solution (V) */
-    pzs_real regularisation; /* weight of the squared distance from the reference voltages in the
-                                objective (m2/V2) */
-    uint64_t work_limit;     /* initial value of the member work_limit of pzs_control_settings
-                                (multiply-adds); 0: PZS_WORK_LIMIT */
+    pzs_real regularisation; /* regularisation weight: factor of the squared distance of the
+                                voltages from the reference voltages in the objective (m2/V2) */
+    uint64_t work_limit; /* default of the member work_limit of pzs_control_settings, the largest
+                            number of multiply-adds of the optimiser in one voltage step; 0:
+                            PZS_WORK_LIMIT */
     const pzs_limit_rows *limit_rows; /* limits of weighted sums of voltages, for inputs with finite
-                                         voltage limits; NULL: there are no such limits */
+                                         voltage limits; NULL: no sum is limited */
 } pzs_problem;
 
 /*
@@ -115,29 +121,33 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 /* ---- work of a step --------------------------------------------------- */
 
 /*
- * Smallest useful work_limit of the controller settings (multiply-adds): with it a voltage step
- * makes at least one iteration.
+ * Smallest useful work limit of the optimiser (member work_limit of the controller settings, in
+ * multiply-adds): with it a voltage step makes at least one iteration.
  */
 #define PZS_WORK_LEAST(inputs)                                                                     \
     (4u * PZS_PRODUCT_WORK(inputs) + PZS_ROUND_WORK(inputs) + PZS_ITERATION_WORK(inputs))
 
 /*
- * Default of the member work_limit of pzs_control_settings: number of multiply-adds that the
- * optimiser may use in one voltage step. Practical problems need fewer; only problems constructed
- * for this purpose reach the limit.
+ * Default of the optimiser's work limit (member work_limit of pzs_control_settings): number of
+ * multiply-adds that the optimiser may use in one voltage step. Practical problems need fewer; only
+ * problems that are constructed to take many iterations reach the limit.
  */
 #define PZS_WORK_LIMIT(inputs)                                                                     \
     (40u * PZS_ROUND_WORK(inputs) + (8u * (uint64_t)(inputs) + 100u) * PZS_ITERATION_WORK(inputs))
 
 /*
  * For a problem with limit rows (limits of weighted sums of voltages), PZS_LIMIT_ROW_WORK_LEAST and
- * PZS_LIMIT_ROW_WORK_LIMIT replace PZS_WORK_LEAST and PZS_WORK_LIMIT.
+ * PZS_LIMIT_ROW_WORK_LIMIT replace PZS_WORK_LEAST and PZS_WORK_LIMIT, the smallest and the default
+ * work limit of the optimiser (multiply-adds).
  */
 #define PZS_LIMIT_ROW_WORK_LEAST(inputs, rows)                                                     \
     (PZS_WORK_LEAST((inputs) + (rows)) + 6u * PZS_PRODUCT_WORK((inputs) + (rows)))
 #define PZS_LIMIT_ROW_WORK_LIMIT(inputs, rows) PZS_WORK_LIMIT((inputs) + (rows))
 
-/* Upper bound of the multiply-adds of pzs_tick, for a work_limit of at least PZS_WORK_LEAST. */
+/*
+ * Upper bound of the multiply-adds of one control tick, pzs_tick, given the work limit of its
+ * optimiser, which must be at least PZS_WORK_LEAST.
+ */
 #define PZS_STEP_WORK(inputs, outputs, work_limit)                                                 \
     ((uint64_t)(work_limit) + 3u * (uint64_t)(inputs) * (outputs) +                                \
      16u * ((uint64_t)(outputs) + PZS_CONTROL_WIDTH(inputs)))
@@ -147,7 +157,7 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 /* Settings of the controller that a program may change after pzs_control_init. */
 typedef struct pzs_control_settings {
     uint64_t work_limit; /* largest number of multiply-adds of the optimiser in one voltage step, at
-                            least PZS_WORK_LEAST; default: that of the problem */
+                            least PZS_WORK_LEAST; default: work_limit of the voltage problem */
 } pzs_control_settings;
 
 /* Results of the controller that a program may read. */
@@ -156,15 +166,18 @@ typedef struct pzs_control_info {
                                 (V) */
     const pzs_real *predicted;   /* [outputs] shape that the model predicts for the voltages of the
                                     last tick (m) */
-    const pzs_real *disturbance; /* [outputs] measured shape minus predicted shape in the last tick
-                                    (m) */
-    const pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of the tables; of an
-                                      input that pzs_hold holds, both are the held voltage (V) */
-    int32_t where;                 /* index to which the last status refers, or -1 */
+    const pzs_real *disturbance; /* [outputs] measured shape minus predicted shape in the last tick,
+                                    the estimated disturbance (m) */
+    const pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of the tables; for an
+                                      input that pzs_hold keeps at a voltage, both limits are this
+                                      voltage (V) */
+    int32_t where; /* index of the input, output or array entry to which the last status refers, or
+                      -1 */
     uint16_t iterations;      /* number of iterations of the optimiser in the last voltage step */
     uint16_t iterations_most; /* largest number of iterations in any voltage step so far */
     uint64_t work;      /* number of multiply-adds of the optimiser in the last voltage step */
-    uint64_t work_most; /* largest number of multiply-adds in any voltage step so far */
+    uint64_t work_most; /* largest number of multiply-adds of the optimiser in any voltage step so
+                           far */
 } pzs_control_info;
 
 typedef struct pzs_control {
@@ -182,7 +195,7 @@ typedef struct pzs_control {
 /*
  * PZS_LIMIT_ROW_BYTES is the memory that limit rows (limits of weighted sums of voltages) need in
  * addition to PZS_CONTROL_BYTES, or to the memory of a block that holds a controller (bytes).
- * PZS_LIMIT_ROW_VECTORS is the number of vectors in this memory.
+ * PZS_LIMIT_ROW_VECTORS is the number of vectors that this memory holds.
  */
 #define PZS_LIMIT_ROW_VECTORS (10u + PZS_PENDING)
 #define PZS_LIMIT_ROW_BYTES(inputs, rows)                                                          \
@@ -254,7 +267,7 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error);
 /*
  * pzs_hold fixes one input at a voltage (V), clamped to the limits of the tables: for example 0 V
  * for a dead electrode, or the last voltage for a stuck one. pzs_release frees the input again. The
- * next step or tick applies a held voltage at once, even beyond the step limit (warning
+ * next step or tick applies the fixed voltage at once, even beyond the step limit (warning
  * PZS_W_STEP_LIMIT). With limit rows, an input that is held away from its last voltage goes there
  * together with all others, on the straight way to the voltages `safe` of the limit rows, within
  * step limits and limit rows (warning PZS_W_LIMIT_ROWS). Errors: PZS_E_ARGUMENT, PZS_E_STAGE,
@@ -271,15 +284,15 @@ typedef struct pzs_report {
                                 norm of the target (1) */
     pzs_real kkt_violation; /* largest violation of the optimality (KKT) conditions, relative to the
                                largest entry of the gradient at zero voltage (1) */
-    uint16_t active_limits; /* number of inputs whose voltage is at a limit */
-    uint16_t active_rows;   /* number of limit rows (limits of sums of voltages) that are at a limit
-                               and have a multiplier */
+    uint16_t active_limits; /* number of inputs whose voltage is at its lower or upper limit */
+    uint16_t active_rows;   /* number of limit rows (limits of sums of voltages) that are at their
+                               limit and have a Lagrange multiplier */
 } pzs_report;
 
 /*
  * Assess the present voltages from the influence matrix alone, independently of the optimiser. The
- * call takes 3 inputs*outputs multiply-adds and is not needed in a control loop. It uses the limits
- * in force; where step limits bind, those of the last step.
+ * call takes 3 inputs*outputs multiply-adds and is not needed in a control loop. The voltage limits
+ * are those in force; where step limits bind, the limits of the last step are used.
  *   error  [outputs] in   error passed to the last pzs_step, or, after pzs_tick, target minus
  *          info.disturbance (m)
  *   report           out  unchanged after an error

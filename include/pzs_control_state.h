@@ -17,8 +17,8 @@ struct pzs_amplifier;
 struct pzs_block;
 
 /*
- * Number of pivot exchanges that the optimiser collects before it applies them to its matrix
- * together.
+ * Number of pivot exchanges (moves of an input between the free and the active set) that the
+ * optimiser collects before it applies them together to its matrix, the tableau.
  */
 #define PZS_PENDING PZS_BY_TILE(4u, 32u, 32u)
 
@@ -26,8 +26,8 @@ struct pzs_block;
  * Work of the optimiser, counted in multiply-adds; a loop over the inputs that only compares counts
  * as a few of them. PZS_PRODUCT_WORK: product of the Hessian with a vector. PZS_EXCHANGE_WORK: move
  * of one input between free set and active set. PZS_ITERATION_WORK: one iteration, with at most one
- * such move. PZS_ROUND_WORK: start of a round of iterations. lib/control/boxls.c explains the
- * method.
+ * such move. PZS_ROUND_WORK: start of a round, a sequence of iterations between two exact
+ * computations of the gradient.
  */
 #define PZS_PRODUCT_WORK(inputs) ((uint64_t)(inputs)*PZS_CONTROL_WIDTH(inputs))
 #define PZS_EXCHANGE_WORK(inputs)                                                                  \
@@ -43,102 +43,116 @@ struct pzs_block;
 
 /*
  * One pivot exchange, which moves an input between the free set and the active set of the
- * optimiser. The row of the matrix that belongs to the exchange is stored in pzs_optimiser.pending.
+ * optimiser. The matrix row that belongs to the exchange is stored in pzs_optimiser.pending.
  */
 typedef struct pzs_exchange {
     uint32_t input;
-    pzs_real sign;  /* sign of the pivot, the diagonal entry before the exchange: +1 or -1 */
+    pzs_real sign;  /* sign of the pivot of the exchange, the diagonal entry before the exchange: +1
+                       or -1 */
     pzs_real scale; /* 1 / square root of the absolute value of the pivot; negative if the exchange
                        belongs to a limit row */
-    pzs_real pivot; /* diagonal entry of the matrix that belongs to the exchanged input, after the
+    pzs_real pivot; /* diagonal entry of the tableau that belongs to the exchanged input, after the
                        exchange */
 } pzs_exchange;
 
 /*
- * Active-set method for least squares with bounds. The free set holds the inputs whose voltages may
+ * Active-set method for bounded least squares. The free set holds the inputs whose voltages may
  * change, the active set the inputs whose voltages are kept at a bound or, for the present, at a
- * value between the bounds. An array without a stated shape has the length `width`, the number of
- * inputs rounded up to a multiple of PZS_TILE.
+ * value between the bounds. The tableau is the Hessian after one pivot exchange for each input of
+ * the free set. A round is a sequence of iterations between two exact computations of the gradient.
+ * Arrays with an entry for each input are padded to the length `width`, a multiple of PZS_TILE.
  */
 typedef struct pzs_optimiser {
     uint32_t inputs, width;
     uint32_t iterations;
-    uint64_t work, work_limit; /* multiply-adds that the optimiser has used in this voltage step,
-                                  and the largest number that it may use */
+    uint64_t work, work_limit; /* number of multiply-adds that the optimiser has used in this
+                                  voltage step, and the largest number that it may use */
     pzs_real *hessian;         /* [inputs][width] Hessian H of the objective (m2/V2) */
     pzs_real *tableau; /* [inputs][width] tableau: the Hessian after one pivot exchange for each
                           input of the free set, without the exchanges that are still in `pending`
                         */
     pzs_real *pivot;   /* [width] diagonal of the tableau, with the exchanges in `pending` */
-    pzs_real *pending; /* [PZS_PENDING][width] one vector for each pivot exchange that is collected
-                          but not yet applied to the tableau: its rank-one update */
+    pzs_real *pending; /* [PZS_PENDING][width] rank-one updates of the tableau: one vector for each
+                          pivot exchange that is collected but not yet applied to the tableau */
     pzs_real *waiting; /* [width] 1 for an input that is to join the free set again while the
                           tableau is recomputed, else 0 */
     pzs_real *voltage; /* [width] present voltages (V) */
     pzs_real *lower, *upper; /* [width] lower and upper bounds of the voltages in this step (V) */
     pzs_real *free_set; /* [width] 1 for an input of the free set, 0 for one of the active set; real
                            numbers, because vector loops multiply by them */
-    pzs_real *base;     /* [width] voltages around which the gradient is linearised (V) */
-    pzs_real *regularisation_gradient; /* [width] regularisation weight times (base - reference
-                                          voltages) (m2/V) */
-    pzs_real *target_gradient; /* [width] B'W^2 (e - B base), with influence matrix B, output
-                                  weights W and target error e (m2/V) */
-    pzs_real *model_gradient;  /* [width] Hessian times (voltages - base) plus
-                                  regularisation_gradient; after a round of iterations computed from
-                                  the Hessian, after a whole step that no bound blocks (direct
-                                  iteration) predicted by the tableau (m2/V) */
+    pzs_real *base;     /* [width] base voltages, around which the gradient of the objective is
+                           linearised (V) */
+    pzs_real *regularisation_gradient; /* [width] gradient of the regularisation: regularisation
+                                          weight times (base voltages - reference voltages) (m2/V)
+                                        */
+    pzs_real *target_gradient; /* [width] gradient of the target: B'W^2 (e - B base), with influence
+                                  matrix B, output weights W, target error e and base voltages
+                                  `base` (m2/V) */
+    pzs_real *model_gradient;  /* [width] Hessian times (voltages - base voltages) plus
+                                  regularisation_gradient (m2/V); after a round of iterations
+                                  computed from the Hessian, after a single full step that no bound
+                                  blocks predicted by the tableau */
     pzs_real *gradient;        /* [width] model_gradient - target_gradient: half the gradient of the
-                                  objective (m2/V) */
+                                  objective with respect to the voltages (m2/V) */
     pzs_real *direction; /* [width] for an input of the free set its search direction (V); for one
                             of the active set its gradient after the step (m2/V) */
-    pzs_real *diagonal;  /* [width] diagonal of the Hessian (m2/V2) */
-    pzs_real *start_voltage;  /* [width] voltages at the start of the present round (iterations
-                                 between two computations of the gradient from the Hessian) (V) */
-    pzs_real *start_gradient; /* [width] gradient at the voltages start_voltage (m2/V) */
+    pzs_real *diagonal;  /* [width] diagonal of the Hessian of the objective (m2/V2) */
+    pzs_real *start_voltage;  /* [width] voltages at the start of the present round, a sequence of
+                                 iterations between two computations of the gradient from the Hessian
+                                 (V) */
+    pzs_real *start_gradient; /* [width] half the gradient of the objective at the start of the
+                                 present round of iterations (m2/V) */
     /*
      * [width] voltages after a full step along the search direction (V); before the direction is
      * known, the gradient of the free set (m2/V)
      */
     pzs_real *next_voltage;
-    pzs_real *scratch; /* [width] work array; after the search direction is known, next_voltage -
-                          base (V) */
-    pzs_real inverse_trace;       /* trace of the inverse of the Hessian restricted to the free set
-                                     (V2/m2); 0: not computed */
+    pzs_real *scratch; /* [width] work array of the optimiser; after the search direction is known,
+                          next_voltage minus base voltages (V) */
+    pzs_real inverse_trace; /* trace of the inverse of the Hessian restricted to the inputs of the
+                               free set (V2/m2); 0: not computed */
     pzs_real inverse_trace_bound; /* upper bound of inverse_trace that follows from the
-                                     regularisation weight (V2/m2); 0: none */
+                                     regularisation weight (V2/m2); 0: there is none */
     /*
-     * an input counts as linearly dependent on the free set if its pivot, divided by its diagonal
-     * entry of the Hessian, is below this number (1)
+     * an input counts as linearly dependent on the inputs of the free set if its pivot, divided by
+     * its diagonal entry of the Hessian, is below this number (1)
      */
     pzs_real pivot_floor;
-    pzs_real model_rounding;  /* rounding-error bound of model_gradient (m2/V) */
-    pzs_real start_rounding;  /* rounding-error bound of start_gradient (m2/V) */
-    pzs_real target_rounding; /* rounding-error bound of target_gradient (m2/V) */
-    pzs_real target_energy; /* weighted squared norm of the target error, the scale of the objective
-                               (m2) */
-    pzs_real kkt_violation; /* violation of the optimality (KKT) conditions: after a round of
-                               iterations the largest of all inputs, after a direct iteration the
-                               summed errors of the two entries of the gradient that were checked
-                               (m2/V) */
-    pzs_real rounding_bound; /* bound up to which rounding errors explain kkt_violation (m2/V) */
-    uint32_t active_count;   /* number of inputs in the active set */
-    uint32_t checked_next; /* next input whose gradient is computed exactly to verify the tableau */
+    pzs_real model_rounding; /* rounding-error bound of the entries of model_gradient, the part of
+                                the gradient that depends on the voltages (m2/V) */
+    pzs_real start_rounding; /* rounding-error bound of start_gradient, the gradient at the start of
+                                a round of iterations (m2/V) */
+    pzs_real target_rounding; /* rounding-error bound of target_gradient, the part of the gradient
+                                 that depends on the target (m2/V) */
+    pzs_real target_energy;   /* weighted squared norm of the target error, by which the size of the
+                                 objective is judged (m2) */
+    pzs_real kkt_violation;   /* violation of the optimality (KKT) conditions: after a round of
+                                 iterations the largest of all inputs, after a direct iteration (a
+                                 full step that no bound blocks) the summed errors of the two entries
+                                 of the gradient that were checked (m2/V) */
+    pzs_real rounding_bound;  /* bound below which rounding errors explain a violation of the
+                                 optimality (KKT) conditions (m2/V) */
+    uint32_t active_count;  /* number of inputs in the active set, whose voltages are kept constant
+                             */
+    uint32_t checked_next;  /* index of the next input for which the gradient is computed exactly to
+                               verify the tableau */
     uint32_t pending_count; /* number of pivot exchanges collected but not yet applied to the
                                tableau */
-    uint32_t exchanges; /* number of pivot exchanges since the tableau was last computed from the
-                           Hessian */
-    uint32_t rebuilds;  /* number of recomputations of the tableau begun in this voltage step */
+    uint32_t exchanges; /* number of pivot exchanges (moves of an input between free and active set)
+                           since the tableau was last computed from the Hessian */
+    uint32_t rebuilds;  /* number of times that the tableau was computed anew from the Hessian in
+                           this voltage step */
     pzs_exchange exchange[PZS_PENDING];
-    bool is_rebuilding; /* the tableau is incomplete, because some inputs that are to join the free
-                           set again are not yet exchanged */
-    bool is_predicted; /* model_gradient is predicted by the tableau, not computed from the Hessian;
-                          during a round of iterations: it was predicted at the start of the round
-                        */
-    bool is_cut;       /* the last voltage step stopped at its work limit before the optimum */
-    bool is_fresh;     /* the tableau was recomputed, and no round of iterations has ended at the
-                          optimum since */
-    bool is_verified;  /* the last round of iterations with the present tableau ended at the optimum
-                        */
+    bool is_rebuilding; /* whether the tableau is incomplete, because some inputs that are to join
+                           the free set again are not yet exchanged */
+    bool is_predicted; /* whether model_gradient was predicted by the tableau, not computed from the
+                          Hessian; during a round of iterations: whether it was predicted at the
+                          start of the round */
+    bool is_cut;   /* whether the last voltage step stopped at its work limit before the optimum */
+    bool is_fresh; /* whether the tableau has been computed anew from the Hessian since the last
+                      round of iterations that ended at the optimum */
+    bool is_verified; /* whether the last round of iterations with the present tableau ended at the
+                         optimum */
     bool is_optimal;
 } pzs_optimiser;
 
@@ -148,46 +162,49 @@ typedef struct pzs_optimiser {
  * length `width`, a multiple of PZS_TILE.
  */
 typedef struct pzs_row_solver {
-    pzs_optimiser extended; /* tableau (pivoted matrix of the KKT conditions), active set and
-                               vectors of the inputs and limit rows together */
-    pzs_real *margin; /* [width] for a limit row the distance by which the optimiser narrows it, so
-                         that its sum is inside its limits despite rounding errors; for an input the
-                         largest of these distances (V) */
-    pzs_real predicted_decrease; /* predicted decrease of half the objective by the complete step
-                                    along the search direction (m2) */
+    pzs_optimiser extended; /* state of the optimiser (tableau, active set and vectors) for inputs
+                               and limit rows together */
+    pzs_real *margin; /* [width] for a limit row the distance by which the optimiser narrows the
+                         row, so that its sum is inside its limits despite rounding errors; for an
+                         input the largest of these distances (V) */
+    pzs_real predicted_decrease; /* decrease of half the objective that the tableau predicts for the
+                                    complete step along the search direction (m2) */
     pzs_real gap; /* upper bound of the distance of half the objective from its minimum, valid if no
-                     multiplier has the wrong sign (m2) */
+                     Lagrange multiplier has the wrong sign (m2) */
     pzs_real last_violation; /* violation of the optimality (KKT) conditions at the start of the
                                 last round of iterations (m2/V) */
     pzs_real largest_size;   /* largest absolute pivot among the free voltages and limit rows (those
-                                not kept at a bound) since the tableau was last computed anew, by
-                                which its rounding errors are estimated (V2/m2) */
+                                not kept at a bound) since the tableau was last computed anew (V2/m2);
+                                the rounding errors of the tableau are estimated from it */
     pzs_real least_rounding; /* rounding-error bound of the violation of the optimality (KKT)
                                 conditions at the start of the voltage step (m2/V); 0: not yet
                                 computed */
     uint32_t failures; /* number of rounds of iterations in this voltage step that did not lower the
                           objective */
-    bool is_least_index; /* true: the last iteration has not changed any voltage. The next iteration
-                            then releases the input or limit row with the smallest index, which
-                            excludes cycles */
+    bool is_least_index; /* whether the last iteration has left all voltages unchanged; the next
+                            iteration then frees the input or limit row with the smallest index,
+                            which excludes cycles */
 } pzs_row_solver;
 
-/* One array of constant tables, as a part of their checksum; an absent array has 0 bytes. */
+/* One array of constant tables that is a part of their checksum; an absent array has 0 bytes. */
 typedef struct pzs_table_part {
     const void *data;
     size_t bytes;
 } pzs_table_part;
 
-#define PZS_TABLE_PARTS 14u /* largest number of arrays in the tables of a block */
+#define PZS_TABLE_PARTS                                                                            \
+    14u /* largest number of arrays in the constant tables of a block of the loop */
 
 /*
- * Progress of a scrub, which checks constant tables slice by slice: each tick reads one slice, and
- * after the last slice the checksum of the whole is compared.
+ * Progress of a scrub, a check of constant tables for damage during the control loop: each tick
+ * reads one slice of the tables, and after the last slice the checksum of the whole is compared.
  */
 typedef struct pzs_scrub {
     uint32_t position; /* offset of the next slice from the start of the tables (bytes) */
-    uint32_t crc;      /* running checksum of the slices read since the start of the tables */
-    bool has_failed;   /* the last complete scrub found a wrong checksum */
+    uint32_t crc; /* running checksum of the slices of constant tables read since the start of the
+                     tables */
+    bool has_failed; /* whether the last complete check of the constant tables found a wrong
+                        checksum */
 } pzs_scrub;
 
 /*
@@ -196,48 +213,51 @@ typedef struct pzs_scrub {
  */
 typedef enum pzs_control_behind {
     PZS_BEHIND_NOTHING = 0,
-    PZS_BEHIND_PREDICTION, /* info.predicted is out of date */
+    PZS_BEHIND_PREDICTION, /* info.predicted, the predicted shape, is out of date */
     PZS_BEHIND_GRADIENT    /* info.predicted and the gradient of the optimiser are out of date */
 } pzs_control_behind;
 
 typedef struct pzs_control_state {
     const struct pzs_problem *problem;
-    const pzs_real *influence; /* [outputs][inputs] influence matrix in use: the one passed to
-                                  pzs_control_init, or that of the problem (m/V) */
+    const pzs_real *influence; /* [outputs][inputs] influence matrix in use, passed to
+                                  pzs_control_init or taken from the voltage problem (m/V) */
     pzs_optimiser optimiser;
     pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of the tables, narrowed by
                                 pzs_hold (V) */
-    pzs_real *held[3];       /* [inputs] voltage at which an input is held (V); NaN: not held. Three
-                                copies are kept, so that two outvote a damaged third */
-    pzs_real *voltage;       /* [inputs] present voltages (V) */
-    pzs_real *predicted;     /* [outputs] shape predicted for the present voltages (m) */
-    pzs_real *disturbance;   /* [outputs] measured shape minus predicted shape (m) */
-    pzs_real *measured;      /* [outputs] measured shape of the last tick (m) */
-    pzs_real *step_limit;    /* [inputs] largest change of a voltage in one step (V) */
-    pzs_real *weighted;      /* [2][outputs] first row: squared output weights times (target shape -
-                                shape of the base voltages - disturbance); second row: expected
-                                measurements (m) */
+    pzs_real *held[3];   /* [inputs] voltage at which pzs_hold keeps an input (V); NaN: the input is
+                            not held. Three copies are stored, so that two outvote a damaged third */
+    pzs_real *voltage;   /* [inputs] present voltages (V) */
+    pzs_real *predicted; /* [outputs] shape predicted for the present voltages (m) */
+    pzs_real *disturbance; /* [outputs] measured shape minus predicted shape (m) */
+    pzs_real *measured;    /* [outputs] measured shape of the last tick (m) */
+    pzs_real *step_limit; /* [inputs] largest change of the voltage on each input in one step (V) */
+    pzs_real *weighted;   /* [2][outputs] first row: squared output weights times (target shape -
+                             shape of the base voltages - disturbance); second row: expected
+                             measurements (m) */
     uint8_t *repeats; /* [outputs] number of ticks in which a measurement stayed constant although
                          its output should have moved */
-    uint8_t *faulty;  /* [inputs] 1: the fault detector holds the input because the shape did not
-                         respond to its voltage; else 0 */
-    const pzs_real *damping; /* [inputs] damping gradient of a damped tick (a control step that also
-                                damps vibration), subtracted from the gradient of the objective
-                                (m2/V); NULL: no damping */
+    uint8_t *faulty;  /* [inputs] 1: the fault detector keeps the voltage of the input constant
+                         because the shape did not respond to it; otherwise 0 */
+    const pzs_real *damping; /* [inputs] damping gradient, which a control step that also damps
+                                vibration subtracts from the gradient of the objective (m2/V); NULL:
+                                no damping */
     pzs_real *carry; /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
-                        made (V); NULL: not carried over */
-    pzs_real share;  /* factor by which a damped tick (a control step that also damps vibration)
-                        multiplies the gradient of the objective, above 0 and at most 1 */
-    pzs_real base_energy;    /* weighted squared norm of the shape at the base voltages of the
-                                optimiser (m2) */
-    pzs_real largest_column; /* square root of the largest diagonal entry of the Hessian (m/V) */
-    bool has_step_limits;    /* at least one step limit is shorter than the distance between the
-                                voltage limits of its input */
+                        made (V); NULL: such parts are ignored */
+    pzs_real share;  /* factor, above 0 and at most 1, by which a control step that also damps
+                        vibration multiplies the gradient of the objective */
+    pzs_real base_energy; /* weighted squared norm of the shape at the base voltages, around which
+                             the optimiser linearises (m2) */
+    pzs_real largest_column; /* square root of the largest diagonal entry of the Hessian: the
+                                largest weighted norm of a column of the influence matrix (m/V) */
+    bool has_step_limits;    /* whether at least one step limit is shorter than the distance between
+                                the voltage limits of its input */
     pzs_control_behind behind;
     uint16_t scrub_row; /* index of the row of the Hessian that the next tick checks for damage
                            against the voltage problem */
-    void *work;         /* workspace that was passed to pzs_control_init */
-    pzs_row_solver *row_solver; /* optimiser for limit rows; NULL: the problem has no limit rows */
+    void *work;         /* workspace (memory of the caller) that was passed to pzs_control_init */
+    pzs_row_solver *row_solver; /* optimiser for voltage problems with limit rows (limits of
+                                   weighted sums of voltages); NULL: the problem has no limit rows
+                                 */
     uint8_t stage;
 } pzs_control_state;
 
@@ -247,16 +267,18 @@ typedef struct pzs_control_state {
  */
 typedef struct pzs_test_signal {
     uint16_t input;         /* index of the input under test; 0xFFFF: no test */
-    uint8_t shapes, moves;  /* number of measured shapes and number of voltage moves in this test so
-                               far */
-    bool is_upper, is_dead; /* is_upper: the upper of the two test voltages is set now; is_dead: the
-                               electrode seems to be at 0 V rather than stuck at another voltage */
-    pzs_real middle, set;   /* mean of the two test voltages, and the voltage set now (V) */
-    pzs_real lower, upper;  /* voltage limits of the electrode before the test (V) */
+    uint8_t shapes, moves;  /* number of measured shapes and number of voltage changes in this test
+                               of an electrode so far */
+    bool is_upper, is_dead; /* is_upper: whether the upper of the two test voltages is applied now;
+                               is_dead: whether the electrode seems to be at 0 V rather than stuck
+                               at another voltage */
+    pzs_real middle, set;   /* mean of the two test voltages of an electrode, and the test voltage
+                               applied now (V) */
+    pzs_real lower, upper;  /* lower and upper voltage limit of the electrode before the test (V) */
     pzs_real sum, square, response_sum,
-        response_square; /* sum of the moves of the electrode's voltage in this test and of their
-                            squares, and sum of the moves that the shape indicates and of their
-                            squares (V, V2) */
+        response_square; /* sum of the changes of the electrode's voltage in this test and of their
+                            squares, and sum of the changes that the measured shape indicates and of
+                            their squares (V, V2) */
 } pzs_test_signal;
 
 #define PZS_TEST_SIGNALS                                                                           \
@@ -264,34 +286,37 @@ typedef struct pzs_test_signal {
 
 typedef struct pzs_fault_detector_state {
     struct pzs_control *control;
-    pzs_envelope columns; /* L D L^T factors of B'W^2 B plus regularisation, over the outputs that
-                             are measured, with influence matrix B and output weights W */
-    pzs_real *diagonal;   /* [inputs] diagonal of B'W^2 B over all outputs, with influence matrix B
-                             and output weights W (m2/V2) */
-    pzs_real *voltage;    /* [delay + 1][inputs] voltages of the last ticks (V) */
-    pzs_real *voltage_before; /* [inputs] voltages at the time of the last measured shape (V) */
-    pzs_real *deviation; /* [inputs] voltage change of each electrode since the last measured shape
-                            as the shape indicates it (least-squares estimate), minus the commanded
-                            change (V) */
-    pzs_real *moved, *response; /* [inputs] exponentially decaying sums, over the measured shapes,
-                                   of the squares of the commanded voltage changes and of those that
-                                   the shape indicates (V2) */
+    pzs_envelope columns; /* L D L^T factors of the matrix B'W^2 B plus regularisation, over the
+                             outputs that are measured, with influence matrix B and output weights W
+                           */
+    pzs_real *diagonal; /* [inputs] diagonal of the matrix B'W^2 B over all outputs, with influence
+                           matrix B and output weights W (m2/V2) */
+    pzs_real *voltage;  /* [delay + 1][inputs] voltages of the last ticks (V) */
+    pzs_real *voltage_before; /* [inputs] voltages at the time of the previous measured shape (V) */
+    pzs_real *deviation;      /* [inputs] change of each electrode's voltage since the last measured
+                                 shape, estimated from the shape by least squares, minus the commanded
+                                 change (V) */
+    pzs_real *moved, *response; /* [inputs] exponentially decaying sums of squared voltage changes
+                                   over the measured shapes: `moved` of the commanded changes,
+                                   `response` of the changes that the shape indicates (V2) */
     pzs_real *lost_voltage; /* [inputs] exponentially decaying sum of `deviation` over the measured
                                shapes: the voltage that each electrode seems to have lost (V) */
-    pzs_real *disturbance;  /* [outputs] measured minus predicted shape at the last measured shape
-                               (m) */
-    pzs_real *change;   /* [outputs] squared output weight times the change of the disturbance since
-                           the last measured shape (m) */
-    uint8_t *electrode; /* [inputs] state of each electrode, a value of pzs_electrode_state */
+    pzs_real *disturbance;  /* [outputs] measured minus predicted shape at the time of the last
+                               measured shape (m) */
+    pzs_real *change;       /* [outputs] squared output weight times the change of (measured minus
+                               predicted shape) since the last measured shape (m) */
+    uint8_t *electrode;     /* [inputs] state of each electrode in the fault detector, a value of
+                               pzs_electrode_state */
     uint8_t *missing; /* [outputs] bit 0: the output was not measured in the last shape; bit 1: the
-                         output is excluded from the least-squares estimate */
+                         output is excluded from the least-squares estimate of the electrode
+                         voltages */
     uint8_t *pause;   /* [inputs] number of measured shapes to come in which an electrode that has
                          passed its test is not suspected */
     pzs_test_signal test[PZS_TEST_SIGNALS];
-    pzs_real ridge; /* regularisation of the least-squares estimate, relative to the diagonal of its
-                       matrix (1) */
+    pzs_real ridge; /* regularisation of the least-squares estimate of electrode voltages, relative
+                       to the diagonal of its matrix (1) */
     uint16_t delay, oldest;
-    bool is_stale; /* the set of measured outputs has changed since the matrix `columns` was
+    bool is_stale; /* whether the set of measured outputs has changed since the matrix `columns` was
                       factored */
     uint8_t stage;
 } pzs_fault_detector_state;
@@ -299,9 +324,9 @@ typedef struct pzs_fault_detector_state {
 typedef struct pzs_estimate_state {
     struct pzs_control *control;
     const struct pzs_estimator *tables;
-    pzs_real *expected; /* [sensors] readings that the present voltages should produce (unit of each
-                           sensor) */
-    pzs_real *sensed;   /* [sensors] readings of the last tick (unit of each sensor) */
+    pzs_real *expected;   /* [sensors] readings that the model expects under the present voltages
+                             (unit of each sensor) */
+    pzs_real *sensed;     /* [sensors] readings of the last tick (unit of each sensor) */
     pzs_real *difference; /* [sensors] reading minus expected reading (unit of each sensor) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
                          should have moved */
@@ -311,32 +336,36 @@ typedef struct pzs_estimate_state {
 typedef struct pzs_damper_state {
     struct pzs_control *control;
     const struct pzs_vibration *tables;
-    pzs_real *late; /* [3][width] modal position, modal velocity divided by angular frequency, and
-                       static modal position under the loads, at the time of the readings (m) */
-    pzs_real *now;  /* [3][width] modal position, modal velocity divided by angular frequency, and
-                       static modal position under the loads, at the present tick (m) */
-    pzs_real *velocity_before; /* [width] modal velocity divided by angular frequency at the last
-                                  tick (m) */
-    pzs_real *residual_modes;  /* [width] modal coordinates that fit the innovations (reading minus
-                                  predicted reading), low-passed (m) */
-    pzs_real *work;            /* [2][width] work array of modal vectors */
-    pzs_real *equilibrium;     /* [delay + 1][width] static modal position under the voltages of the
-                                  last ticks (m) */
-    pzs_real *expected; /* [delay + 1][sensors] readings of the structure at rest under the voltages
-                           of the last ticks (unit of each sensor) */
-    pzs_real *predicted;  /* [sensors] readings predicted from voltages and modes (unit of each
-                             sensor) */
+    pzs_real *late; /* [3][width] state of the vibration modes at the time of the readings: modal
+                       position, modal velocity divided by angular frequency, and static modal
+                       position under the loads (m) */
+    pzs_real *now;  /* [3][width] state of the vibration modes at the present tick: modal position,
+                       modal velocity divided by angular frequency, and static modal position under
+                       the loads (m) */
+    pzs_real *velocity_before; /* [width] velocity of each vibration mode divided by its angular
+                                  frequency, at the last tick (m) */
+    pzs_real *residual_modes; /* [width] coordinates of the vibration modes that fit the innovations
+                                 (reading minus predicted reading), low-passed (m) */
+    pzs_real *work; /* [2][width] work array for two vectors with an entry for each vibration mode
+                     */
+    pzs_real *equilibrium; /* [delay + 1][width] static position of each vibration mode under the
+                              voltages of the last ticks (m) */
+    pzs_real *expected;  /* [delay + 1][sensors] static readings of the structure under the voltages
+                            of the last ticks (unit of each sensor) */
+    pzs_real *predicted; /* [sensors] readings predicted from the voltages and the vibration modes
+                            (unit of each sensor) */
     pzs_real *innovation; /* [sensors] reading minus predicted reading (unit of each sensor) */
     pzs_real *sensed;     /* [sensors] readings of the last tick (unit of each sensor) */
     pzs_real *residual; /* [sensors] low-passed innovation: reading minus predicted reading (unit of
                            each sensor) */
-    pzs_real *damping;  /* [inputs] damping gradient passed to the control step (m2/V) */
+    pzs_real *damping;  /* [inputs] damping gradient, which the control step subtracts from the
+                           gradient of its objective (m2/V) */
     pzs_real *carry;  /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
                          made (V) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
                          should have moved */
-    uint16_t newest;  /* row of `equilibrium` and of `expected` that belongs to the present voltages
-                       */
+    uint16_t newest;  /* index of the row of `equilibrium` and of `expected` that belongs to the
+                         present voltages */
     uint8_t stage;
 } pzs_damper_state;
 
@@ -344,8 +373,10 @@ typedef struct pzs_compensator_state {
     const struct pzs_hysteresis *tables;
     pzs_real *effect; /* [inputs] effects of the voltages of the last tick: the voltages that
                          electrodes without hysteresis would need for the same displacement (V) */
-    pzs_real *lower;  /* [inputs] lowest voltage that the limits allow in this tick (V) */
-    pzs_real *upper;  /* [inputs] highest voltage that the limits allow in this tick (V) */
+    pzs_real *lower;  /* [inputs] lowest voltage that the voltage limits and step limits allow in
+                         this tick (V) */
+    pzs_real *upper;  /* [inputs] highest voltage that the voltage limits and step limits allow in
+                         this tick (V) */
     pzs_real *play;   /* [inputs][plays] positions of the plays (elements with backlash, which model
                          the hysteresis), relative to the middle of the voltage range (V) */
     pzs_real *creep;  /* [inputs][creeps] voltages that the creep terms of the hysteresis model add
@@ -365,13 +396,14 @@ typedef struct pzs_reading_delay_state {
                              were taken (unit of each sensor) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
                          should have moved */
-    uint16_t newest;  /* row of `voltage` and of `expected` that belongs to the present tick */
+    uint16_t newest;  /* index of the row of `voltage` and of `expected` that belongs to the present
+                         tick */
 } pzs_reading_delay_state;
 
 typedef struct pzs_feed_forward_state {
     const struct pzs_known_loads *tables;
-    pzs_real *readings; /* [sensors] readings minus the effect of known loads (unit of each sensor)
-                         */
+    pzs_real *readings; /* [sensors] sensor readings minus the effect of known loads (unit of each
+                           sensor) */
     pzs_real *wanted;   /* [outputs] target shape minus the effect of known loads (m) */
 } pzs_feed_forward_state;
 
@@ -380,11 +412,11 @@ typedef struct pzs_feed_forward_state {
  * because three copies of the struct are compared word by word.
  */
 typedef struct pzs_supervisor_core {
-    uint32_t mode;      /* present mode, a value of pzs_supervisor_mode */
-    uint32_t obeyed;    /* command word (command and its counter) that was carried out last */
-    uint32_t is_flat;   /* 1: ramps end at the reference voltages; 0: ramps end at the park voltages
-                         */
-    uint32_t remaining; /* number of ticks until the end of the ramp */
+    uint32_t mode;    /* present operating mode of the supervisor, a value of pzs_supervisor_mode */
+    uint32_t obeyed;  /* command word (command and its counter) that was carried out last */
+    uint32_t is_flat; /* 1: ramps end at the reference voltages; 0: ramps end at the park voltages
+                       */
+    uint32_t remaining; /* number of ticks until the end of the voltage ramp */
     uint32_t silent;    /* number of consecutive ticks without usable readings */
     uint32_t over;      /* counter that a tick with an implausible measured shape raises by one and
                            another tick lowers by two */
@@ -393,11 +425,11 @@ typedef struct pzs_supervisor_core {
 } pzs_supervisor_core;
 
 /*
- * State of the divergence monitor, by which a supervisor detects a measured shape that the model
- * cannot explain.
+ * State of the divergence monitor, with which the supervisor of the loop detects a measured shape
+ * that the model cannot explain.
  */
 typedef struct pzs_monitor_state {
-    pzs_real *slow;        /* [outputs] low-passed measured minus predicted shape (m) */
+    pzs_real *slow;        /* [outputs] low-passed difference, measured minus predicted shape (m) */
     pzs_real *disturbance; /* [outputs] measured minus predicted shape of the last tick (m) */
     pzs_real *predicted;   /* [outputs] predicted shape of the last tick (m) */
     pzs_real *move;        /* [outputs] change of the predicted shape in the last tick (m) */
@@ -411,16 +443,16 @@ typedef struct pzs_monitor_state {
     pzs_real answered; /* exponentially decaying sum of the products of predicted and measured
                           change of the shape in the last ticks (m2) */
     uint32_t fixed;    /* 2 * (number of inputs that could not move in the last tick), plus 1 if the
-                          fault detector applied a test signal in it */
+                          fault detector applied a test signal in that tick */
     bool is_started;
 } pzs_monitor_state;
 
 typedef struct pzs_supervisor_state {
-    pzs_supervisor_core core[3]; /* three copies of the variables, so that two outvote a damaged
-                                    third */
+    pzs_supervisor_core core[3]; /* three copies of the variables of the supervisor, so that two
+                                    outvote a damaged third */
     /*
-     * Three copies of the last command word: 256 times a command counter plus the command. Only the
-     * program writes them, through pzs_supervisor_give.
+     * Three copies of the last command word, which is 256 times a command counter plus the command.
+     * Only the program writes them, through pzs_supervisor_give.
      */
     volatile uint32_t command[3];
     const struct pzs_supervision *tables;
@@ -440,11 +472,11 @@ typedef struct pzs_amplifier_state {
  */
 typedef struct pzs_selftest_core {
     uint32_t position;  /* number of ticks of the self-test so far */
-    uint32_t verdict;   /* a value of pzs_selftest_verdict */
+    uint32_t verdict;   /* result of the self-test, a value of pzs_selftest_verdict */
     uint32_t disturbed; /* 1: noise or vibration hides the response of at least one amplifier to its
                            test pulse */
-    uint32_t is_complete; /* 1: a finding has been set for every amplifier and sensor whose measured
-                             response differs from the model */
+    uint32_t is_complete; /* 1: the self-test has written a finding for every amplifier and sensor
+                             whose measured response differs from the model */
 } pzs_selftest_core;
 
 typedef struct pzs_selftest_state {
@@ -454,10 +486,11 @@ typedef struct pzs_selftest_state {
     struct pzs_control *control;
     const pzs_real *direct; /* [sensors][inputs] static reading of each sensor per volt on each
                                input (unit of each sensor / V) */
-    struct pzs_wiring *amplifier; /* [inputs] finding about each amplifier */
-    struct pzs_wiring *sensor;    /* [sensors] finding about each sensor */
+    struct pzs_wiring *amplifier; /* [inputs] finding of the self-test about each amplifier */
+    struct pzs_wiring *sensor;    /* [sensors] finding of the self-test about each sensor */
     pzs_real *response; /* [inputs][sensors] measured response of each sensor to each amplifier,
-                           times the scale of the sensor (1/V) */
+                           times the scale factor that makes sensors of different units comparable
+                           (1/V) */
     pzs_real *first; /* [sensors] first finite reading of each sensor in the self-test (unit of each
                         sensor) */
     pzs_real *last;  /* [sensors] last finite reading of each sensor in the self-test; NaN: there is
@@ -468,15 +501,17 @@ typedef struct pzs_selftest_state {
                          sensor; after the measurement the variance of its noise (squared unit of
                          each sensor) */
     pzs_real *even;   /* [sensors] sum of the readings of each sensor during the present test pulse,
-                         each times the even weight of its tick (unit of each sensor) */
+                         each times the weight of its tick, weights that are symmetric in time about
+                         the middle of the pulse (unit of each sensor) */
     pzs_real *odd;    /* [sensors] sum of the readings of each sensor during the present test pulse,
-                         each times the odd weight of its tick (unit of each sensor) */
+                         each times the weight of its tick, weights that are antisymmetric in time
+                         about the middle of the pulse (unit of each sensor) */
     pzs_real *null;   /* [sensors] largest squared response of each sensor to noise and vibration,
                          measured while no amplifier moved, times the squared height of a pulse
                          (squared unit of each sensor) */
     pzs_real *start;  /* [inputs] voltages before the self-test (V) */
     pzs_real pulse; /* sum over the ticks of the present test pulse of its relative height times the
-                       even weight (1) */
+                       weight of the tick, symmetric in time (1) */
 } pzs_selftest_state;
 
 /*
@@ -485,7 +520,7 @@ typedef struct pzs_selftest_state {
  */
 typedef struct pzs_loop_core {
     const struct pzs_block *blocks; /* [count] list of the blocks of the loop */
-    uint8_t *memory; /* start of the workspace, rounded up to a multiple of 8 bytes */
+    uint8_t *memory; /* start of the workspace of the loop, rounded up to a multiple of 8 bytes */
     struct pzs_control *control;
     void *control_work; /* workspace of the controller, a part of the workspace of the loop */
     const pzs_real *influence;  /* [outputs][inputs] influence matrix of the controller (m/V) */
@@ -493,21 +528,22 @@ typedef struct pzs_loop_core {
                                    passed to pzs_loop_know, or NULL */
     const pzs_real *known_next; /* [loads] values of the known loads under the next voltages, as
                                    passed to pzs_loop_know, or NULL */
-    uint32_t limit_sum;         /* checksum of the voltage limits and the step limits */
-    uint32_t influence_crc; /* checksum of the influence matrix, if the device has computed it */
+    uint32_t limit_sum;     /* checksum of the voltage limits and the step limits in the tables */
+    uint32_t influence_crc; /* checksum of the influence matrix, where the device has computed this
+                               matrix */
     uint16_t sensors;       /* number of sensor readings in a tick */
     uint8_t count, stage;
 } pzs_loop_core;
 
 typedef struct pzs_loop_state {
-    pzs_loop_core core[3]; /* three copies of the pointers and sizes, so that two outvote a damaged
-                              third */
+    pzs_loop_core core[3]; /* three copies of the pointers and sizes of the loop, so that two
+                              outvote a damaged third */
     pzs_scrub problem_scrub, influence_scrub;
     pzs_scrub block_scrub; /* check of the tables of all blocks except the step block against their
                               checksums, slice by slice, one table after the other */
     uint16_t scrubbed_block;  /* index in the list of the block whose tables are being checked */
-    uint16_t scrubbed_number; /* number of the table, among those of the block, that is being
-                                 checked */
+    uint16_t scrubbed_number; /* number of the table that is being checked, among the tables of its
+                                 block */
     uint32_t missed; /* number of ticks missed since the last tick, as announced by pzs_loop_skip */
 } pzs_loop_state;
 

@@ -37,37 +37,41 @@ extern "C" {
 /* ---- the loop: a list of blocks (lib/control/loop.c) -------------------- */
 
 /*
- * Phase of a tick in which a block acts. The blocks of a list must be in the order of their phases.
+ * Phase of a control tick in which a block of the loop acts. The blocks of a list must be in the
+ * order of their phases.
  */
 typedef enum pzs_block_phase {
     PZS_PHASE_COMMISSION, /* the block runs before the loop takes control: as long as it returns a
-                             warning or an error, no other block runs; at most one block of a list
-                           */
+                             warning or an error, no other block runs; a list has at most one such
+                             block */
     PZS_PHASE_READINGS,   /* the block changes the sensor readings or the target shape */
-    PZS_PHASE_SHAPE, /* the block computes the measured shape from the readings; at most one block
-                        of a list */
-    PZS_PHASE_STEP,  /* the block chooses the voltages; exactly one block of a list, and its tables
-                        are a pzs_problem */
-    PZS_PHASE_VOLTAGE, /* the block changes the voltages in the way in which the amplifiers will */
-    PZS_PHASE_OBSERVE, /* the block compares voltages and measured shape, and may hold electrodes */
+    PZS_PHASE_SHAPE, /* the block computes the measured shape from the sensor readings; a list has
+                        at most one such block */
+    PZS_PHASE_STEP,  /* the block chooses the voltages, and its tables are a pzs_problem; a list has
+                        exactly one such block */
+    PZS_PHASE_VOLTAGE,  /* the block changes the chosen voltages in the way in which the amplifiers
+                           will change them */
+    PZS_PHASE_OBSERVE,  /* the block compares voltages and measured shape, and may fix the voltages
+                           of faulty electrodes */
     PZS_PHASE_SUPERVISE /* the block runs in every tick, also after an error of another block, and
-                           decides last on voltages and status; at most one block of a list */
+                           decides last on voltages and status; a list has at most one such block */
 } pzs_block_phase;
 
 /*
  * Signals that the blocks of a loop pass on in one tick. All arrays are read-only: a block that
- * changes a signal lets the pointer point to an array of its own.
+ * changes a signal redirects the pointer to an array of its own.
  */
 typedef struct pzs_loop_signals {
-    pzs_control *control; /* controller of the loop; NULL until the step block is initialised */
-    const pzs_real *influence; /* [outputs][inputs] influence matrix for the initialisation of the
-                                  step block, as passed to pzs_loop_init (m/V), or NULL */
+    pzs_control *control; /* controller of the loop; NULL until the block that chooses the voltages
+                             is initialised */
+    const pzs_real *influence; /* [outputs][inputs] influence matrix for the block that chooses the
+                                  voltages, as passed to pzs_loop_init (m/V), or NULL */
     const pzs_real *wanted;    /* [outputs] target shape (m) */
     const pzs_real *readings;  /* [sensors] sensor readings (unit of each sensor); NULL: no readings
                                   arrived in this tick */
     const pzs_real *measured;  /* [outputs] measured shape (m); NULL: no readings arrived in this
-                                  tick. Until a block of PZS_PHASE_SHAPE has run, it is the array of
-                                  the readings */
+                                  tick. Until a block of PZS_PHASE_SHAPE has run, this member points
+                                  to the readings */
     const pzs_real *known_now; /* [loads] values of the known loads when the readings were taken, as
                                   multiples of the loads in the scene file; NULL: no load is known
                                 */
@@ -76,8 +80,8 @@ typedef struct pzs_loop_signals {
                                  */
     const uint8_t *electrode;   /* [inputs] state of each electrode, a value of pzs_electrode_state;
                                    NULL: the list has no fault detector */
-    const void *tables;         /* tables of the block that is running, from the list of blocks */
-    const pzs_real *given;      /* [inputs] voltages applied since the last tick (V) */
+    const void *tables; /* constant tables of the block that is running, from the list of blocks */
+    const pzs_real *given; /* [inputs] voltages that have been applied since the last tick (V) */
     struct pzs_compensator *compensator; /* compensation of hysteresis, which pzs_effect_block sets
                                             for pzs_inverse_block; NULL: the list has no such blocks
                                           */
@@ -88,7 +92,7 @@ typedef struct pzs_loop_signals {
                            of the model (m); negative: no block has computed it */
     uint32_t warnings;  /* one bit, 1 << status, for each warning that a block has returned in this
                            tick */
-    pzs_status status;  /* status of the tick so far, for the block of PZS_PHASE_SUPERVISE */
+    pzs_status status;  /* status of the tick so far, which the supervisor block reads */
     uint16_t sensors; /* number of readings that the following blocks need: the length of `readings`
                        */
     int32_t where; /* written by a block: index of the input, output or reading to which its status
@@ -103,8 +107,8 @@ typedef struct pzs_block_type {
     const char *name; /* name of the block in messages to users */
     pzs_block_phase phase;
     /*
-     * Return the size of the memory of a block (bytes), which may depend only on the sizes in its
-     * tables and in the voltage problem.
+     * Return the size of the memory that a block of the loop needs (bytes), which may depend only
+     * on the sizes in its tables and in the voltage problem.
      */
     size_t (*block_bytes)(const void *tables, const pzs_problem *problem);
     /*
@@ -113,7 +117,7 @@ typedef struct pzs_block_type {
      * other blocks from the last to the first.
      */
     pzs_status (*block_init)(void *self, const void *tables, pzs_loop_signals *signals);
-    /* Run a block in one tick. An error ends the tick. */
+    /* Run a block of the loop in one tick. An error ends the tick. */
     pzs_status (*block_tick)(void *self, pzs_loop_signals *signals);
     /*
      * List the arrays of a table of the block in the order in which its checksum covers them, so
@@ -128,11 +132,13 @@ typedef struct pzs_block_type {
 /* One entry of the list of blocks of a loop. */
 typedef struct pzs_block {
     const pzs_block_type *type;
-    const void *tables; /* tables of the struct type that the block type expects; not NULL */
+    const void *tables; /* tables of the block, of the struct type that the block type expects; not
+                           NULL */
 } pzs_block;
 
-#define PZS_BLOCK_LIMIT 16  /* largest number of blocks in a list */
-#define PZS_MISSED_LIMIT 64 /* largest number of missed ticks over which the blocks predict */
+#define PZS_BLOCK_LIMIT 16 /* largest number of blocks in the list of a loop */
+#define PZS_MISSED_LIMIT                                                                           \
+    64 /* largest number of missed ticks over which the blocks of a loop predict */
 
 /* Results of the loop that a program may read. */
 typedef struct pzs_loop_info {
@@ -142,16 +148,17 @@ typedef struct pzs_loop_info {
      * during the next tick. An interrupt reads them through pzs_loop_voltages.
      */
     const pzs_real *volatile voltage;
-    volatile uint32_t frames; /* number of voltage arrays published so far */
-    const pzs_real *measured; /* [outputs] measured shape that the last tick used (m); NULL: none */
+    volatile uint32_t frames; /* number of voltage arrays that the loop has published so far */
+    const pzs_real *measured; /* [outputs] measured shape that the last tick used (m); NULL: it used
+                                 none */
     const uint8_t *electrode; /* [inputs] state of each electrode after the last tick, a value of
                                  pzs_electrode_state; NULL: the list has no fault detector */
-    pzs_control *control; /* controller of the loop, for pzs_hold, pzs_release, pzs_assess and its
-                             own results */
+    pzs_control *control;     /* controller of the loop, to be passed to pzs_hold, pzs_release and
+                                 pzs_assess */
     const pzs_block_type *block; /* type of the block that returned the last status; NULL: the
-                                    status comes from no block */
-    int32_t where; /* index to which the last status refers, or -1; if the list of blocks was
-                      refused, index of a block in the list */
+                                    status was not returned by a block */
+    int32_t where; /* index of the input, output or reading to which the last status refers, or -1;
+                      if the list of blocks was refused, index of a block in the list */
 } pzs_loop_info;
 
 typedef struct pzs_loop {
@@ -168,7 +175,7 @@ typedef struct pzs_loop {
     (8u + 0u * (size_t)(blocks) + PZS_ALIGNED(5u * (size_t)(inputs) * sizeof(pzs_real)))
 
 /*
- * Check a list of blocks with their tables and initialise a loop in the workspace.
+ * Check a list of control-loop blocks with their tables and initialise a loop in the workspace.
  *   blocks [count]              in  list in the order of the phases, each type at most once; the
  *                                   list and the tables must outlive the loop
  *   influence [outputs][inputs] in  influence matrix computed on the device (m/V); NULL: that of
@@ -177,10 +184,10 @@ typedef struct pzs_loop {
  *                                   from now on
  *   bytes                       in  size of the workspace
  * Errors (info.block is the type of the block concerned): PZS_E_ARGUMENT (no block or too many, no
- * step block, a type twice, a block without tables, tables of other sizes), PZS_E_STAGE (a block
- * follows one of a later phase), PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_FORMAT (also
- * for tables of another scene), and the errors of the blocks. After an error the loop cannot be
- * used, even if it was valid before.
+ * step block, a block type twice, a block without tables, tables of other sizes), PZS_E_STAGE (a
+ * block follows one of a later phase), PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_FORMAT
+ * (also for tables of another scene), and the errors of the blocks. After an error the loop cannot
+ * be used, even if it was valid before.
  */
 pzs_status pzs_loop_init(pzs_loop *loop, const pzs_block *blocks, size_t count,
                          const pzs_real *influence, void *work, size_t bytes);
@@ -255,9 +262,9 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
 pzs_status pzs_loop_voltages(const pzs_loop *loop, pzs_real *voltage);
 
 /*
- * Return the memory of the block of one type in the list of a loop; the comment on each block type
- * of the library names the struct. Returns NULL if the list has no such block or the loop is not
- * initialised.
+ * Return the memory of the block of a given type in the list of a loop; the comment on each block
+ * type of the library names the struct in this memory. Returns NULL if the list has no such block
+ * or the loop is not initialised.
  */
 void *pzs_loop_find(const pzs_loop *loop, const pzs_block_type *type);
 
@@ -281,8 +288,8 @@ typedef struct pzs_estimator {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which the tables were generated, which must equal the hash in
                                the voltage problem */
-    uint32_t crc;           /* checksum of the following members and their arrays, computed by
-                               pzs_estimator_seal */
+    uint32_t crc; /* checksum of the following members of the estimator tables and of their arrays,
+                     computed by pzs_estimator_seal */
     uint16_t inputs, outputs, sensors;
     const pzs_real *direct; /* [sensors][inputs] reading of each sensor per volt on each input (V/V,
                                C/V or m/V) */
@@ -297,7 +304,7 @@ typedef struct pzs_estimator {
 pzs_status pzs_estimator_seal(pzs_estimator *tables);
 
 typedef struct pzs_estimate_info {
-    int32_t where; /* index to which the last status refers, or -1 */
+    int32_t where; /* index of the reading to which the last status refers, or -1 */
 } pzs_estimate_info;
 
 typedef struct pzs_estimate {
@@ -318,9 +325,9 @@ pzs_status pzs_estimate_init(pzs_estimate *estimate, pzs_control *control,
                              const pzs_estimator *tables, void *work, size_t bytes);
 
 /*
- * Estimate the measured shape from a few sensors, to be passed to the next pzs_tick as its
- * measurement: the shape that the model predicts for the present voltages, plus the gain times the
- * deviations of the readings from their expected values.
+ * Estimate the measured shape from a few sensors, to be passed to the next control tick (pzs_tick)
+ * as its measurement: the shape that the model predicts for the present voltages, plus the gain
+ * times the deviations of the readings from their expected values.
  *   sensed [sensors] in   sensor readings
  *   shape  [outputs] out  estimated shape (m)
  * A reading that is not finite or stuck keeps its last deviation. Warnings: PZS_W_SENSOR,
@@ -344,8 +351,8 @@ typedef struct pzs_reading_delay {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which the tables were generated, which must equal the hash in
                                the voltage problem */
-    uint32_t crc;           /* checksum of the following members and their arrays, computed by
-                               pzs_reading_delay_seal */
+    uint32_t crc; /* checksum of the following members of the tables of late readings and of their
+                     arrays, computed by pzs_reading_delay_seal */
     uint16_t inputs, sensors;
     uint16_t delay;         /* age of the readings (ticks), at most PZS_DELAY_LIMIT */
     const pzs_real *direct; /* [sensors][inputs] reading of each sensor per volt on each input (V/V,
@@ -378,9 +385,9 @@ extern const pzs_block_type pzs_reading_delay_block;
 /* ---- supervisor (lib/control/supervisor.c) -------------------------------- */
 
 /*
- * Modes of the supervisor, which decides in each tick whether the loop is in control. Where it is
- * not, the supervisor keeps the voltages at the park voltages, or ramps them there along a straight
- * line inside voltage limits and step limits.
+ * Operating modes of the supervisor, which decides in each tick whether the loop is in control.
+ * Where it is not, the supervisor keeps the voltages at the park voltages, or ramps them there
+ * along a straight line inside voltage limits and step limits.
  *
  *     pzs_loop_init
  *     INITIALISE --ARM--> ARMED --all readings usable, parked--> RUNNING <--readings, none-->
@@ -407,28 +414,32 @@ extern const pzs_block_type pzs_reading_delay_block;
  * voltage can be checked without limits.
  */
 typedef enum pzs_supervisor_mode {
-    PZS_MODE_INITIALISE = 0, /* not armed; the output is at its park voltages (voltages of rest, set
-                                in the tables) or on its way there */
-    PZS_MODE_ARMED, /* waits until the output is at its park voltages and every reading of a tick is
-                       usable */
-    PZS_MODE_RUNNING,  /* the loop is in control */
-    PZS_MODE_HOLDING,  /* the loop is in control by the model alone, because no reading of this tick
-                          is usable */
-    PZS_MODE_PARKING,  /* ramp to the park or reference voltages, by command */
-    PZS_MODE_PARKED,   /* at the park or reference voltages, by command */
-    PZS_MODE_STOPPING, /* ramp to the park voltages after control was lost */
-    PZS_MODE_LATCHED,  /* at the park voltages after control was lost, until the next initialisation
-                        */
+    PZS_MODE_INITIALISE = 0, /* mode before the command ARM: the voltages are at the park voltages
+                                (voltages of rest, set in the tables) or on their way there */
+    PZS_MODE_ARMED,   /* mode in which the supervisor waits until the voltages are at the park
+                         voltages and every reading of a tick is usable */
+    PZS_MODE_RUNNING, /* mode in which the loop is in control */
+    PZS_MODE_HOLDING, /* mode in which the loop is in control by the model alone, because no reading
+                         of this tick is usable */
+    PZS_MODE_PARKING, /* mode in which the voltages ramp to the park or reference voltages, by
+                         command */
+    PZS_MODE_PARKED,  /* mode in which the voltages stay at the park or reference voltages, by
+                         command */
+    PZS_MODE_STOPPING, /* mode in which the voltages ramp to the park voltages after control was
+                          lost */
+    PZS_MODE_LATCHED,  /* mode in which the voltages stay at the park voltages after control was
+                          lost, until the next initialisation */
     PZS_MODES
 } pzs_supervisor_mode;
 
 typedef enum pzs_supervisor_command {
     PZS_COMMAND_NONE = 0,
-    PZS_COMMAND_ARM,    /* leave PZS_MODE_INITIALISE */
-    PZS_COMMAND_PARK,   /* ramp to the park voltages */
-    PZS_COMMAND_FLAT,   /* ramp to the reference voltages of the voltage problem */
-    PZS_COMMAND_RESUME, /* return from PZS_MODE_PARKING or PZS_MODE_PARKED to control */
-    PZS_COMMAND_STOP    /* emergency stop: ramp to the park voltages and end the loop */
+    PZS_COMMAND_ARM,  /* command to leave PZS_MODE_INITIALISE, the mode after the initialisation */
+    PZS_COMMAND_PARK, /* command to ramp to the park voltages (voltages of rest, set in the tables)
+                       */
+    PZS_COMMAND_FLAT, /* command to ramp to the reference voltages of the voltage problem */
+    PZS_COMMAND_RESUME, /* command to return from the park or reference voltages to control */
+    PZS_COMMAND_STOP /* emergency stop: command to ramp to the park voltages and to end the loop */
 } pzs_supervisor_command;
 
 /*
@@ -436,19 +447,19 @@ typedef enum pzs_supervisor_command {
  * of this list, so that a later one prevails.
  */
 typedef enum pzs_supervisor_event {
-    PZS_EVENT_FRAME = 0, /* usable readings arrived; in PZS_MODE_ARMED: all readings were usable and
-                            the output was parked */
-    PZS_EVENT_NO_FRAME,  /* no reading was usable, or the target was not finite */
-    PZS_EVENT_ARM,       /* command PZS_COMMAND_ARM */
-    PZS_EVENT_PARK,      /* command that the supervisor follows: PZS_COMMAND_PARK (ramp to the
-                            park voltages) or PZS_COMMAND_FLAT (ramp to the stored voltages of
-                            the flat shape) */
+    PZS_EVENT_FRAME = 0, /* event: usable readings arrived; in PZS_MODE_ARMED: all readings were
+                            usable and the voltages were parked */
+    PZS_EVENT_NO_FRAME,  /* event: no reading was usable, or the target was not finite */
+    PZS_EVENT_ARM,       /* event: the program gave the command PZS_COMMAND_ARM */
+    PZS_EVENT_PARK,      /* event: the program gave the command PZS_COMMAND_PARK (ramp to the park
+                            voltages) or PZS_COMMAND_FLAT (ramp to the reference voltages) */
     PZS_EVENT_RESUME,
     PZS_EVENT_STOP,
-    PZS_EVENT_TIMEOUT, /* no reading was usable for pzs_supervision.timeout ticks */
-    PZS_EVENT_ALARM, /* the divergence monitor found the measured shape implausible for too long */
-    PZS_EVENT_ERROR, /* another block returned an error, or tables are damaged */
-    PZS_EVENT_ARRIVED, /* a ramp has ended */
+    PZS_EVENT_TIMEOUT, /* event: no reading was usable for pzs_supervision.timeout ticks */
+    PZS_EVENT_ALARM,   /* event: the divergence monitor found the measured shape implausible for too
+                          long */
+    PZS_EVENT_ERROR,   /* event: another block returned an error, or tables are damaged */
+    PZS_EVENT_ARRIVED, /* event: a voltage ramp has ended */
     PZS_EVENTS
 } pzs_supervisor_event;
 
@@ -457,8 +468,8 @@ typedef struct pzs_supervision {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which the tables were generated, which must equal the hash in
                                the voltage problem */
-    uint32_t crc;           /* checksum of the following members and their arrays, computed by
-                               pzs_supervision_seal */
+    uint32_t crc; /* checksum of the following members of the supervisor tables and of their arrays,
+                     computed by pzs_supervision_seal */
     uint16_t inputs;
     uint16_t timeout; /* number of consecutive ticks without usable readings after which control is
                          lost; 0: no time-out */
@@ -466,13 +477,14 @@ typedef struct pzs_supervision {
                              ramp longer */
     uint16_t alarm_ticks; /* alarm threshold of a counter that an implausible tick raises by one and
                              a plausible tick lowers by two */
-    uint16_t waits; /* 1: the supervisor leaves PZS_MODE_INITIALISE by the command ARM; 0: it leaves
-                       the mode by itself */
-    const pzs_real *park; /* [inputs] park voltages, clamped to the limits (V) */
+    uint16_t waits; /* 1: the supervisor leaves its first mode, PZS_MODE_INITIALISE, by the command
+                       ARM; 0: it leaves the mode without a command */
+    const pzs_real *park; /* [inputs] park voltages, to which the output ramps when control ends,
+                             clamped to the limits (V) */
     pzs_real fading; /* factor, between 0 and 1, by which the tolerated deviation of measured from
                         predicted shape decays in each tick after a target change */
     pzs_real noise;  /* RMS noise of the measured shape (m) */
-    pzs_real load;   /* RMS change of the shape that the largest expected sudden load makes (m) */
+    pzs_real load;   /* RMS change of the shape that the largest expected sudden load causes (m) */
 } pzs_supervision;
 
 /*
@@ -486,7 +498,7 @@ typedef struct pzs_supervisor_info {
     pzs_supervisor_mode mode;
     pzs_supervisor_event cause; /* event that has taken control away; valid in PZS_MODE_STOPPING and
                                    PZS_MODE_LATCHED */
-    uint32_t remaining;         /* number of ticks until the end of the ramp */
+    uint32_t remaining;         /* number of ticks until the end of the voltage ramp */
     pzs_real amplitude; /* amplitude by which the measured shape deviates from the model, as the
                            divergence monitor sees it (m) */
     pzs_real threshold; /* amplitude above which the divergence monitor counts a tick as implausible
@@ -509,9 +521,9 @@ pzs_status pzs_supervisor_give(pzs_supervisor *supervisor, pzs_supervisor_comman
 
 /*
  * pzs_supervisor_ramp returns the duration (ticks) of a ramp between two voltage vectors.
- * pzs_supervisor_longest_ramp returns that of the longest ramp to the park or reference voltages
- * from anywhere inside the limits. Inputs whose step limit is 0 cannot move and do not count.
- * UINT32_MAX: there is no bound, because a limit is infinite.
+ * pzs_supervisor_longest_ramp returns the duration of the longest ramp to the park or reference
+ * voltages from anywhere inside the limits. Inputs whose step limit is 0 cannot move and do not
+ * count. UINT32_MAX: there is no bound, because a limit is infinite.
  *   from, to [inputs] in  voltages at the start and at the end (V)
  */
 uint32_t pzs_supervisor_ramp(const pzs_supervision *tables, const pzs_problem *problem,
@@ -535,54 +547,56 @@ extern const pzs_block_type pzs_supervisor_block;
 /* ---- vibration: modes observed and damped by the tick (lib/control/vibration.c) */
 
 /*
- * Tables of the vibration damper: modes of the structure and gains for one tick rate, computed by
- * the host. A modal coordinate is measured in metres: a mode of coordinate 1 m moves the outputs by
- * 1 m RMS. All arrays are const and may stay in flash.
+ * Tables of the vibration damper: vibration modes of the structure and gains for one tick rate,
+ * computed by the host. A modal coordinate is measured in metres: a vibration mode of coordinate 1
+ * m moves the outputs by 1 m RMS. All arrays are const and may stay in flash.
  */
 typedef struct pzs_vibration {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which the tables were generated, which must equal the hash in
                                the voltage problem */
-    uint32_t crc;           /* checksum of the following members and their arrays, computed by
-                               pzs_vibration_seal */
+    uint32_t crc; /* checksum of the following members of the vibration tables and of their arrays,
+                     computed by pzs_vibration_seal */
     uint16_t inputs, outputs, sensors, modes;
-    uint16_t delay;        /* age of the readings (ticks) */
-    const pzs_real *shape; /* [outputs][modes] displacement of each output per modal coordinate (1)
-                            */
-    const pzs_real *reading; /* [sensors][modes] reading of each sensor per modal coordinate (unit
-                                of the sensor per m); NULL: the sensors are the outputs */
+    uint16_t delay;          /* age of the sensor readings when a tick uses them (ticks) */
+    const pzs_real *shape;   /* [outputs][modes] displacement of each output per coordinate of each
+                                vibration mode (1) */
+    const pzs_real *reading; /* [sensors][modes] reading of each sensor per coordinate of each
+                                vibration mode (unit of the sensor per m); NULL: the sensors are the
+                                outputs */
     const pzs_real *direct;  /* [sensors][inputs] static reading of each sensor per volt on each
                                 input; NULL: the sensors are the outputs */
-    const pzs_real *gain; /* [outputs][sensors] gain: shape per residual of a reading, which is the
-                             part of its deviation from the prediction that the modes do not
-                             explain; NULL: the sensors are the outputs */
+    const pzs_real *gain; /* [outputs][sensors] gain: shape per residual of a reading; the residual
+                             is the part of the reading's deviation from its prediction that the
+                             vibration modes do not explain; NULL: the sensors are the outputs */
     const pzs_real *precision; /* [sensors] inverse variance of the noise of each sensor, relative
-                                  to that for which the observer was designed (1); NULL: all 1 */
-    const pzs_real *modal; /* [modes][inputs] static modal coordinate per volt on each input (m/V)
-                            */
+                                  to the noise for which the observer was designed (1); NULL: all 1
+                                */
+    const pzs_real *modal; /* [modes][inputs] static coordinate of each vibration mode per volt on
+                              each input (m/V) */
     /*
-     * [4][modes] 2 x 2 matrix of each mode that advances its deviation from the equilibrium and its
-     * scaled velocity by one tick (1): entries 11, 12, 21, 22 in four rows
+     * [4][modes] 2 x 2 matrix of each vibration mode that advances its deviation from the
+     * equilibrium and its scaled velocity by one tick (1): entries 11, 12, 21, 22 in four rows
      */
     const pzs_real *turn;
-    const pzs_real *observer; /* [3][modes][modes] observer gains that correct modal coordinate,
-                                 modal velocity divided by angular frequency, and static modal
-                                 coordinate under loads */
+    const pzs_real *observer; /* [3][modes][modes] observer gains, which correct the state of the
+                                 vibration modes: modal coordinate, modal velocity divided by
+                                 angular frequency, and static modal coordinate under loads */
     const pzs_real *explain;  /* [modes][modes] inverse normal matrix of the least-squares fit of
-                                 modal coordinates to readings */
+                                 vibration-mode coordinates to readings */
     const pzs_real *damping;  /* [modes][inputs] damping gradient, the term that a damped tick
                                  subtracts from the gradient of its objective, for each input per
-                                 deviation of a mode from its equilibrium (m/V) */
-    const pzs_real *inverse_angle; /* [modes] 1 / (angular frequency of the mode times the duration
-                                      of a tick) */
+                                 deviation of a vibration mode from its equilibrium (m/V) */
+    const pzs_real *inverse_angle; /* [modes] 1 / (angular frequency of each vibration mode times
+                                      the duration of a tick) (1) */
     pzs_real share; /* factor, above 0 and at most 1, by which a damped tick multiplies the gradient
                        of its objective: the smaller, the more slowly the voltages approach the
                        static optimum */
-    pzs_real mix;   /* The damped deviation of a mode from its equilibrium is computed in two ways,
-                       from the change of the velocity in a tick and from the position. Weight (0 to
-                       1) of the first way; the second has the remaining weight */
-    pzs_real slow;  /* gain (0 to 1) of the low-pass filter of the residual readings, the part that
-                       the modes do not explain */
+    pzs_real mix;   /* weight (0 to 1) of the first of two estimates of the deviation of a vibration
+                       mode from its equilibrium: the first is computed from the change of the
+                       velocity in a tick; the second, from the position, has the remaining weight */
+    pzs_real slow; /* gain (0 to 1) of the low-pass filter of the residual readings, the part of the
+                      readings that the vibration modes do not explain */
 } pzs_vibration;
 
 /*
@@ -593,18 +607,20 @@ pzs_status pzs_vibration_seal(pzs_vibration *tables);
 
 /* Results of the vibration damper that a program may read. */
 typedef struct pzs_damper_info {
-    const pzs_real *position; /* [modes] estimated modal coordinates at the present tick (m) */
-    const pzs_real *velocity; /* [modes] estimated modal velocities divided by the angular
-                                 frequencies (m) */
-    const pzs_real *load;     /* [modes] estimated static modal coordinates due to loads (m) */
+    const pzs_real *position; /* [modes] estimated coordinate of each vibration mode at the present
+                                 tick (m) */
+    const pzs_real *velocity; /* [modes] estimated velocity of each vibration mode divided by its
+                                 angular frequency (m) */
+    const pzs_real *load; /* [modes] estimated static coordinate of each vibration mode due to loads
+                             (m) */
     /*
-     * amplitude of the vibration: root of the sum over the modes of squared deviation from the
-     * equilibrium plus squared scaled velocity (m, RMS over the outputs)
+     * amplitude of the vibration: root of the sum over the vibration modes of squared deviation
+     * from the equilibrium plus squared scaled velocity (m, RMS over the outputs)
      */
     pzs_real deviation;
     pzs_real innovation; /* RMS of reading minus predicted reading over the sensors in the last tick
                             (m) */
-    int32_t where;       /* index to which the last status refers, or -1 */
+    int32_t where;       /* index of the reading to which the last status refers, or -1 */
 } pzs_damper_info;
 
 typedef struct pzs_damper {
@@ -633,8 +649,8 @@ pzs_status pzs_damper_init(pzs_damper *damper, pzs_control *control, const pzs_v
 
 /*
  * Observe the vibration modes from the readings, estimate the static shape under the present
- * voltages and loads, and make the next pzs_tick a damped one. The shape is to be passed to that
- * pzs_tick as its measurement.
+ * voltages and loads, and make the next control tick (pzs_tick) damp the vibration. The shape is to
+ * be passed to that tick as its measurement.
  *   readings [sensors] in   readings that were taken pzs_vibration.delay ticks ago; NULL: none
  *                           arrived
  *   shape    [outputs] out  estimated static shape (m)
@@ -671,25 +687,26 @@ extern const pzs_block_type pzs_vibration_block;
  * before the vibration damper.
  */
 typedef struct pzs_governor {
-    pzs_real share; /* factor by which a damped tick multiplies the gradient of its objective, equal
-                       to that of pzs_vibration */
-    pzs_real part; /* largest part of its step limit that an input moves in one tick, above 0 and at
-                      most 1 */
+    pzs_real share; /* factor by which a tick that damps vibration multiplies the gradient of its
+                       objective, equal to pzs_vibration.share */
+    pzs_real part;  /* largest part of its step limit by which an input moves in one tick, above 0
+                       and at most 1 */
 } pzs_governor;
 
-/* Memory of the governor block. */
+/* Memory of the governor block, which slows a moving target down. */
 typedef struct pzs_governor_state {
     const pzs_governor *tables;
-    pzs_control *control; /* the controller of the loop */
+    pzs_control *control; /* controller of the loop, which chooses the voltages */
     pzs_control optimum;  /* second controller, which finds the static optimum within the limits for
                              the target */
-    pzs_real *reference;  /* [inputs] voltages on the way to the static optimum (V) */
+    pzs_real *reference;  /* [inputs] voltages on their way to the static optimum (V) */
     pzs_real *ahead;  /* [inputs] optimum - `reference` - (move of `reference` in this tick) / share
-                         (V). Their shape is subtracted from the target. A damped tick, which goes
-                         only the part `share` of its way, then makes the whole move */
+                         (V). The shape of these voltages is subtracted from the target; a tick that
+                         damps vibration goes only the part `share` of its way, and thus makes the
+                         whole move */
     pzs_real *target; /* [outputs] target shape for which the static optimum was computed (m) */
     pzs_real *wanted; /* [outputs] target shape that is passed on to the following blocks (m) */
-    bool has_target;  /* `target` and its static optimum are valid */
+    bool has_target;  /* whether `target` and its static optimum are valid */
 } pzs_governor_state;
 
 /*
@@ -712,8 +729,8 @@ typedef struct pzs_feed_forward_table {
     uint32_t format, scene; /* format: format number of the table; scene: hash of the scene file
                                from which the table was generated, which the caller must compare
                                with the hash in its other tables */
-    uint32_t crc;           /* checksum of the following members and their arrays, computed by
-                               pzs_feed_forward_seal */
+    uint32_t crc; /* checksum of the following members of the feed-forward table and of their
+                     arrays, computed by pzs_feed_forward_seal */
     uint16_t inputs, outputs;
     const pzs_real *sensitivity; /* [outputs][inputs] change of the shape per unit of each known
                                     load or temperature (m/N, m/Pa or m/K) */
@@ -733,10 +750,10 @@ pzs_status pzs_feed_forward_check(const pzs_feed_forward_table *table);
 
 /*
  * Subtract the effect of known loads from a shape, so that the controller sees only unknown
- * disturbances and compensates known loads before they act. Before each tick, apply it to the
- * measured shape with the values at the time of the measurement, and to the target with the coming
- * values. With an estimator, apply it to the readings instead of the measured shape, with a table
- * of one row for each sensor.
+ * disturbances and compensates known loads before they act. Before each tick, call the function for
+ * the measured shape with the values at the time of the measurement, and for the target with the
+ * coming values. With an estimator, call it for the readings instead of the measured shape, with a
+ * table of one row for each sensor.
  *   value [inputs]  in      values of the known loads (unit of each load)
  *   shape [outputs] in/out  shape, or readings (m, or unit of each sensor)
  * Errors: PZS_E_ARGUMENT, PZS_E_NONFINITE (the shape is unchanged).
@@ -775,10 +792,10 @@ extern const pzs_block_type pzs_feed_forward_block;
  *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j
  *
  * where m is a piecewise linear function through 0 with four slopes, one for each quarter of the
- * voltage range. The plays model the hysteresis as elements with backlash: the position P_i of play
- * i stays constant while |s - P_i| is less than its slack, and then moves with s; its weight a_i is
- * `above` for positive and `below` for negative P_i. In each tick the creep x_j goes the part
- * creep_rate[j] of the way to creep[j] v. All arrays are const and may stay in flash.
+ * voltage range. Plays a_i P_i model the hysteresis as elements with backlash: the position P_i of
+ * play i stays constant while |s - P_i| is less than its slack, and then moves with s; its weight
+ * a_i is `above` for positive and `below` for negative P_i. In each tick the creep x_j goes the
+ * part creep_rate[j] of the way to creep[j] v. All arrays are const and may stay in flash.
  */
 #define PZS_HYSTERESIS_SEGMENTS 4u
 #define PZS_PLAY_LIMIT                                                                             \
@@ -787,36 +804,37 @@ extern const pzs_block_type pzs_feed_forward_block;
 #define PZS_CREEP_LIMIT                                                                            \
     8u /* largest number of creep terms in the hysteresis model of an electrode */
 #define PZS_LEAST_SLOPE                                                                            \
-    PZS_R(0.001) /* smallest slope of the piecewise linear part of the effect                      \
-                  */
+    PZS_R(0.001) /* smallest slope of the piecewise linear part of an electrode's effect (1) */
 
 typedef struct pzs_hysteresis {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which the tables were generated, which must equal the hash in
                                the voltage problem */
-    uint32_t crc;           /* checksum of the following members and their arrays, computed by
-                               pzs_hysteresis_seal */
+    uint32_t crc; /* checksum of the following members of the hysteresis tables and of their arrays,
+                     computed by pzs_hysteresis_seal */
     uint16_t inputs;
-    uint16_t sets; /* number of parameter sets: 1 if all electrodes are alike, otherwise the number
-                      of inputs */
+    uint16_t sets; /* number of sets of hysteresis parameters: 1 if all electrodes are alike,
+                      otherwise the number of inputs */
     uint16_t plays, creeps;
-    const pzs_real *middle;     /* [sets] middle of the voltage range (V) */
-    const pzs_real *half_range; /* [sets] half of the voltage range (V) */
-    const pzs_real *offset;     /* [sets] effect in the middle of the voltage range while plays and
-                                   creep terms are at 0 (V) */
-    const pzs_real *slope; /* [sets][4] slopes of the piecewise linear part of the effect, from the
-                              lowest quarter of the voltage range to the highest, at least
-                              PZS_LEAST_SLOPE (1) */
-    const pzs_real *slack; /* [sets][plays] slack of each play, the half width of its backlash,
-                              above 0 and ascending (V) */
-    const pzs_real *above; /* [sets][plays] weight of the position of each play in the effect while
-                              the position is positive, at least 0 (1) */
-    const pzs_real *below; /* [sets][plays] weight of the position of each play in the effect while
-                              the position is negative, at least 0 (1) */
+    const pzs_real *middle;     /* [sets] middle of the voltage range of an electrode (V) */
+    const pzs_real *half_range; /* [sets] half of the voltage range of an electrode (V) */
+    const pzs_real *offset;     /* [sets] effect of an electrode in the middle of its voltage range
+                                   while its plays and creep terms are at 0 (V) */
+    const pzs_real *slope;      /* [sets][4] slopes of the piecewise linear part of an electrode's
+                                   effect, from the lowest quarter of the voltage range to the highest,
+                                   at least PZS_LEAST_SLOPE (1) */
+    const pzs_real *slack; /* [sets][plays] slack of each play (element with backlash), half the
+                              width of its backlash, above 0 and ascending (V) */
+    const pzs_real *above; /* [sets][plays] weight of the position of each play (element with
+                              backlash) in the effect of an electrode while the position is
+                              positive, at least 0 (1) */
+    const pzs_real *below; /* [sets][plays] weight of the position of each play (element with
+                              backlash) in the effect of an electrode while the position is
+                              negative, at least 0 (1) */
     const pzs_real *creep; /* [sets][creeps] final value of each creep term per volt on the
                               electrode, at least 0 (1) */
-    const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final value that each
-                                   creep term goes in a tick */
+    const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final value by which
+                                   each creep term moves in a tick */
 } pzs_hysteresis;
 
 /*
@@ -871,15 +889,15 @@ extern const pzs_block_type pzs_effect_block, pzs_inverse_block;
  * multiple of `step` on the way to the wanted voltage, inside voltage limits and step limits.
  *   given [inputs] in/out  voltages that the amplifiers give (V); at the start those of
  *                          control.info.voltage, afterwards kept by this function
- *   step           in      converter step (V); 0: none
+ *   step in smallest voltage step of the converter (V); 0: none
  *   dead_band      in      largest change that an amplifier does not follow (V)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
 pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pzs_real dead_band);
 
-/* Tables of the amplifier block. */
+/* Tables of the block for amplifiers with converter steps and a dead band. */
 typedef struct pzs_amplifier {
-    pzs_real step;      /* converter step (V); 0: none */
+    pzs_real step;      /* voltage step of the amplifiers' converter (V); 0: no steps */
     pzs_real dead_band; /* largest change that an amplifier does not follow (V) */
 } pzs_amplifier;
 
@@ -895,10 +913,10 @@ extern const pzs_block_type pzs_amplifier_block;
 
 /*
  * The fault detector finds electrodes that do not follow their amplifiers, from the measured shape
- * alone, and holds them. A suspected electrode is tested for about ten ticks: it is set to two
- * voltages in turn, one test amplitude above and below its present voltage and inside all limits,
- * while the control step compensates with the other electrodes. At most PZS_TEST_SIGNALS electrodes
- * are tested at the same time.
+ * alone, and keeps their voltages constant. A suspected electrode is tested for about ten ticks: it
+ * is set to two voltages in turn, one test amplitude above and below its present voltage and inside
+ * all limits, while the control step compensates with the other electrodes. At most
+ * PZS_TEST_SIGNALS electrodes are tested at the same time.
  *
  * An electrode that loses more than two test amplitudes of voltage at once, or does not follow a
  * command of that size, is detected within 12 ticks plus the delay of the sensors: 2 for the
@@ -912,19 +930,22 @@ extern const pzs_block_type pzs_amplifier_block;
 
 typedef enum pzs_electrode_state {
     PZS_ELECTRODE_OBSERVED = 0,
-    PZS_ELECTRODE_TESTED,  /* the fault detector applies a test signal */
-    PZS_ELECTRODE_CLEARED, /* the electrode has passed a test, and is not suspected during the next
-                              measured shapes */
-    PZS_ELECTRODE_UNOBSERVABLE, /* the effect of the electrode on the shape is zero, or a
-                                   combination of the effects of other electrodes */
-    PZS_ELECTRODE_HELD          /* the electrode was found faulty and is held until pzs_release */
+    PZS_ELECTRODE_TESTED,  /* state: the fault detector applies a test signal to the electrode */
+    PZS_ELECTRODE_CLEARED, /* state: the electrode has passed a test, and is not suspected during
+                              the next measured shapes */
+    PZS_ELECTRODE_UNOBSERVABLE, /* state: the electrode cannot be tested, because its effect on the
+                                   shape is zero, or a combination of the effects of other
+                                   electrodes */
+    PZS_ELECTRODE_HELD /* state: the electrode was found faulty, and its voltage is kept constant
+                          until pzs_release */
 } pzs_electrode_state;
 
 /* Settings of the fault detector that a program may change after pzs_fault_detector_init. */
 typedef struct pzs_fault_detector_settings {
     /*
-     * [inputs] amplitude of the test signal (V), at most half the step limit; 0: the electrode is
-     * not observed. Default: just below half the step limit, but at most 1/32 of the voltage range
+     * [inputs] amplitude of the test signal on each electrode (V), at most half the step limit; 0:
+     * the electrode is not observed. Default: just below half the step limit, but at most 1/32 of
+     * the voltage range
      */
     pzs_real *amplitude;
 } pzs_fault_detector_settings;
@@ -932,9 +953,9 @@ typedef struct pzs_fault_detector_settings {
 /* Results of the fault detector that a program may read. */
 typedef struct pzs_fault_detector_info {
     const uint8_t *electrode; /* [inputs] state of each electrode, a value of pzs_electrode_state */
-    int32_t where;            /* index to which the last status refers, or -1 */
+    int32_t where;            /* index of the input to which the last status refers, or -1 */
     uint16_t found;           /* number of faulty electrodes detected since the initialisation */
-    uint16_t unobservable;    /* number of electrodes that cannot be observed */
+    uint16_t unobservable;    /* number of electrodes whose faults cannot be observed */
 } pzs_fault_detector_info;
 
 typedef struct pzs_fault_detector {
@@ -976,7 +997,7 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
  */
 pzs_status pzs_fault_detector_tick(pzs_fault_detector *detector, const pzs_real *measured);
 
-/* Tables of the fault detector block. */
+/* Tables of the block for the detection of faulty electrodes. */
 typedef struct pzs_fault_detection {
     uint16_t delay;     /* delay of the measurements (ticks), at most PZS_DELAY_LIMIT */
     pzs_real amplitude; /* amplitude of the test signals (V), at most half the step limit; 0: the
@@ -1019,19 +1040,21 @@ extern const pzs_block_type pzs_fault_detector_block;
 typedef enum pzs_wiring_state {
     PZS_WIRING_UNTESTED = 0,
     PZS_WIRING_HEALTHY,
-    PZS_WIRING_UNOBSERVABLE, /* the response expected from the influence matrix is too small,
-                                compared with noise and vibration, to be tested */
-    PZS_WIRING_SILENT,       /* no sensor responds to the amplifier, or the sensor responds to no
-                                amplifier */
-    PZS_WIRING_REVERSED, /* the measured response of the amplifier or sensor has the wrong sign */
-    PZS_WIRING_SWAPPED, /* exchanged cables: the measured response is that expected of the amplifier
-                           or sensor pzs_wiring.other */
-    PZS_WIRING_GAIN,    /* the gain of the amplifier or sensor differs from the mean gain of all
-                           amplifiers by more than the tolerance in the tables; or the mean gain is
-                           below 0.15 or above 2, and all responding amplifiers have this state */
-    PZS_WIRING_UNKNOWN, /* the measured response resembles the response expected of no amplifier (or
-                           of no sensor) */
-    PZS_WIRING_NOISY    /* the noise of the sensor exceeds the value in pzs_selftest_tables.noise */
+    PZS_WIRING_UNOBSERVABLE, /* finding: the response expected from the influence matrix is too
+                                small, compared with noise and vibration, to be tested */
+    PZS_WIRING_SILENT, /* finding: no sensor responds to the amplifier, or the sensor responds to no
+                          amplifier */
+    PZS_WIRING_REVERSED, /* finding: the measured response of the amplifier or sensor has the wrong
+                            sign */
+    PZS_WIRING_SWAPPED,  /* finding: cables are exchanged, because the measured response is the one
+                            expected of the amplifier or sensor with the index pzs_wiring.other */
+    PZS_WIRING_GAIN, /* finding: the gain of the amplifier or sensor differs from the mean gain of
+                        all amplifiers by more than the tolerance in the tables; or the mean gain is
+                        below 0.15 or above 2, and all responding amplifiers have this state */
+    PZS_WIRING_UNKNOWN, /* finding: the measured response resembles the response expected of no
+                           amplifier (or of no sensor) */
+    PZS_WIRING_NOISY    /* finding: the noise of the sensor exceeds the value in
+                           pzs_selftest_tables.noise */
 } pzs_wiring_state;
 
 /* Value of the members `other` and `similar` of pzs_wiring: there is no such amplifier or sensor.
@@ -1040,10 +1063,11 @@ typedef enum pzs_wiring_state {
 
 /* Finding of the self-test about one amplifier with its electrode, or about one sensor. */
 typedef struct pzs_wiring {
-    pzs_real gain;  /* measured response divided by the response that the influence matrix predicts
-                       (1) */
-    uint16_t other; /* with PZS_WIRING_SWAPPED: index of the amplifier whose electrode this
-                       amplifier drives, or of the sensor whose place this sensor measures */
+    pzs_real gain; /* gain of an amplifier or sensor: measured response divided by the response that
+                      the influence matrix predicts (1) */
+    uint16_t other; /* where cables are exchanged (PZS_WIRING_SWAPPED): index of the amplifier whose
+                       electrode this amplifier drives, or of the sensor whose place this sensor
+                       measures */
     uint16_t similar; /* index of another amplifier (or sensor) with so similar a response that the
                          self-test would not notice if the cables of both were exchanged;
                          PZS_WIRING_NONE: there is none */
@@ -1055,8 +1079,8 @@ typedef struct pzs_selftest_tables {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
                                from which the tables were generated, which must equal the hash in
                                the voltage problem */
-    uint32_t crc;           /* checksum of the following members and their arrays, computed by
-                               pzs_selftest_seal */
+    uint32_t crc; /* checksum of the following members of the self-test tables and of their arrays,
+                     computed by pzs_selftest_seal */
     uint16_t inputs, sensors;
     uint16_t delay;         /* age of the readings (ticks), at most PZS_DELAY_LIMIT */
     uint16_t pulse_ticks;   /* duration of a test pulse (ticks), at least PZS_LEAST_PULSE_TICKS */
@@ -1075,19 +1099,19 @@ typedef struct pzs_selftest_tables {
                                 gain, above 0 (1) */
 } pzs_selftest_tables;
 
-#define PZS_LEAST_PULSE_TICKS 16u /* shortest duration of a test pulse (ticks) */
+#define PZS_LEAST_PULSE_TICKS 16u /* shortest duration of a test pulse of the self-test (ticks) */
 
 /*
  * An amplifier (measured by all sensors) or a sensor (moved by all amplifiers) is tested only if
  * the energy of its expected response, the sum of its squares, exceeds PZS_SELFTEST_JUDGED times
- * the energy of noise and vibration.
+ * the energy that noise and vibration cause.
  */
 #define PZS_SELFTEST_JUDGED PZS_R(400)
 /*
  * Energy of the response that white noise of a sensor causes in the self-test, divided by the
  * variance of the noise, and multiplied by the number of ticks of a pulse and by the squared height
- * of the pulse: the sum of the squared even and odd weights of the readings, divided by the squared
- * sum of the pulse times the even weight.
+ * of the pulse. It is the sum of the squared weights of the readings (one set symmetric in time,
+ * one antisymmetric), divided by the squared sum of the pulse times the symmetric weights.
  */
 #define PZS_SELFTEST_NOISE_ENERGY PZS_R(12.6)
 
@@ -1110,18 +1134,19 @@ pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 typedef enum pzs_selftest_verdict {
     PZS_SELFTEST_RUNNING = 0,
     PZS_SELFTEST_PASSED,
-    PZS_SELFTEST_FAULTY, /* the self-test has found a fault of at least one amplifier or sensor */
-    PZS_SELFTEST_DISTURBED, /* vibration or noise hides the response to the test pulse of at least
-                               one amplifier, whose state is PZS_WIRING_UNOBSERVABLE */
-    PZS_SELFTEST_ACCEPTED   /* the program has ended the self-test by pzs_selftest_accept, whatever
-                               its findings */
+    PZS_SELFTEST_FAULTY,    /* verdict: the self-test has found a fault of at least one amplifier or
+                               sensor */
+    PZS_SELFTEST_DISTURBED, /* verdict: vibration or noise hides the response to the test pulse of
+                               at least one amplifier, whose state is PZS_WIRING_UNOBSERVABLE */
+    PZS_SELFTEST_ACCEPTED   /* verdict: the program has ended the self-test by pzs_selftest_accept,
+                               whatever its findings */
 } pzs_selftest_verdict;
 
 /* Results of the self-test that a program may read. */
 typedef struct pzs_selftest_info {
     pzs_selftest_verdict verdict;
-    const pzs_wiring *amplifier; /* [inputs] finding about each amplifier */
-    const pzs_wiring *sensor;    /* [sensors] finding about each sensor */
+    const pzs_wiring *amplifier; /* [inputs] finding of the self-test about each amplifier */
+    const pzs_wiring *sensor;    /* [sensors] finding of the self-test about each sensor */
     uint32_t remaining;          /* number of ticks until the end of the self-test */
     uint16_t findings; /* number of amplifiers and sensors with a fault: pzs_wiring.state is
                           PZS_WIRING_SILENT or larger */
@@ -1138,8 +1163,9 @@ typedef struct pzs_selftest {
  * End a self-test, whatever its findings, so that the control loop runs in the next tick. If a
  * program calls the function before the first tick, for example after a reset and pzs_loop_start,
  * there is no self-test.
- * Amplifiers with a finding are held by pzs_hold until pzs_release: a silent one at 0 V, any other
- * at its present voltage. The readings of a faulty sensor are to be passed as NaN.
+ * The voltages of amplifiers with a finding are kept constant (pzs_hold) until pzs_release: 0 V for
+ * an amplifier that does not respond, the present voltage for any other. The readings of a faulty
+ * sensor are to be passed as NaN.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */
@@ -1150,7 +1176,7 @@ pzs_status pzs_selftest_accept(pzs_selftest *selftest);
  * still, or where an electrode is suspected. During the test the loop is not in control, and all
  * amplifiers without a pulse keep their voltages. If no fault is found, the loop continues
  * afterwards. Otherwise the voltages do not change until the program calls pzs_selftest_accept. An
- * amplifier that is held is not tested.
+ * amplifier whose voltage is kept constant by pzs_hold is not tested.
  *   selftest in/out  returned by pzs_loop_find(&loop, &pzs_selftest_block)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
  */

@@ -18,39 +18,44 @@ extern "C" {
 /* ---- tables ----------------------------------------------------------- */
 
 /*
- * One element type: geometry and material of a four-node shell element, as the element kernel needs
- * them. Equal elements share one type. The corners r = 0 to 3 lie at (-,-), (+,-), (+,+) and (-,+)
- * in the directions theta1 and theta2 (a = 0, 1), and corner r' is the neighbour of corner r in
- * direction a. The displacement derivatives in the frame of corner r are lambda_a = S_a u_r + T_a
- * u_r', with the displacements u_r and u_r' of the two corners. Element formulations (published,
- * improved) differ in these numbers alone.
+ * One element type: geometry and material of a four-node shell element, as the element computations
+ * need them. Equal elements share one type. The corners r = 0 to 3 lie at (-,-), (+,-), (+,+) and
+ * (-,+) in the directions theta1 and theta2 (a = 0, 1), and corner r' is the neighbour of corner r
+ * in direction a. The displacement derivatives in the frame of corner r are lambda_a = S_a u_r +
+ * T_a u_r', with the displacements u_r and u_r' of the two corners. Element formulations
+ * (published, improved) differ only in these numbers.
  */
 typedef struct pzs_element_type {
-    pzs_real s[4][2][3][3];   /* coupling matrix S of each corner and direction: displacement
-                                 derivative per displacement of the corner itself (1/m) */
-    pzs_real t[4][2][3][3];   /* coupling matrix T of each corner and direction: displacement
-                                 derivative per displacement of the neighbouring corner (1/m) */
-    pzs_real g_mean[4][2][3]; /* base vectors at each corner in each direction, mean of the two
-                                 faces (1) */
+    pzs_real s[4][2][3][3];   /* coupling matrix S for each corner and direction of the element:
+                                 displacement derivative per displacement of the corner itself (1/m)
+                               */
+    pzs_real t[4][2][3][3];   /* coupling matrix T for each corner and direction of the element:
+                                 displacement derivative per displacement of the neighbouring corner
+                                 (1/m) */
+    pzs_real g_mean[4][2][3]; /* base vectors at each corner of the element in each direction, mean
+                                 of the two faces (1) */
     pzs_real g_diff[4][2][3]; /* difference of the base vectors of outer and inner face, divided by
-                                 the thickness, at each corner in each direction (1/m) */
+                                 the thickness, at each corner of the element in each direction
+                                 (1/m) */
     /*
-     * Stiffness of the strain modes 00, 01, 10, 11, which vary over the element as xi1^r1 xi2^r2,
-     * times area/3^(r1+r2) (N m): packed lower triangles of 10 rows. Order of the strains: 11m 11d
-     * 22m 22d 33m 33d 12m 12d 13 23, where m is the mean and d the difference of the two faces.
+     * Stiffness of the four strain modes 00, 01, 10, 11 of the element, packed lower triangles of
+     * 10 rows. Mode r1 r2 varies over the element as xi1^r1 xi2^r2, and its stiffness is multiplied
+     * by area/3^(r1+r2) (N m). Order of the strains: 11m 11d 22m 22d 33m 33d 12m 12d 13 23, where m
+     * is the mean and d the difference of the two faces.
      */
     pzs_real d[4][55];
     pzs_real thickness; /* thickness of the element (m) */
     /*
      * Factors (1) of the nine strains that a warped (not plane) element adds to the mean strain 12
-     * of mode 00. The strains are, in the notation of `d`: 12d of mode 00; 13 of 01, 23 of 10, 13
-     * of 00, 23 of 00; 11d of 00, 11d of 01, 22d of 00, 22d of 10
+     * of strain mode 00. The nine strains are, with m for the mean and d for the difference of the
+     * two faces: 12d of mode 00; 13 of 01, 23 of 10, 13 of 00, 23 of 00; 11d of 00, 11d of 01, 22d
+     * of 00, 22d of 10
      */
     pzs_real warp[9];
     /*
-     * alpha_1, alpha_2 and length ratio (1): the area varies as 1 + alpha_1 xi2 + alpha_2 xi1 over
-     * the element, so that both are 0 on a parallelogram; the ratio is the length along theta2 over
-     * that along theta1
+     * skew of the element, alpha_1 and alpha_2, and its length ratio (1): the area varies as 1 +
+     * alpha_1 xi2 + alpha_2 xi1 over the element, so that alpha_1 and alpha_2 are 0 on a
+     * parallelogram; the length ratio is the length along theta2 divided by the length along theta1
      */
     pzs_real skew[3];
 } pzs_element_type;
@@ -60,10 +65,10 @@ typedef struct pzs_element_type {
  * may stay in flash.
  */
 typedef struct pzs_structure {
-    uint32_t format; /* format number of the tables, PZS_TABLE_FORMAT */
+    uint32_t format; /* format number of the tables of the structure, PZS_TABLE_FORMAT */
     uint32_t scene;  /* hash of the scene file from which the tables were generated */
-    uint32_t crc;    /* checksum of the following members and their arrays, computed by
-                        pzs_structure_seal */
+    uint32_t crc;    /* checksum of the following members of the structure and of their arrays,
+                        computed by pzs_structure_seal */
     uint16_t nodes, elements, types;
     /*
      * degrees of freedom of a node, 6 or 7: mean displacement u1 u2 u3 of the two faces (m);
@@ -75,19 +80,22 @@ typedef struct pzs_structure {
     const uint16_t (*element)[4]; /* [elements] node indices of each element, in the order of its
                                      corners */
     const uint16_t *element_type; /* [elements] index of the element type of each element */
-    const uint16_t *node_dof; /* [nodes][dof_per_node] index among the free degrees of freedom, or
-                                 PZS_CONSTRAINED */
+    const uint16_t *node_dof;     /* [nodes][dof_per_node] index of each degree of freedom of a node
+                                     among the free degrees of freedom, or PZS_CONSTRAINED */
     const uint16_t *first_column; /* [free_dof] column of the first stored entry in each row of the
                                      stiffness matrix */
     const pzs_real *stiffness;    /* [types][rows * (rows + 1) / 2] stiffness matrix of each element
-                                     type, packed lower triangle of rows = 4 dof_per_node rows;
-                                     NULL: pzs_assemble computes each matrix from its type */
-    const pzs_element_type *type; /* [types] element types; NULL: solutions are not refined, and the
-                                     nonlinear solver cannot be used; stiffness must be there */
-    pzs_rows input;               /* force vector per unit of each input (N/V, N/K, N/Pa or 1) */
-    pzs_rows output;              /* coefficients of the displacement in each output (m) */
-    pzs_rows spring; /* one row for each spring: its elongation per unit of the displacement (1);
-                        count 0: no springs */
+                                     type, a packed lower triangle of 4 dof_per_node rows; NULL:
+                                     pzs_assemble computes each matrix from its element type */
+    const pzs_element_type *type; /* [types] geometry and material of each element type; NULL:
+                                     solutions are not refined, the nonlinear solver cannot be used,
+                                     and `stiffness` must not be NULL */
+    pzs_rows input; /* force vector on the free degrees of freedom per unit of each input (N/V, N/K,
+                       N/Pa or 1) */
+    pzs_rows output; /* coefficients of the free degrees of freedom in each output, a displacement
+                        (m) */
+    pzs_rows spring; /* one row for each spring: its elongation per unit of each free degree of
+                        freedom (1); count 0: no springs */
     const pzs_real *spring_stiffness; /* [spring.count] stiffness of each spring (N/m), at least 0
                                        */
 } pzs_structure;
@@ -105,16 +113,19 @@ typedef struct pzs_model_info {
     pzs_real condition; /* estimated condition number of the scaled stiffness matrix in the 1-norm
                          */
     /*
-     * norm of (stiffness times displacement - force) over the norm of the force in the last solve,
-     * in scaled rows and computed from the strains of the elements; -1 without element types
+     * residual of the last solve: norm of (stiffness times displacement - force) divided by the
+     * norm of the force, with scaled matrix rows, computed from the strains of the elements; -1
+     * without element types
      */
     pzs_real residual;
-    pzs_real error_estimate;  /* estimated relative error of the last solution in the energy norm,
-                                 without the discretisation error of the mesh; -1 without element
-                                 types */
-    int32_t where;            /* index to which the last status refers, or -1 */
-    uint16_t refinements;     /* number of refinement iterations in the last solve */
-    uint16_t negative_pivots; /* number of negative pivots in the last factorisation */
+    pzs_real error_estimate; /* estimated relative error of the last solution in the energy norm,
+                                without the discretisation error of the mesh; -1 without element
+                                types */
+    int32_t where;        /* index to which the last status refers, for example of a free degree of
+                             freedom, or -1 */
+    uint16_t refinements; /* number of refinement iterations in the last solve */
+    uint16_t negative_pivots; /* number of negative pivots in the last factorisation of the
+                                 stiffness matrix */
 } pzs_model_info;
 
 typedef struct pzs_model_state {
@@ -122,11 +133,12 @@ typedef struct pzs_model_state {
     pzs_envelope stiffness; /* scaled stiffness matrix; after pzs_factor its factors */
     pzs_real *scale; /* [free_dof] powers of two that scale the diagonal of the stiffness matrix to
                         about one */
-    pzs_real *work;  /* [6][free_dof] work array */
+    pzs_real *work;  /* [6][free_dof] work array of six vectors */
     const pzs_real *stiffness_factor; /* [types] factor of the stiffness matrix of each element
                                          type, as passed to the last pzs_assemble; NULL: all 1 */
-    const uint8_t *constrained; /* [free_dof] nonzero: held at zero in addition to the supports, as
-                                   passed to the last pzs_assemble; NULL: none */
+    const uint8_t *constrained; /* [free_dof] nonzero: this degree of freedom is kept at zero in
+                                   addition to those of the supports, as passed to the last
+                                   pzs_assemble; NULL: none is */
     uint8_t stage;
 } pzs_model_state;
 
@@ -195,7 +207,8 @@ void pzs_observe(const pzs_structure *structure, const pzs_real *displacement, p
 /*
  * Compute the influence matrix, the outputs per unit of each input, by one solve for each input.
  *   influence [outputs][inputs] out  influence matrix (m/V)
- * Errors: those of pzs_solve; the columns of the inputs before info.where are then written.
+ * Errors: those of pzs_solve, which leave info.where at the index of an input; the columns of the
+ * inputs before info.where are then written.
  */
 pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
 
@@ -208,10 +221,10 @@ pzs_status pzs_influence(pzs_model *model, pzs_real *influence);
  * arrays are const and may stay in flash.
  */
 typedef struct pzs_electrodes {
-    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
-                               that of the structure */
-    uint32_t crc;           /* checksum of the following members and their arrays, computed by
-                               pzs_electrodes_seal */
+    uint32_t format, scene; /* format number of the electrode tables and hash of their scene file,
+                               which must be those of the structure */
+    uint32_t crc; /* checksum of the following members of the electrode tables and of their arrays,
+                     computed by pzs_electrodes_seal */
     uint16_t count;
     const uint16_t *input; /* [count] index of the input whose value is the voltage of the electrode
                             */
@@ -237,7 +250,8 @@ typedef struct pzs_electric_settings {
 } pzs_electric_settings;
 
 typedef struct pzs_electric_info {
-    int32_t where; /* index to which the last status refers, or -1 */
+    int32_t where; /* index of the electrode, input or array entry to which the last status refers,
+                      or -1 */
 } pzs_electric_info;
 
 typedef struct pzs_electric_state {
@@ -245,9 +259,10 @@ typedef struct pzs_electric_state {
     const pzs_electrodes *tables;
     pzs_real *sensitivity; /* [count][inputs] charge of each electrode per unit of each input while
                               all voltages are prescribed (C/V, C/K or C/N) */
-    pzs_real *value;       /* [inputs] work array */
-    pzs_envelope open; /* L D L^T factors of a matrix of the open electrodes: charge of each one per
-                          volt on each one (C/V) */
+    pzs_real *value;       /* [inputs] work array with an entry for each input */
+    pzs_envelope open;     /* L D L^T factors of a matrix with a row and a column for each open
+                              electrode: charge of the electrode in the row per volt on the electrode in
+                              the column (C/V) */
     uint8_t stage;
 } pzs_electric_state;
 
@@ -287,8 +302,8 @@ pzs_status pzs_electric_factor(pzs_electric *electric);
 pzs_status pzs_open_voltages(const pzs_electric *electric, pzs_real *value);
 
 /*
- * Compute the charges of all electrodes under input values that include the voltages of the open
- * electrodes.
+ * Compute the charges of all electrodes under given input values, among which are the voltages of
+ * the open electrodes.
  *   value  [inputs] in   input values
  *   charge [count]  out  charges of the electrodes (C)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
@@ -296,7 +311,8 @@ pzs_status pzs_open_voltages(const pzs_electric *electric, pzs_real *value);
 pzs_status pzs_charges(const pzs_electric *electric, const pzs_real *value, pzs_real *charge);
 
 /*
- * Transform the influence matrix under prescribed voltages into the one with open electrodes.
+ * Transform the influence matrix for prescribed voltages into the influence matrix of a structure
+ * with open electrodes.
  *   influence [outputs][inputs] in/out  in: result of pzs_influence (m/V); out: the columns of open
  *                                       electrodes are per unit of charge (m/C)
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE.

@@ -24,14 +24,17 @@ extern "C" {
  * with the shell. A load that keeps its direction is a row of pzs_structure.input instead.
  */
 typedef struct pzs_prescribed_resultants {
-    uint16_t values;         /* number of rows of the array `value` */
-    const uint32_t *start;   /* [inputs + 1] first entry of each input in the arrays `element` and
-                                `which`; an input without entries is a load */
-    const uint16_t *element; /* [start[inputs]] index of the element on which each entry acts */
-    const uint16_t *which; /* [start[inputs]] row of the array `value` that holds the resultants of
-                              each entry */
-    const pzs_real (*value)[10]; /* [values] resultants per unit of input, times the area of the
-                                    element (N m), in the strain order of pzs_element_type.d */
+    uint16_t values; /* number of rows of the array `value`, the different sets of stress resultants
+                      */
+    const uint32_t *start;   /* [inputs + 1] index of the first entry of each input in the arrays
+                                `element` and `which`; an input without entries is a load */
+    const uint16_t *element; /* [start[inputs]] index of the element on which each prescribed
+                                resultant acts */
+    const uint16_t *which; /* [start[inputs]] index of the row of the array `value` that holds each
+                              prescribed resultant */
+    const pzs_real (*value)[10]; /* [values] stress resultants per unit of an input, times the area
+                                    of the element (N m), in the strain order of pzs_element_type.d
+                                  */
 } pzs_prescribed_resultants;
 
 /*
@@ -40,9 +43,12 @@ typedef struct pzs_prescribed_resultants {
  */
 typedef struct pzs_prescribed_motion {
     uint16_t count;
-    uint16_t input;        /* index of the input; its force vector is empty */
-    const uint16_t *dof;   /* [count] indices of the free degrees of freedom */
-    const pzs_real *value; /* [count] displacement per unit of the input (m or 1) */
+    uint16_t input; /* index of the input whose value scales the prescribed motion; the force vector
+                       of this input is empty */
+    const uint16_t *dof;   /* [count] indices of the free degrees of freedom whose motion is
+                              prescribed */
+    const pzs_real *value; /* [count] prescribed displacement of each degree of freedom per unit of
+                              the input (m or 1) */
 } pzs_prescribed_motion;
 
 /*
@@ -50,10 +56,10 @@ typedef struct pzs_prescribed_motion {
  * const and may stay in flash.
  */
 typedef struct pzs_nonlinear {
-    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
-                               that of the structure */
-    uint32_t crc;           /* checksum of the following members and their arrays, computed by
-                               pzs_nonlinear_seal */
+    uint32_t format, scene; /* format number of the nonlinear tables and hash of their scene file,
+                               which must be those of the structure */
+    uint32_t crc; /* checksum of the following members of the nonlinear tables and of their arrays,
+                     computed by pzs_nonlinear_seal */
     pzs_prescribed_resultants resultants;
     pzs_prescribed_motion prescribed;
 } pzs_nonlinear;
@@ -77,8 +83,9 @@ typedef struct pzs_solver_option {
 /* Settings of the equilibrium solver that a program may change after pzs_solver_init. */
 typedef struct pzs_solver_settings {
     /*
-     * convergence tolerance between 0 and 1: largest norm of the last increment, and of the
-     * predicted next one, relative to the displacement of the load step; default 1e-4
+     * convergence tolerance between 0 and 1: largest norm of the last increment of the
+     * displacement, and of the predicted next one, relative to the displacement of the load step;
+     * default 1e-4
      */
     pzs_real tolerance;
     uint16_t load_steps; /* number of load steps into which the way to the input values is divided
@@ -88,7 +95,8 @@ typedef struct pzs_solver_settings {
      * the present displacement are used; default 12; 0: plain Newton method
      */
     uint16_t extrapolated_iterations;
-    uint32_t solve_limit; /* largest number of linear solves in one call; default 400 */
+    uint32_t solve_limit; /* largest number of linear solves in one call of pzs_equilibrium; default
+                             400 */
 } pzs_solver_settings;
 
 /* Results of the equilibrium solver that a program may read. */
@@ -97,29 +105,32 @@ typedef struct pzs_solver_info {
                                      and 1) */
     const pzs_real *input_value;  /* [inputs] input values of the equilibrium that was reached, with
                                      the voltages of open electrodes */
-    pzs_real load_factor; /* part of the way from the previous equilibrium to the wanted input
-                             values that was reached (0 to 1) */
-    pzs_real residual; /* norm of the force imbalance over the norm of the applied force, in scaled
-                          rows (1) */
-    pzs_real relative_increment; /* norm of the last increment over the norm of the displacement of
-                                    the load step (1) */
-    uint32_t linear_solves;      /* number of linear solves in the last call */
-    uint32_t load_steps;         /* number of converged load steps in the last call */
-    uint32_t shortened_steps; /* number of converged load steps in the last call that were shortened
-                                 to limit the motion of the contact body */
+    pzs_real load_factor; /* part (0 to 1) of the way from the previous equilibrium to the wanted
+                             input values that the solver has reached */
+    pzs_real residual; /* norm of the force imbalance divided by the norm of the applied force, with
+                          scaled matrix rows (1) */
+    pzs_real relative_increment; /* norm of the last increment of the displacement divided by the
+                                    norm of the displacement of the load step (1) */
+    uint32_t linear_solves;      /* number of linear solves in the last call of pzs_equilibrium */
+    uint32_t load_steps; /* number of converged load steps in the last call of pzs_equilibrium */
+    uint32_t shortened_steps; /* number of converged load steps in the last call of pzs_equilibrium
+                                 that were shortened to limit the motion of the contact body */
     uint32_t negative_pivots; /* number of negative pivots of the tangent stiffness at the
                                  equilibrium; 0: stable */
-    int32_t where;            /* index to which the last status refers, or -1 */
+    int32_t where; /* index to which the last status refers, for example of an element or an input,
+                      or -1 */
 } pzs_solver_info;
 
 typedef struct pzs_solver_state {
     pzs_model *model;
     const pzs_nonlinear *tables;
-    pzs_solver_option *option;  /* first option in the list of attached options, or NULL */
+    pzs_solver_option *option;  /* first option (such as a contact) in the linked list of options
+                                   attached to the solver, or NULL */
     pzs_real *displacement;     /* [free_dof] present displacement (m and 1) */
     pzs_real *input_value;      /* [inputs] present input values */
-    pzs_real (*resultant)[22];  /* [elements] stress resultants: extrapolated during the iteration,
-                                   those of the displacement after convergence (N m) */
+    pzs_real (*resultant)[22];  /* [elements] stress resultants of each element (N m): extrapolated
+                                   during the iteration, those of the displacement after convergence
+                                 */
     pzs_real (*prescribed)[10]; /* [elements] prescribed stress resultants of the present input
                                    values (N m) */
     pzs_real *load; /* [free_dof] applied forces at the last linear solve, without support reactions
@@ -130,13 +141,16 @@ typedef struct pzs_solver_state {
     pzs_real (*converged_resultant)[22]; /* [elements] stress resultants of the last equilibrium (N
                                             m) */
     uint16_t iteration;                  /* number of linear solves in the present load step */
-    pzs_status pending_error; /* status of an option that had not converged when the last load step
-                                 ended, or PZS_OK */
-    pzs_status refused; /* error with which an option rejected the last load step, or PZS_OK */
-    int32_t refused_at; /* index to which the error in `refused` refers */
-    pzs_status warned;  /* warning of an option about the last converged load step, or PZS_OK */
-    bool is_balanced;   /* the force imbalance is at most as large as the applied force, or is a
-                           rounding error */
+    pzs_status pending_error; /* status of an option (such as a contact) that had not converged when
+                                 the last load step ended, or PZS_OK */
+    pzs_status refused; /* error with which an option (such as a contact) rejected the last load
+                           step, or PZS_OK */
+    int32_t refused_at; /* index, for example of an element, to which the error in `refused` refers
+                         */
+    pzs_status warned;  /* warning of an option (such as a contact) about the last converged load
+                           step, or PZS_OK */
+    bool is_balanced; /* whether the force imbalance is at most as large as the applied force, or is
+                         a rounding error */
     uint8_t stage;
 } pzs_solver_state;
 
@@ -206,24 +220,25 @@ pzs_status pzs_influence_at(pzs_solver *solver, pzs_real *influence);
  * are const and may stay in flash.
  */
 typedef struct pzs_follower {
-    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
-                               that of the structure */
-    uint32_t crc;           /* checksum of the following members and their arrays, computed by
-                               pzs_follower_seal */
-    uint16_t input; /* index of the input whose value scales the pressure; its force vector is empty
-                     */
+    uint32_t format, scene; /* format number of the follower-load tables and hash of their scene
+                               file, which must be those of the structure */
+    uint32_t crc;   /* checksum of the following members of the follower-load tables and of their
+                       arrays, computed by pzs_follower_seal */
+    uint16_t input; /* index of the input whose value scales the follower pressure; the force vector
+                       of this input is empty */
     uint8_t load_face;   /* face on which the pressure acts: 0 inner, 1 outer, 2 half on each */
     uint8_t normal_face; /* face whose normal gives the direction of the pressure: 0 inner, 1 outer
                           */
     uint8_t true_area;   /* 1: the pressure is force per deformed area of the face given by
                             normal_face; 0: force per undeformed area. In both cases it acts
                             along the normal of the deformed face */
-    pzs_real share[3]; /* parts of the force by the pressure at one corner that act on this corner,
+    pzs_real share[3]; /* shares of the force of the pressure at one corner that act on this corner,
                           on each neighbouring corner and on the opposite corner (1) */
-    const pzs_real (*area)[4];    /* [types] area of the element that belongs to each corner (m2) */
-    const pzs_real (*lean)[4][2]; /* [types] component along the director of the two base vectors at
-                                     each corner, not zero where a flat element approximates a
-                                     curved shell; NULL: all zero */
+    const pzs_real (*area)[4];    /* [types] area of the element type that belongs to each of its
+                                     corners (m2) */
+    const pzs_real (*lean)[4][2]; /* [types] component of the two base vectors at each corner along
+                                     the director of the shell, not zero where a flat element
+                                     approximates a curved shell; NULL: all zero */
     const pzs_real *pressure; /* [nodes] pressure per unit of the input, positive along the normal
                                  e3 (N/m2) */
 } pzs_follower;
@@ -245,9 +260,9 @@ typedef struct pzs_follower_load {
 
 /*
  * Attach a follower load to an equilibrium solver; load and tables must outlive the solver. The
- * equilibrium iteration uses the symmetric part of its tangent, so that the linear solves stay
- * symmetric; pzs_influence_at uses the exact tangent. Errors: PZS_E_ARGUMENT (also if attached
- * already or for an index out of range), PZS_E_FORMAT, PZS_E_CRC.
+ * equilibrium iteration uses the symmetric part of its tangent stiffness, so that the linear solves
+ * stay symmetric; pzs_influence_at uses the exact tangent stiffness. Errors: PZS_E_ARGUMENT (also
+ * if attached already or for an index out of range), PZS_E_FORMAT, PZS_E_CRC.
  */
 pzs_status pzs_attach_follower(pzs_solver *solver, pzs_follower_load *load,
                                const pzs_follower *tables);
@@ -262,12 +277,14 @@ typedef struct pzs_circuit_settings {
 
 typedef struct pzs_circuit_state {
     const pzs_electrodes *tables;
-    pzs_real *voltage;           /* [open] present voltages of the open electrodes (V) */
-    pzs_real *converged_voltage; /* [open] voltages of the open electrodes at the last equilibrium
+    pzs_real *voltage;           /* [open] present voltage of each open electrode (V) */
+    pzs_real *converged_voltage; /* [open] voltage of each open electrode at the last equilibrium
                                     (V) */
-    pzs_real *voltage_change;    /* [open] change of the voltages in the last linear solve (V) */
-    pzs_envelope open; /* L D L^T factors of a matrix of the open electrodes at the present shape:
-                          charge of each one per volt on each one (C/V) */
+    pzs_real *voltage_change;    /* [open] change of the voltage of each open electrode in the last
+                                    linear solve (V) */
+    pzs_envelope open; /* L D L^T factors of a matrix with a row and a column for each open
+                          electrode, at the present shape: charge of the electrode in the row per
+                          volt on the electrode in the column (C/V) */
 } pzs_circuit_state;
 
 typedef struct pzs_circuit {
@@ -287,9 +304,9 @@ typedef struct pzs_circuit {
 /*
  * Attach the open electrodes [P 49-55] to an equilibrium solver in the undeformed state; tables and
  * circuit must outlive the solver. Their voltages are additional unknowns of Newton's method and
- * replace their input values in solver.info.input_value. In the result of pzs_influence_at their
- * columns are per unit of charge. Errors: PZS_E_ARGUMENT (also if attached already), PZS_E_FORMAT,
- * PZS_E_CRC, PZS_E_WORKSPACE (solver->info.where = bytes needed).
+ * replace their input values in solver.info.input_value. The influence matrix of pzs_influence_at
+ * has columns per unit of their charge. Errors: PZS_E_ARGUMENT (also if attached already),
+ * PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE (solver->info.where = bytes needed).
  */
 pzs_status pzs_attach_circuit(pzs_solver *solver, pzs_circuit *circuit,
                               const pzs_electrodes *tables, void *work, size_t bytes);
@@ -316,22 +333,27 @@ typedef struct pzs_body {
      */
     pzs_real (*gap)(const struct pzs_body *body, const pzs_real position[3], pzs_real normal[3],
                     pzs_real hessian[3][3]);
-    pzs_real point[3]; /* a point on the plane or on the axis of the cylinder, or the centre of the
-                          sphere (m) */
-    pzs_real axis[3];  /* outward unit normal of the plane, or unit vector along the axis of the
-                          cylinder (1) */
-    pzs_real radius;   /* radius of the cylinder or sphere, above 0 (m) */
-    const void *own;   /* data of the program for its own distance function, or NULL */
-    uint32_t crc;      /* checksum of point, axis and radius, computed by pzs_body_crc */
+    pzs_real point[3]; /* contact body: a point on the plane or on the axis of the cylinder, or the
+                          centre of the sphere (m) */
+    pzs_real axis[3];  /* contact body: outward unit normal of the plane, or unit vector along the
+                          axis of the cylinder (1) */
+    pzs_real radius;   /* radius of the cylinder or sphere that is the contact body, above 0 (m) */
+    const void *own; /* data of the program for its own distance function of a contact body, or NULL
+                      */
+    uint32_t crc;    /* checksum of point, axis and radius of the contact body, computed by
+                        pzs_body_crc */
 } pzs_body;
 
-/* Return the checksum of point, axis and radius of a body, which belongs into its member crc. */
+/*
+ * Return the checksum of point, axis and radius of a contact body, to be stored in the member `crc`
+ * of the body.
+ */
 uint32_t pzs_body_crc(const pzs_body *body);
 
 /*
- * Distance functions of the bodies of the library: half-space behind a plane, infinite cylinder,
- * sphere. Each returns the signed distance of `position` (m) and writes the unit normal and the
- * second derivatives of the distance (1/m).
+ * Distance functions of the contact bodies of the library: half-space behind a plane, infinite
+ * cylinder, sphere. Each returns the signed distance of `position` (m) and writes the unit normal
+ * and the second derivatives of the distance (1/m).
  */
 pzs_real pzs_gap_plane(const pzs_body *body, const pzs_real position[3], pzs_real normal[3],
                        pzs_real hessian[3][3]);
@@ -345,16 +367,18 @@ pzs_real pzs_gap_sphere(const pzs_body *body, const pzs_real position[3], pzs_re
  * flash.
  */
 typedef struct pzs_contact_face {
-    uint32_t format, scene; /* format number of the tables and hash of their scene, which must be
-                               that of the structure */
-    uint32_t crc;           /* checksum of the following members and their arrays, computed by
-                               pzs_contact_face_seal */
-    uint8_t face;           /* face that may come into contact: 0 inner, 1 outer */
-    uint16_t input; /* index of the input that moves the body by its value times `motion`, with an
-                       empty force vector; 0xFFFF: the body does not move */
-    pzs_real motion[3]; /* displacement of the body per unit of its input (m) */
-    pzs_real size; /* size of mesh or body, a length (m); a gap below 1e-8 of it counts as closed */
-    const pzs_real (*place)[3];    /* [nodes] positions of the nodes on the undeformed face (m) */
+    uint32_t format, scene; /* format number of the contact tables and hash of their scene file,
+                               which must be those of the structure */
+    uint32_t crc;   /* checksum of the following members of the contact tables and of their arrays,
+                       computed by pzs_contact_face_seal */
+    uint8_t face;   /* face of the shell that may come into contact: 0 inner, 1 outer */
+    uint16_t input; /* index of the input that moves the contact body by its value times `motion`,
+                       with an empty force vector; 0xFFFF: the body does not move */
+    pzs_real motion[3]; /* displacement of the contact body per unit of its input (m) */
+    pzs_real size; /* size of the mesh or of the contact body, a length (m); a gap below 1e-8 of it
+                      counts as closed */
+    const pzs_real (*place)[3]; /* [nodes] positions of the nodes on the undeformed contact face (m)
+                                 */
     const pzs_real (*triad)[3][3]; /* [nodes] unit vectors e1, e2, e3 of the frame of each node, in
                                       rows (1) */
     const pzs_real *area; /* [nodes] area of each node: a quarter of the area of each adjacent
@@ -377,33 +401,34 @@ typedef struct pzs_contact_settings {
     pzs_real stiffness;
 } pzs_contact_settings;
 
-/* Ways in which a contact body penetrates the shell. */
+/* Ways in which a rigid contact body penetrates the shell. */
 typedef enum pzs_penetration {
     PZS_PENETRATION_NONE = 0,
-    PZS_PENETRATION_AT_NODE, /* a node lies in the body, and the contact pressure cannot push it out
-                              */
-    PZS_PENETRATION_BETWEEN_NODES, /* the body enters an element between its nodes */
-    PZS_PENETRATION_PASSED         /* the body has passed through an element */
+    PZS_PENETRATION_AT_NODE,       /* penetration: a node lies in the contact body, and the contact
+                                      pressure cannot push the node out */
+    PZS_PENETRATION_BETWEEN_NODES, /* penetration: the contact body enters an element between its
+                                      nodes */
+    PZS_PENETRATION_PASSED         /* penetration: the contact body has passed through an element */
 } pzs_penetration;
 
 /* Results of the contact that a program may read after an equilibrium. */
 typedef struct pzs_contact_info {
     const pzs_real *pressure; /* [nodes] contact pressure per undeformed area (N/m2), 0 without
                                  contact */
-    pzs_real force[3];        /* resultant of the contact pressure on the shell (N) */
-    uint16_t nodes;           /* number of nodes in contact */
-    pzs_real sag; /* largest depth by which the body was allowed to enter an element between its
-                     nodes in the last load step, because the element is flat where the shell is
+    pzs_real force[3];        /* resultant force of the contact pressure on the shell (N) */
+    uint16_t nodes;           /* number of nodes in contact with the body */
+    pzs_real sag; /* largest depth by which the contact body was allowed to enter an element between
+                     its nodes in the last load step, because the element is flat where the shell is
                      curved (m) */
-    pzs_penetration penetration; /* penetration for which the solver rejected the last load step, or
-                                    about which it warned */
-    uint8_t side; /* face that the body enters: 0 inner, 1 outer. If it is not the face of the
-                     tables, the body comes from behind */
-    uint16_t element, node; /* element and node of the penetration; for a penetration between nodes,
-                               `node` is PZS_CONSTRAINED */
+    pzs_penetration penetration; /* kind of penetration for which the solver rejected the last load
+                                    step, or about which it warned */
+    uint8_t side; /* face of the shell that the contact body enters: 0 inner, 1 outer; if it is not
+                     the contact face of the tables, the body comes from behind */
+    uint16_t element, node; /* indices of the element and node that the contact body penetrates; for
+                               a penetration between nodes, `node` is PZS_CONSTRAINED */
     pzs_real spot[3];       /* position of the deepest point of the penetration (m) */
-    pzs_real depth; /* depth of the deepest point in the body (m); 0 if the body has passed through
-                     */
+    pzs_real depth; /* depth of the deepest point of the shell in the contact body (m); 0 if the
+                       body has passed through the shell */
 } pzs_contact_info;
 
 typedef struct pzs_contact_state {
@@ -412,19 +437,22 @@ typedef struct pzs_contact_state {
     pzs_real *pressure;           /* [nodes] present contact pressure per undeformed area (N/m2) */
     pzs_real *converged_pressure; /* [nodes] contact pressure per undeformed area at the last
                                      equilibrium (N/m2) */
-    pzs_real *facing;  /* [nodes] scalar product of the normals of face and body, summed over the
-                          adjacent elements; negative where the face points at the body (1) */
-    uint8_t *touching; /* [nodes] active set: 1 if the node is in contact, else 0 */
-    uint8_t *converged_touching; /* [nodes] active set of the last equilibrium: 1 if the node was in
-                                    contact, else 0 */
-    bool has_changed;            /* the active set changed before the last linear solve */
-    bool is_warm;  /* the load step started with the unchanged active set of the last equilibrium */
-    bool is_loose; /* the shell can move as a rigid body on its supports, so only contact can hold
-                      it */
-    pzs_real reach; /* half of the longest diagonal of an element: every point is at most this far
-                       from a node (m) */
-    bool lacks_contact; /* at the last linear solve no node touched the body, or none was pressed
-                           onto it */
+    pzs_real *facing; /* [nodes] scalar product of the normals of contact face and body, summed over
+                         the elements at each node; negative where the face points at the body (1)
+                       */
+    uint8_t *touching; /* [nodes] active set of the contact: 1 if the node is in contact with the
+                          body, otherwise 0 */
+    uint8_t *converged_touching; /* [nodes] active set of the contact at the last equilibrium: 1 if
+                                    the node was in contact with the body, otherwise 0 */
+    bool has_changed; /* whether the set of nodes in contact changed before the last linear solve */
+    bool is_warm; /* whether the load step started with the unchanged set of nodes in contact of the
+                     last equilibrium */
+    bool is_loose;  /* whether the shell can move as a rigid body on its supports, so that only
+                       contact can hold it */
+    pzs_real reach; /* half of the longest diagonal of an element (m); every point of the shell is
+                       at most this far from a node */
+    bool lacks_contact; /* whether at the last linear solve no node touched the contact body, or no
+                           node was pressed onto it */
 } pzs_contact_state;
 
 typedef struct pzs_contact {
@@ -442,16 +470,16 @@ typedef struct pzs_contact {
  * outlive the solver. A shell that its supports leave loose must touch the body from the start.
  *
  * At an equilibrium every gap is open, or closed to within 1e-8 of pzs_contact_face.size (in float:
- * to within rounding), no contact pressure is negative, and none acts across an open gap;
- * contact->info describes the contact. pzs_influence_at replaces the rigid body by the penalty
+ * to within rounding), no contact pressure is negative, and no contact pressure acts across an open
+ * gap; contact->info describes the contact. pzs_influence_at replaces the rigid body by the penalty
  * stiffness of the last iteration (measured on a ring of radius 10 thicknesses: relative error
  * 3e-8).
  *
  * After each load step the shape is checked against the body. A load step that fails the check is
  * halved, and finally rejected with PZS_E_PENETRATION. The check covers:
  *
- * - Nodes: every node of both faces must lie outside the body, up to twice the closed gap.
- * - Points between nodes: the smallest gap of each element is found by bisection, to 1/512 of a
+ * - Nodes: every node of both faces must lie outside the body, up to twice the closed gap. - Points
+ * between nodes: the smallest gap of each element is found by bisection, to 1/512 of a
  *   side. A flat element whose nodes touch a body of radius R enters it by length^2 / (8 R), which
  *   is an error of the mesh; twice this depth is allowed, at most R/5, and info.sag is the largest
  *   found. A body smaller than the diagonals of an element may enter it only if a node is in
