@@ -210,7 +210,8 @@ typedef struct pzs_envelope {
     uint32_t n;            /* number n of matrix rows */
     const uint16_t *first; /* [n] column of the first stored entry of each row */
     uint32_t *start;       /* [panels + 1] index in `value` at which each panel (a group of PZS_TILE
-                              matrix rows) starts; the last element is the number of stored entries */
+                              matrix rows) starts; the last element is the number of stored
+                              entries */
     pzs_real *value;   /* [number of stored entries] stored entries of the matrix, panel by panel */
     pzs_real *inverse; /* [n] reciprocals of the n pivots, after the factorisation */
 } pzs_envelope;

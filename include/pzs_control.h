@@ -55,11 +55,9 @@ typedef struct pzs_limit_rows {
                                                always &pzs_limit_rows_calls */
     pzs_rows sums; /* coefficients of the voltages in the limited sums (1): `count` rows whose
                       columns `dof` are inputs, each input at most once in a row */
-    const pzs_real *lower; /* [sums.count] lower limit of each weighted sum of voltages, or
-                              -infinity (V) */
-    const pzs_real *upper; /* [sums.count] upper limit of each weighted sum of voltages, or infinity
-                              (V); it exceeds the lower limit by more than twice the rounding error
-                              of the sum */
+    const pzs_real *lower; /* [sums.count] lower limit of each weighted sum, or -infinity (V) */
+    const pzs_real *upper; /* [sums.count] upper limit of each weighted sum, or infinity (V); above
+                              the lower limit by more than twice the rounding error of the sum */
     const pzs_real *safe;  /* [inputs] safe voltages inside all voltage limits and limit rows, to
                               which the controller can always return (V) */
 } pzs_limit_rows;
@@ -83,22 +81,19 @@ typedef struct pzs_problem {
                      computed by pzs_problem_seal */
     uint16_t inputs, outputs;
     const pzs_real *influence; /* [outputs][inputs] influence matrix B: displacement of each output
-                                  per volt on each input (m/V); NULL: the program passes the matrix
-                                  to pzs_control_init */
+                                  per volt on each input (m/V); NULL: given to pzs_control_init */
     const pzs_real *hessian;   /* [inputs][inputs] Hessian B'W^2 B of the influence matrix B and the
                                   output weights W (m2/V2); NULL: pzs_control_init computes it */
     const pzs_real *weight;    /* [outputs] weight of each output in the objective (1) */
     const pzs_real *lower;     /* [inputs] lower limit of the voltage on each input (V) */
     const pzs_real *upper;     /* [inputs] upper limit of the voltage on each input (V) */
-    const pzs_real *step_limit; /* [inputs] largest change of the voltage on each input in one step
-                                   (V) */
+    const pzs_real *step_limit;        /* [inputs] largest change of each voltage in one step (V) */
     const pzs_real *reference_voltage; /* [inputs] voltages towards which the regularisation pulls
                                           the solution (V) */
     pzs_real regularisation; /* regularisation weight: factor of the squared distance of the
                                 voltages from the reference voltages in the objective (m2/V2) */
-    uint64_t work_limit; /* default of the member work_limit of pzs_control_settings, the largest
-                            number of multiply-adds of the optimiser in one voltage step; 0:
-                            PZS_WORK_LIMIT */
+    uint64_t work_limit;     /* default of the optimiser's work limit in one voltage step
+                                (multiply-adds); 0: PZS_WORK_LIMIT */
     const pzs_limit_rows *limit_rows; /* limits of weighted sums of voltages, for inputs with finite
                                          voltage limits; NULL: no sum is limited */
 } pzs_problem;
@@ -145,8 +140,7 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
 #define PZS_LIMIT_ROW_WORK_LIMIT(inputs, rows) PZS_WORK_LIMIT((inputs) + (rows))
 
 /*
- * Upper bound of the multiply-adds of one control tick, pzs_tick, given the work limit of its
- * optimiser, which must be at least PZS_WORK_LEAST.
+ * Upper bound of the multiply-adds of a control tick, for a work_limit of at least PZS_WORK_LEAST.
  */
 #define PZS_STEP_WORK(inputs, outputs, work_limit)                                                 \
     ((uint64_t)(work_limit) + 3u * (uint64_t)(inputs) * (outputs) +                                \
@@ -166,18 +160,16 @@ typedef struct pzs_control_info {
                                 (V) */
     const pzs_real *predicted;   /* [outputs] shape that the model predicts for the voltages of the
                                     last tick (m) */
-    const pzs_real *disturbance; /* [outputs] measured shape minus predicted shape in the last tick,
-                                    the estimated disturbance (m) */
+    const pzs_real *disturbance; /* [outputs] measured shape minus predicted shape in the last tick
+                                    (m) */
     const pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of the tables; for an
                                       input that pzs_hold keeps at a voltage, both limits are this
                                       voltage (V) */
-    int32_t where; /* index of the input, output or array entry to which the last status refers, or
-                      -1 */
-    uint16_t iterations;      /* number of iterations of the optimiser in the last voltage step */
+    int32_t where;       /* index of the input or output to which the last status refers, or -1 */
+    uint16_t iterations; /* number of iterations of the optimiser in the last voltage step */
     uint16_t iterations_most; /* largest number of iterations in any voltage step so far */
     uint64_t work;      /* number of multiply-adds of the optimiser in the last voltage step */
-    uint64_t work_most; /* largest number of multiply-adds of the optimiser in any voltage step so
-                           far */
+    uint64_t work_most; /* largest number of multiply-adds in a voltage step so far */
 } pzs_control_info;
 
 typedef struct pzs_control {

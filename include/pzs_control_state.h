@@ -98,8 +98,8 @@ typedef struct pzs_optimiser {
                             of the active set its gradient after the step (m2/V) */
     pzs_real *diagonal;  /* [width] diagonal of the Hessian of the objective (m2/V2) */
     pzs_real *start_voltage;  /* [width] voltages at the start of the present round, a sequence of
-                                 iterations between two computations of the gradient from the Hessian
-                                 (V) */
+                                 iterations between two computations of the gradient from the
+                                 Hessian (V) */
     pzs_real *start_gradient; /* [width] half the gradient of the objective at the start of the
                                  present round of iterations (m2/V) */
     /*
@@ -128,8 +128,8 @@ typedef struct pzs_optimiser {
                                  objective is judged (m2) */
     pzs_real kkt_violation;   /* violation of the optimality (KKT) conditions: after a round of
                                  iterations the largest of all inputs, after a direct iteration (a
-                                 full step that no bound blocks) the summed errors of the two entries
-                                 of the gradient that were checked (m2/V) */
+                                 full step that no bound blocks) the summed errors of the two
+                                 entries of the gradient that were checked (m2/V) */
     pzs_real rounding_bound;  /* bound below which rounding errors explain a violation of the
                                  optimality (KKT) conditions (m2/V) */
     uint32_t active_count;  /* number of inputs in the active set, whose voltages are kept constant
@@ -174,8 +174,8 @@ typedef struct pzs_row_solver {
     pzs_real last_violation; /* violation of the optimality (KKT) conditions at the start of the
                                 last round of iterations (m2/V) */
     pzs_real largest_size;   /* largest absolute pivot among the free voltages and limit rows (those
-                                not kept at a bound) since the tableau was last computed anew (V2/m2);
-                                the rounding errors of the tableau are estimated from it */
+                                not kept at a bound) since the tableau was last computed anew
+                                (V2/m2); the rounding errors of the tableau are estimated from it */
     pzs_real least_rounding; /* rounding-error bound of the violation of the optimality (KKT)
                                 conditions at the start of the voltage step (m2/V); 0: not yet
                                 computed */
@@ -225,7 +225,8 @@ typedef struct pzs_control_state {
     pzs_real *lower, *upper; /* [inputs] voltage limits in force: those of the tables, narrowed by
                                 pzs_hold (V) */
     pzs_real *held[3];   /* [inputs] voltage at which pzs_hold keeps an input (V); NaN: the input is
-                            not held. Three copies are stored, so that two outvote a damaged third */
+                            not held. Three copies are stored, so that two outvote a damaged
+                            third */
     pzs_real *voltage;   /* [inputs] present voltages (V) */
     pzs_real *predicted; /* [outputs] shape predicted for the present voltages (m) */
     pzs_real *disturbance; /* [outputs] measured shape minus predicted shape (m) */
@@ -294,8 +295,8 @@ typedef struct pzs_fault_detector_state {
     pzs_real *voltage;  /* [delay + 1][inputs] voltages of the last ticks (V) */
     pzs_real *voltage_before; /* [inputs] voltages at the time of the previous measured shape (V) */
     pzs_real *deviation;      /* [inputs] change of each electrode's voltage since the last measured
-                                 shape, estimated from the shape by least squares, minus the commanded
-                                 change (V) */
+                                 shape, estimated from the shape by least squares, minus the
+                                 commanded change (V) */
     pzs_real *moved, *response; /* [inputs] exponentially decaying sums of squared voltage changes
                                    over the measured shapes: `moved` of the commanded changes,
                                    `response` of the changes that the shape indicates (V2) */

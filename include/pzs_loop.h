@@ -594,7 +594,8 @@ typedef struct pzs_vibration {
                        static optimum */
     pzs_real mix;   /* weight (0 to 1) of the first of two estimates of the deviation of a vibration
                        mode from its equilibrium: the first is computed from the change of the
-                       velocity in a tick; the second, from the position, has the remaining weight */
+                       velocity in a tick; the second, from the position, has the remaining
+                       weight */
     pzs_real slow; /* gain (0 to 1) of the low-pass filter of the residual readings, the part of the
                       readings that the vibration modes do not explain */
 } pzs_vibration;
@@ -821,8 +822,8 @@ typedef struct pzs_hysteresis {
     const pzs_real *offset;     /* [sets] effect of an electrode in the middle of its voltage range
                                    while its plays and creep terms are at 0 (V) */
     const pzs_real *slope;      /* [sets][4] slopes of the piecewise linear part of an electrode's
-                                   effect, from the lowest quarter of the voltage range to the highest,
-                                   at least PZS_LEAST_SLOPE (1) */
+                                   effect, from the lowest quarter of the voltage range to the
+                                   highest, at least PZS_LEAST_SLOPE (1) */
     const pzs_real *slack; /* [sets][plays] slack of each play (element with backlash), half the
                               width of its backlash, above 0 and ascending (V) */
     const pzs_real *above; /* [sets][plays] weight of the position of each play (element with

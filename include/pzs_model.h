@@ -261,8 +261,8 @@ typedef struct pzs_electric_state {
                               all voltages are prescribed (C/V, C/K or C/N) */
     pzs_real *value;       /* [inputs] work array with an entry for each input */
     pzs_envelope open;     /* L D L^T factors of a matrix with a row and a column for each open
-                              electrode: charge of the electrode in the row per volt on the electrode in
-                              the column (C/V) */
+                              electrode: charge of the electrode in the row per volt on the
+                              electrode in the column (C/V) */
     uint8_t stage;
 } pzs_electric_state;
 
