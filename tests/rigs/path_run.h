@@ -13,6 +13,9 @@
 /* Changes of a scene, each ended by a semicolon. */
 #define MESH(n1, n2) "mesh.theta1.elements=" #n1 ";mesh.theta2.elements=" #n2 ";"
 #define HALF_TURN "actuators.v.applied=4*0.05^2*(pi/10)/(3*1e-6);"
+/* The mesh and the dof of the scene torus-contact with which a second program made its references.
+ */
+#define TORUS_36 "dof_per_node=7;mesh.theta2={from: -pi, to: pi, elements: 36, centre: 0.3};"
 #define BASE_100                                                                                   \
     "contact.body={type: cylinder, point: [200.5, 0, 0], axis: [0, 0, 1], radius: 100};"
 #define BASE_FLAT "contact.body={type: plane, point: [100.5, 0, 0], normal: [-1, 0, 0]};"
