@@ -44,7 +44,7 @@ struct pzs_limit_row_calls;
 /*
  * Limits of weighted sums of voltages, in addition to the limits of each voltage: for example the
  * largest difference of two neighbouring voltages. A limit row is one such limit; row k demands
- *   lower_k <= sum over the entries of row k of (coefficient `value` * voltage of input `dof`) <=
+ *   lower_k <= sum over the entries of row k of (`value` * voltage of input `dof`) <=
  *   upper_k.
  * All voltages that the controller gives obey the limit rows without any rounding error: the
  * optimiser narrows each row by the rounding error of its sum. A program whose voltage problem has

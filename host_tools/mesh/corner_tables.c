@@ -20,9 +20,10 @@ typedef struct corner_pair {
 } corner_pair;
 
 /*
- * Compute the corner tables of local kinematics: displacement components in the triad that turns
- * with the surface are interpolated, and their derivatives use the Lame parameter, the curvature
- * and the geodesic curvature at the corner.
+ * Compute the corner tables (displacements of the corners to strains) of local kinematics:
+ * displacement components in local axes that turn with the surface (the triad) are interpolated,
+ * and their derivatives use the Lame parameter, the curvature and the geodesic curvature at the
+ * corner.
  */
 static void local_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                          double g_mean[3], double g_diff[3])
@@ -44,9 +45,9 @@ static void local_tables(const corner_pair *pair, double own[3][3], double other
 }
 
 /*
- * Compute the corner tables of Cartesian kinematics: differences of displacement vectors between
- * neighbouring corners, in the triad of the corner itself, divided by the length of the chord or of
- * the element.
+ * Compute the corner tables (displacements of the corners to strains) of Cartesian kinematics:
+ * differences of displacement vectors between neighbouring corners, in the triad of the corner
+ * itself, divided by the length of the chord or of the element.
  */
 static void cartesian_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                              double g_mean[3], double g_diff[3])

@@ -15,18 +15,20 @@
 typedef struct corner_data {
     const surface_point *point[4]; /* surface points of the corners, in the order (-,-) (+,-) (+,+)
                                       (-,+) of the signs of xi1 and xi2 */
-    bool is_cartesian; /* true: strains from differences of displacement vectors between corners;
-                          false: from derivatives of components in the triad that turns with the
-                          surface */
+    bool is_cartesian; /* true: strains are computed from differences of displacement vectors
+                          between corners; false: from derivatives of components in local axes that
+                          turn with the surface */
     double range[2];   /* ranges of theta1 and theta2 in the element (length or rad); not used if
                           is_cartesian is true */
     double length[2];  /* lengths by which differences of displacements along directions 1 and 2 are
                           divided (m); 0: the straight distance between the corners of each edge */
-    double middle;     /* height of the middle of the laminate above the reference surface (m) */
+    double middle; /* height of the middle of the laminate above the reference surface of the shell
+                      (m) */
 } corner_data;
 
 /*
- * Fill the members s, t, g_mean and g_diff of an element type; its other members keep their values.
+ * Compute the corner tables of an element type, its members s, t, g_mean and g_diff; its other
+ * members keep their values.
  */
 void corner_tables_fill(const corner_data *data, pzs_element_type *type);
 

@@ -11,8 +11,8 @@
 #include "laminate.h"
 
 /*
- * Return the area per unit of the natural coordinates at a corner, relative to that at the centre
- * of the element.
+ * Return the area of an element per unit of the natural coordinates at a corner, divided by its
+ * value at the centre of the element.
  */
 double corner_jacobian(const laminate_place *place, int corner);
 

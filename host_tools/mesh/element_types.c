@@ -5,14 +5,16 @@
 #include "warp.h"
 
 /*
- * Largest relative difference of element types that count as equal. Computed node positions are
- * rounded in their last digits, those of a mesh file by the program that wrote the file.
+ * Largest relative difference of two element types that count as equal: `computed` where the node
+ * positions were computed and their last digits rounded, `in_file` where a program wrote them to a
+ * mesh file.
  */
 static const double computed = 1e-12, in_file = 1e-9;
 
 /*
- * Return whether two arrays are equal up to the rounding of node positions: their differences are
- * at most `near` times their largest entry, or times `scale` if all entries are smaller.
+ * Return whether two arrays of an element type are equal up to the rounding of node positions:
+ * their differences are at most `near` times their largest entry, or times `scale` if all entries
+ * are smaller.
  */
 static int alike(double near, const double *first, const double *second, size_t count, double scale)
 {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Stiffness, prescribed resultants and electric charges of a package of plies (laminate.h). */
+/*
+ * Stiffness, prescribed stress resultants and electric charges of the plies of an element
+ * (laminate.h).
+ */
 #include "laminate.h"
 #include <math.h>
 #include <string.h>
@@ -86,9 +89,9 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
         return -1;
     turn(layer->angle, transform);
     for (int i = 0; i < 6; i++)
-        turn_back(transform, stiffness[i], half[i]); /* product of stiffness and transform, computed
-                                                        by rows because the stiffness is symmetric
-                                                      */
+        turn_back(transform, stiffness[i], half[i]); /* product of the ply's stiffness and the
+                                                        transform, computed row by row because the
+                                                        stiffness is symmetric */
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) {
             ply->c[i][j] = 0;
@@ -96,8 +99,9 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
                 ply->c[i][j] += transform[k][i] * half[k][j];
         }
     /*
-     * One volt across a ply of thickness h is the electric field -1/h along e3. The field causes
-     * the free strain d E, and so the prescribed stress -C d E with C the stiffness.
+     * One volt across a ply of thickness h is the electric field E = -1/h along e3. The field
+     * causes the free strain d E with the piezoelectric constants d, and so the prescribed stress
+     * -C d E with the stiffness C.
      */
     field_stress(material, stiffness, stress);
     for (int i = 0; i < 6; i++)
@@ -110,9 +114,9 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
     }
     turn_back(transform, stress, ply->stress_per_kelvin);
     /*
-     * The electric displacement along the poling is e times strain + permittivity times field +
-     * pyroelectric constant times temperature. The upper electrode carries the charge -D3 per area,
-     * with D3 the electric displacement along e3.
+     * The electric displacement along the poling direction is piezoelectric constant e times strain
+     * + permittivity times field + pyroelectric constant times temperature. The upper electrode
+     * carries the charge -D3 per area, with D3 the electric displacement along e3.
      */
     ply->capacitance = material->permittivity / layer->thickness;
     ply->pyroelectric_charge = layer->poling < 0 ? material->pyroelectric : -material->pyroelectric;
@@ -194,9 +198,10 @@ void laminate_strain_map(const scene_element *element, const laminate_place *pla
 }
 
 /*
- * Compute the stiffness of a ply at height z in the directions of the element (Voigt order 11 22 33
- * 23 13 12). For an element along lines of curvature it equals the stiffness of the ply; the caller
- * then divides by the factors of metric_at.
+ * Compute the stiffness of a ply at height z in the directions of the element, which need not be
+ * perpendicular (Voigt order 11 22 33 23 13 12). For an element along lines of curvature it equals
+ * the stiffness of the ply; the caller then divides by the factors for the longer or shorter lines
+ * at this height.
  */
 static void natural_stiffness(const scene_element *element, const laminate_place *place,
                               const laminate_ply *ply, double z, double stiffness[6][6])
@@ -245,8 +250,8 @@ static int inverse_of(double matrix[N][N], double inverse[N][N])
 
 /*
  * Uncouple the difference of the thickness strain 33 between the faces, which is the part linear in
- * the height, from all other strains (element option lin33): its resultant becomes 0, and its
- * compliance is kept. Returns 0, or -1 if the stiffness is singular.
+ * the height, from all other strains (element option lin33): the stress resultant of this strain
+ * becomes 0, and its compliance is kept. Returns 0, or -1 if the stiffness is singular.
  */
 static int relax_e33(double stiffness[N][N])
 {
@@ -259,20 +264,23 @@ static int relax_e33(double stiffness[N][N])
     return 0;
 }
 
-/* Integrals over the thickness of the plies that are present, in the metric of the element. */
+/* Integrals over the thickness of the plies that are present in an element. */
 typedef struct ply_integrals {
-    double stiffness[N][N]; /* [10][10] integral of the stiffness of the ten strains */
-    double plane[N][N];     /* [10][10] the same with the normal stress 33 at 0 at every height */
-    double compliance;      /* integral of 1/(stiffness of the strain 33): compliance of the package
-                               against the normal stress 33 (m/Pa) */
-    double length;          /* integral of 1: thickness of the package (m) */
-    double narrowing[N];    /* [10] integral of (stiffness that couples each strain with the strain
-                               33)/(stiffness of the strain 33) */
+    double stiffness[N][N]; /* [10][10] integral over the thickness of the stiffness of the ten
+                               strains of an element */
+    double plane[N][N]; /* [10][10] integral over the thickness of the stiffness of the ten strains,
+                           with the normal stress 33 at 0 at every height */
+    double compliance;  /* integral over the thickness of 1/(stiffness of the strain 33): compliance
+                           of the plies against the normal stress 33 (m/Pa) */
+    double length;      /* thickness of all plies together (m) */
+    double narrowing[N]; /* [10] integral over the thickness of (stiffness that couples each strain
+                            with the strain 33)/(stiffness of the strain 33) */
 } ply_integrals;
 
 /*
- * Add a quadrature point of a ply to the integrals. Each strain enters with the function 1 if it is
- * a mean of both faces, and with height over thickness if it is their difference.
+ * Add a quadrature point of a ply to the integrals over the thickness. Each strain enters with the
+ * factor 1 if it is a mean of both faces, and with the factor height over thickness if it is their
+ * difference.
  */
 static void add_point(ply_integrals *sums, double natural[6][6], const double share[6],
                       double weight, double height)
@@ -333,8 +341,8 @@ static void free_thickness(const ply_integrals *sums, double stiffness[N][N])
 }
 
 /*
- * Compute the transverse shear stiffness of the plies that are present from equilibrium, in
- * material axes (N/m). Returns 0, or -1 if the plies have no shear stiffness.
+ * Compute, from the equilibrium of stresses, the transverse shear stiffness of the plies that are
+ * present, in material axes (N/m). Returns 0, or -1 if the plies have no shear stiffness.
  */
 static int shear_of_plies(const laminate *laminate, const laminate_place *place, double k[2][2])
 {
@@ -349,9 +357,9 @@ static int shear_of_plies(const laminate *laminate, const laminate_place *place,
 }
 
 /*
- * Replace the transverse shear stiffness in the stiffness of an element by that from equilibrium
- * (element option shear), turned from material axes to the directions of the element. Returns 0, or
- * -1 if the plies have no shear stiffness.
+ * Replace the transverse shear stiffness of an element by the value that follows from the
+ * equilibrium of stresses (element option shear), turned from material axes to the directions of
+ * the element. Returns 0, or -1 if the plies have no shear stiffness.
  */
 static int set_shear(const laminate *laminate, const laminate_place *place, double stiffness[N][N])
 {
@@ -375,9 +383,9 @@ static int set_shear(const laminate *laminate, const laminate_place *place, doub
 }
 
 /*
- * Compute the stiffness of the package of plies for the ten strains of an element, which is the
- * same for all strain modes (00, 01, 10, 11). With the element option lin33 every ply thickens
- * freely. Returns 0, or -1 if no ply is present.
+ * Compute the stiffness of all plies together for the ten strains of an element, which is the same
+ * for all strain modes (00, 01, 10, 11). With the element option lin33 every ply thickens freely.
+ * Returns 0, or -1 if no ply is present.
  */
 static int package_stiffness(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, double stiffness[N][N])
@@ -407,7 +415,10 @@ double laminate_field_at(const laminate *laminate, const scene_element *element,
     return 1 / (metric_at(element, place, z, share) * mean);
 }
 
-/* Return the prescribed stress per unit of a field in a ply [6], in the axes of the shell. */
+/*
+ * Return the prescribed stress of a ply per unit of a field (voltage or temperature), as an array
+ * of six numbers in the axes of the shell.
+ */
 static const double *field_stress_of(const laminate *laminate, const laminate_field *field,
                                      int layer)
 {
@@ -421,8 +432,9 @@ static int field_acts(const laminate_place *place, const laminate_field *field, 
 }
 
 /*
- * Add the prescribed resultants of one ply under a field to h0: the integral of its stress times
- * the field over the thickness, for means and differences of the strains.
+ * Add the prescribed stress resultants of one ply under a field (voltage or temperature) to `h0`:
+ * the integral of its stress times the field over the thickness, for means and differences of the
+ * strains.
  */
 static void integrate_stress(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_ply *ply,
@@ -466,9 +478,9 @@ static int kept(int mode, int strain)
 }
 
 /*
- * Compute the stiffness matrix of a strain mode, which is 0 outside the strains of the mode: the
- * block of the package's stiffness, or with the option hr (Hellinger-Reissner) the inverse of the
- * block of its compliance. Returns 0, or -1 if that block is singular.
+ * Compute the stiffness matrix of a strain mode, which is 0 outside the strains of the mode: a
+ * block of the stiffness of all plies together, or, with the option hr (Hellinger-Reissner), the
+ * inverse of a block of their compliance. Returns 0, or -1 if that block is singular.
  */
 static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, int hr,
                        double out[N][N])
@@ -492,11 +504,11 @@ static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, i
 
 /*
  * Return the part of the bending flexibility that is used in the strain mode 01 (direction 0) or 10
- * (direction 1). In these modes the bubble displacement is antisymmetric across the element, so
- * that it twists the element as well: the part is 1/(1 + 0.6 (f/ft) (L_a/L_b)^2), with f and ft the
- * compliances of bending and of twist and L_a, L_b the lengths of the element along the direction
- * and across it. For a square isotropic element with Poisson's ratio 0.3 the exact part is 0.784,
- * and this formula gives 0.813.
+ * (direction 1). In these strain modes the bubble displacement (which vanishes at the nodes) is
+ * antisymmetric across the element, so that it twists the element as well: the part is 1/(1 + 0.6
+ * (f/ft) (L_a/L_b)^2), with f and ft the compliances of bending and of twist and L_a, L_b the
+ * lengths of the element along the direction and across it. For a square isotropic element with
+ * Poisson's ratio 0.3 the exact part is 0.784, and this formula gives 0.813.
  */
 static double bubble_share(double inverse[N][N], double thickness, const laminate_place *place,
                            int direction)
@@ -510,8 +522,8 @@ static double bubble_share(double inverse[N][N], double thickness, const laminat
 /*
  * Compute the flexibility that is added to the two transverse shears of a strain mode: the element
  * option rho times the bending flexibility times the squared length of the element over 12. In the
- * modes 01 and 10 this is multiplied by the result of bubble_share. The published element has rho =
- * 0.
+ * strain modes 01 and 10 only a part of this flexibility is used (bubble_share). The published
+ * element has rho = 0.
  */
 static void shear_flexibility(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double inverse[N][N], int mode,
@@ -527,9 +539,10 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * List the strains of a mode that are coupled with the transverse shears, these included. Plies are
- * turned about e3 alone, so that the shears are coupled with no other strain unless the director of
- * the element is inclined to its normal. Returns the number of strains (index [10] out).
+ * List the strains of a strain mode that are coupled with the transverse shear strains, and the
+ * shear strains themselves. Plies are turned about e3 alone, so that the shears are coupled with no
+ * other strain unless the director of the element is inclined to its normal. Returns the number of
+ * strains (index [10] out).
  */
 static int shear_block(double modal[N][N], int mode, int index[N])
 {
@@ -544,7 +557,7 @@ static int shear_block(double modal[N][N], int mode, int index[N])
 
 /*
  * Add a flexibility to the compliance of each transverse shear that a strain mode contains. Returns
- * 0, or -1 if the stiffness of the mode is singular.
+ * 0, or -1 if the stiffness of the strain mode is singular.
  */
 static int soften_shear(double modal[N][N], int mode, const double flexibility[2])
 {
@@ -609,8 +622,8 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
 }
 
 /*
- * Compute the prescribed stress of a ply. With the element option lin33 the normal stress 33 is
- * relaxed in every ply by itself, because a strain e33 that is linear through the package cannot
+ * Compute the prescribed stress of a ply. With the element option lin33 the normal stress 33 is set
+ * to 0 in every ply separately, because a strain e33 that is linear through the package cannot
  * follow a single ply.
  */
 static void ply_stress(const laminate_ply *ply, const scene_element *element,
@@ -622,8 +635,8 @@ static void ply_stress(const laminate_ply *ply, const scene_element *element,
 }
 
 /*
- * Return the thickness strain that a field would cause, as a mean over the package, if every ply
- * thickened freely; it is measured along the director of the element.
+ * Return the thickness strain that a field would cause, as a mean over all plies, if every ply
+ * thickened freely; the strain is measured along the director of the element.
  */
 static double free_thickening(const laminate *laminate, const laminate_place *place,
                               const laminate_field *field)
@@ -646,7 +659,8 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 
 /*
  * With the element option lin33 every ply thickens freely, and the mean thickness strain contains
- * this thickening. The resultants of this strain are added to those of the plies' stresses.
+ * this thickening. The stress resultants of this strain are added to the resultants of the plies'
+ * stresses.
  */
 void laminate_resultants(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double h0[N])
@@ -677,11 +691,12 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * The charge is the second derivative of the electric enthalpy of the package with respect to both
- * fields, with its sign changed. With the element option lin33 the thickness strain of a ply
- * differs from that of the package by its own free thickening less the mean thickening of all
- * plies. The energy of these strains adds the integral of the normal stiffness times both free
- * thickenings of the ply, less the package's normal stiffness times both mean thickenings.
+ * The charge of an electrode is the second derivative of the electric enthalpy of all plies with
+ * respect to both fields, with its sign changed. With the element option lin33 the thickness strain
+ * of a ply differs from that of all plies together by its own free thickening less the mean
+ * thickening of all plies. The energy of these strains adds the integral of the normal stiffness
+ * times both free thickenings of the ply, less the normal stiffness of all plies together times
+ * both mean thickenings.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Resultants and electric charges of an element from its package of plies.
+ * Stress resultants and electric charges of an element from its plies.
  *
  * The resultants are H = D E + H0, in which E are the ten strains 11m 11d 22m 22d 33m 33d 12m 12d
  * 13 23 of the element (m: mean, d: difference of the two faces), D is the stiffness, and H0 are
@@ -37,8 +37,8 @@ typedef struct laminate_ply {
 typedef struct laminate {
     int plies;
     laminate_ply ply[LAMINATE_LAYERS];
-    double z[2]; /* heights of the lower and the upper face of the package above the reference
-                    surface (m) */
+    double z[2]; /* heights of the lower and the upper face of all plies together above the
+                    reference surface (m) */
     double thickness;
 } laminate;
 
@@ -47,7 +47,7 @@ typedef struct laminate {
  *
  * On an element along lines of curvature the base vectors at height z are (1 + k z) times those of
  * the reference surface, and the axes of the plies are those of the surface. For any other
- * quadrilateral the base vectors are given by `natural`.
+ * quadrilateral the base vectors are given by the member `natural`.
  */
 typedef struct laminate_place {
     uint32_t present_plies; /* bit i is set if ply i is present in the element */
@@ -56,14 +56,14 @@ typedef struct laminate_place {
     double chord[2]; /* lengths of the element along its directions 1 and 2 (m), used for the shear
                         flexibility */
     double area;
-    double bubble_share;  /* fraction (0 to 1) of the added transverse shear flexibility (element
-                             option rho) that this element uses; 1 on an element along lines of
-                             curvature */
+    double bubble_share;  /* fraction (0 to 1) of the transverse shear flexibility added on coarse
+                             meshes (element option rho) that this element uses; 1 on an element
+                             along lines of curvature */
     double skew[2];       /* skew alpha_1, alpha_2 of the element: its area per unit of the natural
                              coordinates varies as 1 + alpha_1 xi2 + alpha_2 xi1 */
     bool is_general;      /* true: the element does not lie along lines of curvature */
-    natural_base natural; /* base vectors of an element that does not lie along lines of curvature
-                           */
+    natural_base natural; /* base vectors at any height of an element that does not lie along lines
+                             of curvature */
 } laminate_place;
 
 /*
@@ -102,33 +102,39 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
  */
 typedef struct laminate_field {
     int ply;
-    double temperature[2]; /* temperature of the inner and of the outer face of the package (K) */
+    double temperature[2]; /* temperature of the inner and of the outer face of the laminate (K) */
 } laminate_field;
 
 /*
- * Return the value of a field at height z. A temperature is linear between the faces (K). An
- * electric field is given relative to its mean, voltage over thickness: across a curved ply the
- * electric flux is constant, so that the field is proportional to 1/(area ratio at height z).
+ * Return the value of a field (voltage or temperature) in an element at height z. A temperature is
+ * linear between the faces (K). An electric field is given relative to its mean, voltage over
+ * thickness: across a curved ply the electric flux is constant, so that the field is proportional
+ * to 1/(area ratio at height z).
  */
 double laminate_field_at(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double z);
 
-/* Compute the prescribed resultants of a field, times the area of the element (h0 [10] out). */
+/*
+ * Compute the prescribed stress resultants of a field (voltage or temperature), times the area of
+ * the element.
+ *   h0  [10] out
+ */
 void laminate_resultants(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field,
                          double h0[LAMINATE_STRAINS]);
 
 /*
- * Compute the prescribed resultants, times the area of the element, of one volt across a ply, or
- * for ply < 0 of a uniform temperature of 1 K (h0 [10] out).
+ * Compute the prescribed stress resultants, times the area of the element, of one volt across a
+ * ply, or for ply < 0 of a uniform temperature of 1 K (h0 [10] out).
  */
 void laminate_unit_resultants(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, int ply, double h0[LAMINATE_STRAINS]);
 
 /*
- * Return the charge, times the area of the element, that a field draws to the upper electrode of a
- * ply while the strains are zero. The charge of the electrode is this value less the product of the
- * element's mean strains and the prescribed resultants of one volt on the electrode.
+ * Return the charge, times the area of the element, that a field (voltage or temperature) draws to
+ * the upper electrode of a ply while the strains are zero. The charge of the electrode is this
+ * value less the product of the element's mean strains and the prescribed resultants of one volt on
+ * the electrode.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field);

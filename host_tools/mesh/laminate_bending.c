@@ -9,8 +9,8 @@
 #include "laminate_shear.h"
 
 /*
- * Largest ratio of a ply's transverse shear modulus to the largest one in the laminate at which the
- * ply counts as a soft core.
+ * Largest ratio of a ply's transverse shear modulus to the largest shear modulus in the laminate at
+ * which the ply counts as a soft core.
  */
 static const double soft_part = 0.1;
 

@@ -13,9 +13,10 @@ typedef struct laminate_bending {
     double bending;  /* bending stiffness of the laminate (N m) */
     double faces;    /* sum of the bending stiffnesses of the single stiff plies (N m); 0 without a
                         soft core */
-    double shear;    /* transverse shear stiffness of the laminate from equilibrium (N/m) */
-    double constant; /* transverse shear stiffness for a shear strain that is constant through the
-                        thickness (N/m) */
+    double shear;    /* transverse shear stiffness of the laminate from the equilibrium of stresses
+                        (N/m) */
+    double constant; /* transverse shear stiffness of the laminate for a shear strain that is
+                        constant through the thickness (N/m) */
 } laminate_bending;
 
 /*

@@ -40,7 +40,7 @@ int laminate_flexure(const shear_ply *ply, int plies, double flex[6][6])
 
 /*
  * Integrate the in-plane stresses of a ply under unit bending moments from height z0 to height z
- * (sum [3][3] out: stresses 11, 22, 12 by moments 11, 22, 12).
+ * (sum [3][3] out: one row for each stress 11, 22, 12, one column for each moment 11, 22, 12).
  */
 static void integrated_stress(double plane_stiffness[3][3], double flex[6][6], double z0, double z,
                               double sum[3][3])
@@ -86,8 +86,8 @@ static int add_ply(const shear_ply *ply, double flex[6][6], double below[3][3], 
             compliance[row][column] = ply->c[transverse[row]][transverse[column]];
     if (invert(&compliance[0][0], 2, 2) < 0)
         return -1;
-    for (int k = 0; k < 3; k++) { /* the integrand is a polynomial of degree 4, so that three Gauss
-                                     points are exact */
+    for (int k = 0; k < 3; k++) { /* The integrand is a polynomial of degree 4, so that three Gauss
+                                     points are exact. */
         integrated_stress(plane_stiffness, flex, z0, z0 + thickness * (1 + point[k]) / 2, stress);
         for (int i = 0; i < 9; i++)
             stress[i / 3][i % 3] += below[i / 3][i % 3];

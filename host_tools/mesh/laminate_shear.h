@@ -9,10 +9,11 @@
  *   tau(z) = P(z) (Q13, Q23),  P = [[G_11,11, G_12,22], [G_12,11, G_22,22]],
  *   K^-1 = integral over the thickness of P^T C_t^-1 P dz.
  * Q is the plane stress stiffness of a ply, C_t its transverse shear stiffness, and S_b, S_d are
- * those blocks of the inverse of [[A, B], [B, D]] that give the membrane strains and curvatures of
- * a bending moment. One isotropic ply has K = 5/6 G h. The stiffness of a soft core between stiff
- * faces is that of the core alone, where a shear strain constant through the thickness would give
- * the mean of all moduli.
+ * those blocks of the inverse of the laminate's stiffness matrix [[A, B], [B, D]] (membrane,
+ * coupling, bending) that give the membrane strains and curvatures of a bending moment. One
+ * isotropic ply has K = 5/6 G h. The stiffness of a soft core between stiff faces is that of the
+ * core alone, where a shear strain constant through the thickness would give the mean of all
+ * moduli.
  */
 #ifndef LAMINATE_SHEAR_H
 #define LAMINATE_SHEAR_H
@@ -25,7 +26,8 @@ typedef struct shear_ply {
 
 /*
  * Compute the membrane strains and curvatures per force and moment of a laminate: the inverse of
- * [[A, B], [B, D]] in the order 11 22 12, forces before moments.
+ * its stiffness matrix [[A, B], [B, D]] (membrane, coupling, bending) in the order 11 22 12, forces
+ * before moments.
  *   flex  [6][6] out
  * Returns 0, or -1 if the laminate has no bending stiffness.
  */

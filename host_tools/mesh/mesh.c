@@ -38,8 +38,8 @@ expr_point mesh_place(const mesh *mesh, int node)
 }
 
 /*
- * Return the text that describes a place on a mesh from a file; label is the number of the node or
- * element in the file, 0 for none.
+ * Return the text that describes a place on a mesh from a file; `label` is the number of the node
+ * or element in the file, or 0 if there is no number.
  */
 static mesh_text place_text(const double position[3], const char *what, long long label)
 {
@@ -134,7 +134,9 @@ static void place_quads(mesh *mesh)
             mesh->element[element][corner] = (uint16_t)quads->element[element][corner];
 }
 
-/* Return whether mesh line i of theta1 is an edge of the mesh. */
+/*
+ * Return whether mesh line i of theta1 (all points of one value of theta1) is an edge of the mesh.
+ */
 static int is_edge_of_theta1(const mesh *mesh, int i)
 {
     return !is_closed(mesh->scene, 0) && (i == 0 || i == mesh->lines[0] - 1);
@@ -169,8 +171,8 @@ static int in_span(const double span[2], double theta)
 }
 
 /*
- * Return whether mesh line i of a direction lies in the span of a region. The first line of a
- * closed direction is also its last line.
+ * Return whether mesh line i of a direction lies within the limits of a rectangular region. The
+ * first line of a closed direction is also its last line.
  */
 static int line_in_region(const mesh *mesh, const scene_where *where, int direction, int i)
 {
@@ -185,7 +187,7 @@ static int in_region(const mesh *mesh, const scene_where *where, int i, int j)
     return line_in_region(mesh, where, 0, i) && line_in_region(mesh, where, 1, j);
 }
 
-/* List the nodes of a place on a mesh from a file. Returns their number. */
+/* List the nodes of a point or a set of a mesh from a file. Returns their number. */
 static int select_marked(const mesh *mesh, const scene_where *where, int *node)
 {
     unsigned char *in_set = calloc((size_t)mesh->nodes, 1);
@@ -293,8 +295,8 @@ static uint32_t present_plies(const mesh *mesh, const double middle[2])
 }
 
 /*
- * Return the area, curvatures and lengths of an element from the surface at its centre, and the
- * plies that are present there.
+ * Return the data of an element that its stiffness depends on: curvatures and lengths, from the
+ * surface at the centre of the element, and the plies that are present there.
  */
 static laminate_place element_place(const mesh *mesh, int element)
 {
@@ -471,8 +473,8 @@ static int check_corners(const scene *scene, char *error)
 /* ---- numbering -------------------------------------------------------- */
 
 /*
- * Return the mesh line at a position in the order 0, n-1, 1, n-2, ... of the n lines of a closed
- * direction; in this order neighbouring lines are at most two positions apart.
+ * Return the number of the mesh line at a position in the order 0, n-1, 1, n-2, ... of the n lines
+ * of a closed direction; in this order neighbouring lines are at most two positions apart.
  */
 static int folded(int position, int lines)
 {
@@ -516,7 +518,7 @@ static int apply_support(mesh *mesh, const scene_support *support, int node, dou
 }
 
 /*
- * Apply all supports: dof that they hold at 0 are marked as constrained.
+ * Apply all supports: degrees of freedom that they keep at 0 are marked as constrained.
  *   values  [nodes][dof_per_node] out  prescribed displacement of each dof, NAN where none is
  *                                      prescribed
  * Returns 0, or -1 with error filled.
@@ -528,7 +530,8 @@ static int apply_supports(mesh *mesh, int *node, double *values, char *error)
     for (int k = 0; k < mesh->scene->supports; k++) {
         const scene_support *support = &mesh->scene->support[k];
         if (mesh->scene->quads && !support->value)
-            continue; /* a mesh from a file has marked the constrained dof of its supports before */
+            continue; /* On a mesh from a file, the degrees of freedom that supports constrain are
+                         already marked. */
         const int count = mesh_select(mesh, &support->where, node);
         for (int member = 0; member < count; member++)
             if (apply_support(mesh, support, node[member], values, error) < 0)
@@ -579,7 +582,7 @@ static void number_quads(mesh *mesh)
         number_node(mesh, mesh->quads->order ? (int)mesh->quads->order[node] : node);
 }
 
-/* Mark the dof that a mesh from a file itself constrains to 0. */
+/* Mark the degrees of freedom that the data of a mesh from a file constrain to 0. */
 static void constrain_quads(mesh *mesh)
 {
     for (int node = 0; node < mesh->nodes && mesh->quads->constrained; node++)

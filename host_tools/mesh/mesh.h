@@ -21,26 +21,29 @@
  */
 typedef struct mesh_springs {
     int count;  /* number of springs and stack actuators */
-    int *first; /* [items + 1] number of the first spring of each item; items are the springs of the
-                   scene, then the actuators */
-    uint32_t *start; /* [count + 1] number of the first entry of each spring's sparse row */
-    uint16_t *dof; /* [start[count]] number of the free dof of each entry in the rows of the springs
-                    */
-    double *value; /* [start[count]] elongation of the spring per unit of the dof, for each entry
-                      (1) */
-    double *stiffness;       /* [count] stiffness of each spring (N/m) */
+    int *first; /* [items + 1] number of the first spring of each item, which is a spring of the
+                   scene file or, after all of these, an actuator; the last entry is the number of
+                   all springs */
+    uint32_t *start;   /* [count + 1] index of the first entry of each spring's sparse row; the last
+                          element is the number of all entries */
+    uint16_t *dof;     /* [entries of all springs] index of the free dof of each entry in the sparse
+                          rows of the springs */
+    double *value;     /* [entries of all springs] elongation of the spring per unit of the dof, for
+                          each entry of the sparse rows (1) */
+    double *stiffness; /* [count] stiffness of each spring (N/m) */
     double envelope_without; /* number of entries that the factor of the stiffness matrix would have
                                 without springs */
 } mesh_springs;
 
 typedef struct mesh {
-    const scene *scene; /* for the construction of mesh and design; later stages do not use it */
+    const scene *scene; /* scene from which the mesh is built; only the construction of mesh and
+                           design uses it */
     scene_element formulation; /* formulation of the finite element */
     scene_line line[2];        /* mesh lines of theta1 and theta2; the points belong to the scene */
     bool is_from_file;         /* whether the scene names a mesh file in place of mesh lines */
     bool is_polar;             /* whether the surface is a plane in polar coordinates */
     bool is_angle[2];          /* whether theta1 and theta2 are angles (rad) instead of lengths */
-    const quad_mesh *quads; /* general quadrilateral mesh that the mesh was built from; NULL for a
+    const quad_mesh *quads; /* general quadrilateral mesh from which this mesh was built; NULL for a
                                mesh along lines of curvature */
     bool accept_irregular;  /* true: elements that are too thin for an irregular mesh, so that their
                                bending is far too stiff, are reported; false: they are refused */
@@ -50,18 +53,20 @@ typedef struct mesh {
                      no last line; on a mesh from a file: number of nodes, and 1 */
     int nodes, elements, types, free_dof;
     unsigned dof_per_node;
-    surface_point *point; /* [nodes] position, local triad, metric and curvatures of the surface */
+    surface_point *point; /* [nodes] point of the surface at each node: position, local axes
+                             (triad), metric and curvatures */
     double (*theta)[2]; /* [nodes] surface coordinates theta1, theta2; on a mesh from a file x, y */
     uint16_t (*element)[4]; /* [elements] numbers of the four corner nodes in the order (-,-) (+,-)
                                (+,+) (-,+) */
-    uint16_t *element_type; /* [elements] number of each element's type */
+    uint16_t *element_type; /* [elements] index of the element type of each element */
     pzs_element_type *type; /* [types] element types: corner tables and stiffness */
     laminate_place *place;  /* [types] plies, curvatures and size of each element type */
     double *stiffness; /* [types][packed] element stiffness matrices, lower triangles packed by rows
                         */
-    uint16_t *node_dof;     /* [nodes][dof_per_node] number of each free dof, or PZS_CONSTRAINED */
-    uint16_t *first_column; /* [free_dof] first column of each row of the factor of the stiffness
-                               matrix */
+    uint16_t *node_dof; /* [nodes][dof_per_node] index of each dof of a node among the free dof, or
+                           PZS_CONSTRAINED */
+    uint16_t *first_column; /* [free_dof] column of the first stored entry in each row of the factor
+                               of the stiffness matrix */
     int prescribed_count;   /* number of free dof whose displacement is prescribed */
     uint16_t *prescribed_dof; /* [prescribed_count] numbers of the free dof with prescribed
                                  displacement, ascending */
@@ -134,10 +139,16 @@ typedef struct mesh_text {
 mesh_text mesh_node_text(const mesh *mesh, int node);
 mesh_text mesh_element_text(const mesh *mesh, int element);
 
-/* Return the node of a place that is a single node: that of a point, or the first node of a set. */
+/*
+ * Return the node of a place in the scene that is a single node: the node of a point, or the first
+ * node of a node set.
+ */
 int mesh_point_node(const mesh *mesh, const scene_where *where);
 
-/* List the nodes of a place in ascending order (node [nodes] out). Returns their number. */
+/*
+ * List the nodes of a place (point, edge, region or set) in ascending order (node [nodes] out).
+ * Returns their number.
+ */
 int mesh_select(const mesh *mesh, const scene_where *where, int *node);
 
 /* One side of an element: the numbers of its two nodes, and its length (m). */
@@ -162,8 +173,9 @@ mesh_side mesh_side_at(const mesh *mesh, const scene_where *where, int k);
 void mesh_node_areas(const mesh *mesh, double *area);
 
 /*
- * Add to each node its share of the length of the sides of a place (mesh_length_shares), or of the
- * area of the elements whose nodes all belong to the place (mesh_area_shares).
+ * Add to each node its share of the length of the element sides that lie in a place of the scene
+ * (mesh_length_shares), or of the area of the elements whose nodes all belong to the place
+ * (mesh_area_shares).
  *   share  [nodes] in/out  length (m) or area (m2) of each node
  * mesh_length_shares returns the number of sides, or -1 if the place has no sides.
  */

@@ -13,7 +13,10 @@ static void fill(mesh *mesh)
         mesh->node_dof[node] = (uint16_t)node;
         for (int axis = 0; axis < 3; axis++) {
             mesh->point[node].position[axis] = influence->place ? influence->place[node][axis] : 0;
-            /* The only dof of a node acts along e1, which is set to the z axis. */
+            /*
+             * The only degree of freedom of a node of this mesh acts along the local axis e1, which
+             * is set to the z axis.
+             */
             mesh->point[node].triad[axis][(axis + 2) % 3] = 1;
         }
         if (!influence->place)

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sides and areas of places on a mesh, and the shares that belong to each node (mesh.h). */
+/*
+ * Lengths and areas of places on a mesh (edges, regions, sets), and the shares of them that belong
+ * to each node (mesh.h).
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -92,7 +95,7 @@ void mesh_node_areas(const mesh *mesh, double *area)
         add_area(mesh, element, area);
 }
 
-/* Return whether all four nodes of an element are marked. */
+/* Return whether all four nodes of an element belong to a set of marked nodes. */
 static bool is_inside(const mesh *mesh, int element, const unsigned char *marked)
 {
     bool inside = true;

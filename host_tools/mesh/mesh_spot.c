@@ -99,8 +99,8 @@ static void position(const mesh *mesh, int element, const double xi[2], double p
 
 /*
  * Find the natural coordinates of the point of an element's surface that is nearest to a given
- * point, by the Gauss-Newton method from the values given in xi. Returns the distance between both
- * points (m).
+ * point, by the Gauss-Newton method from the start values given in `xi`. Returns the distance
+ * between both points (m).
  */
 static double find_foot(const mesh *mesh, int element, const double point[3], double xi[2])
 {
@@ -159,7 +159,7 @@ static double clamp_to_element(double xi[2])
 
 /*
  * Return the distance between a given point and a mesh point (m); the coordinate z is not compared
- * if the given point has none.
+ * if the given point has no z.
  */
 static double distance_from(const mesh *mesh, const mesh_spot *spot, const double point[3])
 {

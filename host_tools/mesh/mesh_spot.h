@@ -7,12 +7,14 @@
 
 /*
  * Point of a mesh that need not be a node. Its displacement is the weighted sum of the
- * displacements of `count` nodes.
+ * displacements of `count` nodes: 1, or the 4 nodes of an element.
  */
 typedef struct mesh_spot {
-    int count; /* number of nodes: 1 for a point that is a node, 4 for a point in an element */
+    int count; /* number of nodes whose displacements determine that of the point: 1 for a point
+                  that is a node, 4 for a point in an element */
     int node[4];
-    double weight[4]; /* weights of the nodes, bilinear in the element, with the sum 1 */
+    double weight[4]; /* weights of these nodes, bilinear functions of the position in the element,
+                         with the sum 1 */
 } mesh_spot;
 
 /* Return the mesh point that coincides with a node. */

@@ -9,7 +9,7 @@ static double determinant(double j[3][3])
            j[0][2] * (j[1][0] * j[2][1] - j[1][1] * j[2][0]);
 }
 
-/* Compute the inverse of a 3x3 matrix j of base vectors. */
+/* Compute the inverse of a 3x3 matrix whose columns are base vectors. */
 static void inverse_base(double j[3][3], double inverse[3][3])
 {
     const double size = determinant(j);

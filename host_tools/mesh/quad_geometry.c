@@ -8,8 +8,8 @@
 static const double xi[2][4] = {{-1, 1, 1, -1}, {-1, -1, 1, 1}};
 
 /*
- * Sum vectors over the four corners, each divided by 4 and multiplied by xi1 of the corner if
- * has_xi1 is 1 and by xi2 if has_xi2 is 1.
+ * Sum vectors over the four corners, each divided by 4, and multiplied by the natural coordinate
+ * xi1 of the corner if has_xi1 is 1, and by xi2 if has_xi2 is 1.
  */
 static void corner_sum(const double (*vector)[3], const uint32_t node[4], int has_xi1, int has_xi2,
                        double sum[3])
@@ -40,7 +40,7 @@ static double fill_skew(const double base[2][3], const double hourglass[3], doub
 
 /*
  * Compute the curvatures of an element along its directions, and its principal curvatures (1/m);
- * `size` is the determinant that fill_skew returned.
+ * `size` is the determinant of the products of the element's base vectors.
  */
 static void fill_curvature(quad_geometry *geometry, double size)
 {
@@ -66,8 +66,8 @@ static void fill_curvature(quad_geometry *geometry, double size)
 
 /*
  * Compute the middle of one side of the curved element. The side is bent so that it is tangent to
- * the surface at both ends: (X + X')/2 + (t - t')/8, with X, X' the positions of its ends and t, t'
- * its chord projected on the tangent planes there.
+ * the surface at both ends: (X + X')/2 + (t - t')/8, with X, X' the positions of the ends of the
+ * side and t, t' its chord projected on the tangent planes there.
  */
 static void side_middle(const quad_mesh *mesh, const uint32_t node[4], int side, double middle[3])
 {
@@ -84,8 +84,9 @@ static void side_middle(const quad_mesh *mesh, const uint32_t node[4], int side,
 }
 
 /*
- * Compute the derivatives along xi1 = s and xi2 = t of the shape functions of a quadrilateral with
- * eight nodes: four corners, then the middles of sides 0 to 3.
+ * Compute the derivatives, with respect to the natural coordinates xi1 and xi2, of the shape
+ * functions at xi1 = s and xi2 = t of a quadrilateral with eight nodes: four corners, then the
+ * middles of sides 0 to 3.
  */
 static void shape_slopes(double s, double t, double slope[2][8])
 {

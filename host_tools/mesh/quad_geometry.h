@@ -10,19 +10,24 @@
 #include "../quads/quad_mesh.h"
 
 typedef struct quad_geometry {
-    double base[2][3]; /* base vectors g_a = 1/4 sum of xi_a X_r: derivative of the position by xi_a
-                          at the centre (m) */
-    double turn[2][3]; /* derivatives of the director by xi_a at the centre, d_a = 1/4 sum of xi_a
-                          D_r (1) */
+    double base[2][3];  /* base vectors g_a of the element (m), a = 1, 2: derivative of the position
+                           with respect to the natural coordinate xi_a at the centre, 1/4 sum of
+                           xi_a X_r over the corner positions X_r */
+    double turn[2][3];  /* derivatives d_a of the director with respect to the natural coordinate
+                           xi_a at the centre (1), 1/4 sum of xi_a D_r over the directors D_r of the
+                           corners */
     double director[3]; /* unit vector along the sum of the directors of the corners */
     double normal[3]; /* unit normal of the element, along the cross product of its base vectors */
     double length[2]; /* lengths of the element along its directions 1 and 2, twice the lengths of
                          the base vectors (m) */
-    double skew[2]; /* skew coefficients alpha_1, alpha_2: components along the base vectors of the
-                       hourglass vector 1/4 sum of xi1 xi2 X_r (1) */
-    double curvature[3]; /* curvatures B_11, B_22, B_12 along the unit vectors of the base vectors
-                            g_a: B_ab = 2 (g_a . d_b + g_b . d_a)/(L_a L_b), with L_a the lengths of
-                            the element and d_a the derivatives of the director (1/m) */
+    double skew[2];   /* skew coefficients alpha_1, alpha_2: components, along the base vectors, of
+                         the hourglass vector 1/4 sum of xi1 xi2 X_r over the corner positions
+                         X_r (1)
+                       */
+    double curvature[3]; /* curvatures B_11, B_22, B_12 of the element along the directions of its
+                            base vectors g_a: B_ab = 2 (g_a . d_b + g_b . d_a)/(L_a L_b), with L_a
+                            the lengths of the element and d_a the derivatives of the director (1/m)
+                          */
     double principal[2]; /* principal curvatures of the element (1/m) */
     double area;         /* area of the element (m2) */
     double jacobian; /* smallest area per unit of the natural coordinates at a corner, relative to

@@ -25,20 +25,21 @@
 int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irregularity);
 
 /*
- * Thinness and irregularity of an element, and the factors by which its formulation is adapted to
- * them.
+ * Thinness and irregularity of an element of a general mesh, and the factors by which its
+ * formulation is adapted to them.
  */
 typedef struct quad_rule {
     double thinness;     /* largest product of curvature and squared length of the element over the
                             thickness of the laminate (1) */
     double irregularity; /* larger one of the sum of the element's absolute skew coefficients and of
                             the largest irregularity of its nodes (1) */
-    double bubble_share; /* fraction of the added transverse shear flexibility (element option rho)
-                            that is used: 1/(1 + (irregularity thinness/3)^2) */
-    double lock; /* factor by which bending would have to be stiffened to keep stresses smooth:
-                    [thinness clip((irregularity - 0.2)/0.1, 0, 1)/70]^2. Nothing is stiffened; a
-                    mesh with a factor above QUAD_LOCK is refused unless the scene accepts irregular
-                    meshes. */
+    double bubble_share; /* fraction of the transverse shear flexibility added on coarse meshes
+                            (element option rho) that the element uses: 1/(1 + (irregularity
+                            thinness/3)^2) */
+    double lock; /* factor by which the bending of the element would have to be stiffened to keep
+                    stresses smooth: [thinness clip((irregularity - 0.2)/0.1, 0, 1)/70]^2. No
+                    bending is actually stiffened; a mesh with a factor above QUAD_LOCK is refused
+                    unless the scene accepts irregular meshes. */
     double asymptotic; /* part of the bending strains that is added to the mean shear strain 12 of
                           an element along asymptotic lines (twisted strips); 0 on elements along
                           lines of curvature */

@@ -17,8 +17,8 @@ static uint32_t element_of(const quad_side *side)
 }
 
 /*
- * Return whether an element runs along one of its sides from the node with the higher number to
- * that with the lower one.
+ * Return whether an element, going around its corners in order, runs along one of its sides from
+ * the node with the higher number to the node with the lower one.
  */
 static bool is_reversed(const quad_mesh *quads, const quad_side *side)
 {
@@ -206,7 +206,7 @@ static int check_shape(const scene *scene, int element, int status, const quad_g
 
 /*
  * Return whether an element is too coarse for its curvature on a thin, irregular mesh: squared
- * length times curvature is larger than eight thicknesses.
+ * length times curvature exceeds eight times the thickness.
  */
 static int is_coarse(const quad_rule *rule, const quad_geometry *geometry, double thickness)
 {

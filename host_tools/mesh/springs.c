@@ -22,7 +22,10 @@ typedef struct spring_row {
     double value[MOST_ENTRIES];
 } spring_row;
 
-/* Springs while they are built; the arrays node and weight [nodes] are scratch memory. */
+/*
+ * State of the construction of a mesh's springs; the arrays `node` and `weight` [nodes] are work
+ * arrays.
+ */
 typedef struct spring_builder {
     mesh *mesh;
     mesh_springs *springs;
@@ -31,8 +34,8 @@ typedef struct spring_builder {
     int *node;
     double *weight;
     size_t room_rows, room_entries;
-    double largest[2]; /* largest diagonal entries of the element matrices: for mean displacements
-                          (N/m), and for differences of the faces (N m) */
+    double largest[2]; /* largest diagonal entries of the stiffness matrices of the elements: for
+                          mean displacements (N/m), and for differences of the faces (N m) */
 } spring_builder;
 
 static int fault_of_memory(const spring_builder *builder)
@@ -79,7 +82,7 @@ static void direction_at(const surface_point *point, const scene_direction *dire
     }
 }
 
-/* Return the height of a face above the middle of the laminate (m). */
+/* Return the height of a face of the shell above the middle of the laminate (m). */
 static double face_height(const mesh *mesh, scene_face face)
 {
     if (face == FACE_OUTER)
@@ -191,7 +194,7 @@ static int fill_row(const spring_builder *builder, const mesh_spot *spot, spring
 
 /* ---- list of rows -------------------------------------------------------- */
 
-/* Make room for the row of one more spring. Returns 0, or -1 when memory runs out. */
+/* Make room for the sparse row of one more spring. Returns 0, or -1 when memory runs out. */
 static int grow(spring_builder *builder)
 {
     mesh_springs *springs = builder->springs;
@@ -277,8 +280,8 @@ static int append_points(spring_builder *builder)
 }
 
 /*
- * Compute the length of edge, or the area, that belongs to each of the `count` nodes of a place.
- * Returns 0, or -1 with error filled.
+ * Compute the length of edge, or the area, that belongs to each of the `count` nodes on which a
+ * distributed spring acts. Returns 0, or -1 with error filled.
  */
 static int share(spring_builder *builder, int count)
 {
@@ -378,7 +381,7 @@ static int check_envelope(mesh *mesh, char *error)
 /* ---- build ------------------------------------------------------------------ */
 
 /*
- * Find the largest diagonal entries of the element matrices.
+ * Find the largest diagonal entries of the stiffness matrices of the elements.
  *   largest  [2] out  entry for mean displacements (N/m), and for differences of the faces (N m)
  */
 static void find_largest(const mesh *mesh, double largest[2])

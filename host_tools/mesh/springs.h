@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Springs of a scene and stack actuators as sparse rows over the free dof. The elongation of a
- * spring is the displacement of its place along its direction, less that of its other end; the
- * displacement of a place is the mean of both faces unless a face is named. Distributed springs are
- * lumped at the nodes.
+ * spring is the displacement of the point where it is attached, along its direction, less the
+ * displacement of its other end; the displacement of a point is the mean of both faces unless a
+ * face is named. Distributed springs are lumped at the nodes.
  *
- * Items are the springs of the scene in their order, followed by one item for each actuator, which
- * is empty if the actuator has no stacks.
+ * Items, which are the entries of the list of springs, are the springs of the scene in their order,
+ * followed by one item for each actuator, which is empty if the actuator has no stacks.
  */
 #ifndef SPRINGS_H
 #define SPRINGS_H
@@ -14,22 +14,25 @@
 #include "mesh.h"
 
 /*
- * Compute the rotation of a node about an axis as weights of its dof. With D the normal and beta
- * the difference of the displacements of both faces over the thickness, the rotation vector in the
- * surface is D x beta.
+ * Compute the rotation of a node about an axis as weights of its dof. With the normal D and with
+ * beta the difference of the displacements of both faces over the thickness, the rotation vector in
+ * the surface is D x beta.
  *   weight  [7] out
  * Returns 0, or -1 if the axis is normal to the surface, about which a shell has no rotation.
  */
 int springs_rotation(const surface_point *point, const scene_direction *axis, double weight[7]);
 
-/* Return the number of the item that holds the stacks of an actuator. */
+/*
+ * Return the index, in the list of spring items, of the item that holds the stacks of an actuator.
+ */
 int springs_item(const scene *scene, int actuator);
 
-/* Return the elongation of spring number `row` (m) under the displacements u [free_dof]. */
+/* Return the elongation of spring number `row` (m) under the displacements [free_dof]. */
 double springs_elongation(const mesh_springs *springs, int row, const double *displacement);
 
 /*
- * Add the row of a spring, times a factor, to a vector over the free dof (dense [free_dof] in/out).
+ * Add the sparse row of a spring (its elongation per unit of each dof), times a factor, to a vector
+ * over the free dof (dense [free_dof] in/out).
  */
 void springs_add(const mesh_springs *springs, int row, double factor, double *dense);
 

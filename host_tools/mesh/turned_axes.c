@@ -8,7 +8,7 @@
 #include "../quads/vector.h"
 #include "mesh.h"
 
-/* Sine of the largest angle at which two directions still count as equal. */
+/* Sine of the largest angle between two directions of supports that still count as equal. */
 static const double nearly = 1e-6;
 
 /*

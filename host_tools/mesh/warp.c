@@ -6,16 +6,16 @@
 #include <string.h>
 
 /*
- * Size of the linear system for the warping correction (warp.h): ROWS is its number of unknowns,
- * one factor for each of eight strains; TILTS is its number of equations, one for the tilt of each
- * of four directors about each of two axes.
+ * Size of the linear system for the warping correction of an element's membrane shear strain: ROWS
+ * is its number of unknowns, one factor for each of eight strains; TILTS is its number of
+ * equations, one for the tilt of each of four directors about each of two axes.
  */
 enum { ROWS = 8, TILTS = 8 };
 
 /*
- * Linear system a c = y for the eight factors c of the warping correction (warp.h): entry (i, k) of
- * a is the value of strain k under tilt i of a director, and y_i is the difference of the shear
- * strain 12 between the faces under this tilt.
+ * Linear system a c = y for the eight factors c of the warping correction of an element's membrane
+ * shear strain: entry (i, k) of a is the value of strain k under tilt i of a director, and y_i is
+ * the difference of the shear strain 12 between the faces under this tilt.
  */
 typedef struct tilt_system {
     double matrix[TILTS][ROWS], right_side[TILTS];
@@ -101,8 +101,8 @@ static void swap(double *first, double *second)
 }
 
 /*
- * Find the largest entry of the matrix in the rows and columns from `from` on. Returns its absolute
- * value.
+ * Find the largest entry of the matrix among the rows and columns with index `from` and above.
+ * Returns its absolute value.
  */
 static double find_pivot(const tilt_system *equations, int from, int *row, int *column)
 {
@@ -117,7 +117,7 @@ static double find_pivot(const tilt_system *equations, int from, int *row, int *
     return largest;
 }
 
-/* Eliminate column `step` from all equations except equation number `step`. */
+/* Eliminate column `step` of a linear system from all equations except equation number `step`. */
 static void eliminate(tilt_system *equations, int step)
 {
     for (int i = 0; i < TILTS; i++) {
@@ -131,8 +131,8 @@ static void eliminate(tilt_system *equations, int step)
 }
 
 /*
- * Reduce the linear system by Gauss-Jordan elimination with complete pivoting (order [8] out: the
- * unknown of each column). Returns the rank.
+ * Reduce the linear system by Gauss-Jordan elimination with complete pivoting (order [8] out: index
+ * of the unknown in each column). Returns the rank.
  */
 static int reduce(tilt_system *equations, int order[ROWS])
 {
@@ -193,7 +193,7 @@ int warp_fill(pzs_element_type *type, double share)
         return -1;
     type->warp[0] = share;
     for (int k = 0; k < ROWS; k++)
-        type->warp[1 + k] = 0 - share * factors[k]; /* subtraction from 0 gives 0 where a sign
-                                                       change would give -0 */
+        type->warp[1 + k] = 0 - share * factors[k]; /* The factor is subtracted from 0, which gives
+                                                       0 where a change of sign would give -0. */
     return 0;
 }

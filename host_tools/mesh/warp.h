@@ -10,17 +10,17 @@
  * thickness, which must be filled.
  *
  * The correction is the difference of the shear strain 12 between the faces in the constant strain
- * mode 00, less those shares of eight other strains that remove the effect of the directors:
- *   12m^00 += share (12d^00 - sum over k of c_k row_k),
- *   rows 13^01 23^10 13^00 23^00 11d^00 11d^01 22d^00 22d^10,
+ * mode 00, less multiples of eight other strains, which remove the effect of the directors:
+ *   12m^00 += share (12d^00 - sum over k of c_k strain_k),
+ *   strains 13^01 23^10 13^00 23^00 11d^00 11d^01 22d^00 22d^10,
  * where m is the mean and d the difference of the faces, and the exponent is the strain mode. The
  * factors c are such that, in the reference state, no tilt of the four directors changes the
- * bracket. The membrane strains then contain displacements of the middle surface alone, and a thin
- * shell cannot relax them by rotating its directors, which would cost no energy.
- *   share  in  tau (L1^2 k1 + L2^2 k2)/(12 h), with tau the element option, L the lengths of the
- *              element, k its curvatures and h the thickness; 0: no correction
- * Returns 0, or -1 if the eight rows cannot remove the directors, because the element has no
- * extent.
+ * expression in brackets. The membrane strains then contain displacements of the middle surface
+ * alone, and a thin shell cannot relax them by rotating its directors, which would cost no energy.
+ *   share  in  tau (L1^2 k1 + L2^2 k2)/(12 h), with tau the element option of this name, L the
+ *              lengths of the element, k its curvatures and h the thickness; 0: no correction
+ * Returns 0, or -1 if the eight strains cannot remove the effect of the directors, because the
+ * element has no extent.
  */
 int warp_fill(pzs_element_type *type, double share);
 

@@ -26,16 +26,20 @@ static int by_label(const void *left, const void *right)
     return (first->index > second->index) - (first->index < second->index);
 }
 
-/* Index of nodes that no quadrilateral uses, and of cells that are no quadrilaterals. */
+/*
+ * Value that marks nodes which no quadrilateral uses, and cells of the mesh file that are no
+ * quadrilaterals.
+ */
 static const uint32_t unused = UINT32_MAX;
 typedef struct collection {
     quad_mesh *mesh;
     quad_origin *origin;
     const quad_raw *raw;
     const quad_file *file;
-    numbered *node; /* numbers and indices of all nodes of the file, ascending by number */
-    uint32_t *node_of, *element_of; /* index in the mesh of each node and each cell of the file, or
-                                       `unused` */
+    numbered *node; /* numbers and indices of all nodes of the mesh file, in ascending order of the
+                       numbers */
+    uint32_t *node_of, *element_of; /* index in the mesh of each node and each cell of the mesh
+                                       file, or `unused` */
 } collection;
 
 static int refuse_memory(const collection *collection)
@@ -64,8 +68,8 @@ static int sort_nodes(collection *collection)
 }
 
 /*
- * Return the index of the node with a given number among the nodes of the file, or `unused` if the
- * file does not define it.
+ * Return the index of the node with a given number among the nodes of the file, or the value
+ * `unused` if the file does not define it.
  */
 static size_t find_node(const collection *collection, int64_t label)
 {
@@ -152,8 +156,8 @@ static int copy_nodes(collection *collection, const quad_options *options)
 /* ---- elements ---------------------------------------------------------- */
 
 /*
- * Key by which equal elements are found: four node numbers in ascending order, and the index of the
- * cell.
+ * Sort key by which repeated elements of a mesh file are found: four node numbers in ascending
+ * order, and the index of the cell.
  */
 typedef struct corners {
     int64_t node[4];
@@ -249,8 +253,8 @@ static int collect_elements(collection *collection, corners *key, size_t *first)
 }
 
 /*
- * Check that no two elements have the same number in the file. Returns 0, or -1 after writing the
- * error message of the mesh file.
+ * Check that no two elements have the same number in the mesh file. Returns 0, or -1 after writing
+ * the error message of the mesh file.
  */
 static int check_labels(const collection *collection, numbered *entry)
 {
@@ -270,8 +274,8 @@ static int check_labels(const collection *collection, numbered *entry)
 /* ---- sets -------------------------------------------------------------- */
 
 /*
- * Copy a set of the file: its members as indices of the mesh, ascending and without repetition.
- * Returns 0, or -1 after writing the error message of the mesh file.
+ * Copy a set of the mesh file; its members become indices of the mesh, ascending and without
+ * repetition. Returns 0, or -1 after writing the error message of the mesh file.
  */
 static int copy_set(const collection *collection, const quad_raw_set *from, quad_set *to)
 {

@@ -51,8 +51,8 @@ static int pair_sides(const quad_mesh *mesh, const quad_origin *origin, const qu
 /* ---- orientation ------------------------------------------------------- */
 
 /*
- * Return whether two elements run along their common side in the same direction, so that their
- * outer faces lie on opposite sides of the surface.
+ * Return whether two elements run along their common side in the same direction (the order of their
+ * corners), so that their outer faces lie on opposite sides of the surface.
  */
 static bool is_opposed(const quad_mesh *mesh, uint32_t edge, uint32_t other)
 {
@@ -60,14 +60,14 @@ static bool is_opposed(const quad_mesh *mesh, uint32_t edge, uint32_t other)
 }
 
 /*
- * State of an element while a common orientation spreads over the mesh: not reached yet, as in the
- * file, or turned over.
+ * State of an element while a common orientation spreads over the mesh: NOT_SEEN (not reached yet),
+ * AS_IT_IS (orientation of the mesh file is kept), or TURNED (turned over).
  */
 enum { NOT_SEEN, AS_IT_IS, TURNED };
 
 /*
- * Visit the neighbours of an element: those not reached yet get its orientation and are added to
- * the queue.
+ * Spread a common orientation over the mesh: the neighbours of an element that have not been
+ * reached yet get the orientation of the element and are added to the queue.
  *   queue  [elements] in/out  elements whose neighbours are to be visited; *count is their number
  * Returns 0, or -1 after writing the error message of the mesh file if the surface is one-sided.
  */
@@ -110,8 +110,8 @@ static int refuse_parts(const quad_mesh *mesh, const quad_origin *origin,
 }
 
 /*
- * Turn over elements so that all have the orientation that most of them have in the file, or the
- * opposite one if is_flipped is true.
+ * Turn over elements so that all have the orientation that most elements have in the mesh file, or
+ * the opposite one if is_flipped is true.
  */
 static void orient(quad_mesh *mesh, const unsigned char *state, bool is_flipped)
 {
@@ -228,8 +228,8 @@ int quad_connect(quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw
         status = pair_sides(mesh, origin, list, topology);
         if (status == 0)
             status = orient_all(mesh, origin, topology, options->is_flipped);
-        quad_sides(mesh, list); /* the sides are listed again, because elements that were turned
-                                   over have new side numbers */
+        quad_sides(mesh, list); /* The sides are listed again, because elements that were turned
+                                   over have new side numbers. */
         if (status == 0)
             status = pair_sides(mesh, origin, list, topology);
         if (status == 0)

@@ -104,8 +104,9 @@ static int mean_directors(const quad_mesh *mesh, const quad_origin *origin)
 /* ---- sharp edges ------------------------------------------------------- */
 
 /*
- * State of a node's director: the node lies inside a smooth sheet, on a free edge or on a sharp
- * edge, or it lies on a free edge and its director has been extrapolated from the nodes inside.
+ * State of the director (unit normal) of a node. INSIDE, ON_FREE_EDGE, ON_SHARP_EDGE: the node lies
+ * inside a smooth sheet, on a free edge or on a sharp edge. CONTINUED: the node lies on a free
+ * edge, and its director has been extrapolated from the nodes inside.
  */
 typedef enum node_state { INSIDE, ON_FREE_EDGE, ON_SHARP_EDGE, CONTINUED } node_state;
 
@@ -123,7 +124,9 @@ static void mark_edge(const quad_mesh *mesh, size_t element, int side, node_stat
     }
 }
 
-/* Find the nodes on free and on sharp edges, and report the sharpest edge as a warning. */
+/*
+ * Find the nodes of the mesh on free and on sharp edges, and report the sharpest edge as a warning.
+ */
 static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, node_state *states,
                        quad_warnings *warnings)
 {
@@ -154,17 +157,18 @@ static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, nod
 /* ---- fits of a quadric -------------------------------------------------- */
 
 /*
- * Normal equations of a quadric w = s u + r v + k1 u^2/2 + k12 u v + k2 v^2/2, the height w of a
- * node's neighbours above the plane normal to its director, each weighted with 1/distance^2. The
- * slopes s and r turn the mean of the corner normals, whose error is of first order in the size of
- * the elements, into a director whose error is of second order.
+ * Least-squares fit of a quadric surface around a node, its normal equations: w = s u + r v + k1
+ * u^2/2 + k12 u v + k2 v^2/2 is the height w of a node's neighbours above the plane normal to its
+ * director, each weighted with 1/distance^2. The slopes s and r turn the mean of the corner
+ * normals, whose error is of first order in the size of the elements, into a director whose error
+ * is of second order.
  */
 enum { COEFFICIENTS = 5, EQUATIONS = 15 };
 typedef struct quadric {
-    double tangent[2][3];     /* unit vectors along the two coordinates of the quadric */
+    double tangent[2][3];     /* unit vectors along the two coordinates u and v of the quadric */
     double matrix[EQUATIONS]; /* packed lower triangle of the matrix of the normal equations */
-    double coefficient[COEFFICIENTS]; /* right-hand side of the normal equations, then the
-                                         coefficients of the quadric */
+    double coefficient[COEFFICIENTS]; /* right-hand side of the normal equations, which the
+                                         solution, the coefficients of the quadric, replaces */
 } quadric;
 
 static void start_quadric(const double director[3], quadric *sum)
@@ -175,8 +179,8 @@ static void start_quadric(const double director[3], quadric *sum)
 }
 
 /*
- * Add a neighbouring node to the normal equations of a quadric. Lengths are divided by `size`, the
- * longest diagonal at the node.
+ * Add a neighbouring node to the normal equations of the quadric that is fitted around a node.
+ * Lengths are divided by `size`, the longest diagonal at the node.
  */
 static void add_neighbour(const quad_mesh *mesh, size_t node, size_t other, double size,
                           quadric *sum)
@@ -245,8 +249,8 @@ static void turn_director(const quadric *sum, double director[3])
 }
 
 /*
- * Improve the directors of nodes inside a smooth sheet by fits of quadrics; a director stays as it
- * is if its neighbours are too few or badly placed.
+ * Improve the directors (unit normals) of nodes inside a smooth sheet by fits of quadrics; a
+ * director is not changed if its neighbours are too few or badly placed.
  */
 static void fit_directors(const quad_mesh *mesh, const node_state *states, quadric *sums,
                           double *size)
@@ -263,8 +267,8 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
         }
     for (size_t element = 0; element < mesh->elements; element++)
         for (int corner = 0; corner < 4; corner++)
-            for (int k = 1; k < 3; k++) { /* inside a sheet, the third neighbour is added with the
-                                             next element */
+            for (int k = 1; k < 3; k++) { /* Inside a smooth sheet, the third neighbour is added
+                                             when the next element is visited. */
                 const uint32_t own = mesh->element[element][corner],
                                other = mesh->element[element][(corner + k) % 4];
                 add_neighbour(mesh, own, other, size[own], &sums[own]);
@@ -281,12 +285,12 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
 
 /*
  * Normal equations of the slopes s and r of a director n = n0 + s t1 + r t2 on a free edge. Every
- * chord c to a neighbour with the director m contributes the equation (n + m).c = 0, which holds
- * exactly on planes, spheres and cylinders.
+ * chord c (straight line) to a neighbour with the director m contributes the equation (n + m).c =
+ * 0, which holds exactly on planes, spheres and cylinders.
  */
 typedef struct slopes {
     double tangent[2][3]; /* unit vectors t1 and t2 along which the director may lean */
-    double matrix[3];     /* entries 11, 12, 22 of the matrix of the normal equations */
+    double matrix[3];     /* entries 11, 12 and 22 of the 2 x 2 matrix of the normal equations */
     double right_side[2]; /* right-hand side of the normal equations */
 } slopes;
 
@@ -308,8 +312,8 @@ static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *
 }
 
 /*
- * Solve for the slopes and compute the director from them (out [3] out). Returns whether the chords
- * determine the director.
+ * Solve the normal equations for the slopes of a director on a free edge, and compute the director
+ * from them (out [3] out). Returns whether the chords to the neighbours determine the director.
  */
 static bool solve_slopes(const slopes *sum, const double director[3], double out[3])
 {
@@ -328,8 +332,8 @@ static bool solve_slopes(const slopes *sum, const double director[3], double out
 }
 
 /*
- * Sum the normal equations of the nodes on free edges over the chords to neighbours whose directors
- * are final.
+ * Sum the normal equations of the directors on free edges over the chords to neighbours whose
+ * directors are final.
  */
 static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *sums)
 {
@@ -374,8 +378,8 @@ static size_t continue_round(const quad_mesh *mesh, node_state *states, slopes *
 }
 
 /*
- * Extrapolate the directors from the nodes inside to all nodes on free edges; three rounds also
- * reach the corners of a mesh.
+ * Extrapolate the directors from the nodes inside to all nodes on free edges; three repetitions
+ * also reach the corners of a mesh.
  */
 static void continue_directors(const quad_mesh *mesh, node_state *states, slopes *sums)
 {

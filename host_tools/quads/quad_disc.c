@@ -17,8 +17,8 @@ static const double pi = 3.141592653589793;
 static const double middle_of_side = 0.5, corner_of_block = 0.42;
 
 /*
- * Division of a disc into bands between circles, the rim included, and the number of elements
- * across each band.
+ * Division of the mesh of a disc into bands between circles (the rim is one of them), and the
+ * number of elements across each band.
  */
 typedef struct disc_plan {
     const quad_disc *disc;
@@ -27,7 +27,8 @@ typedef struct disc_plan {
     double circle[QUAD_RINGS + 1];
     int across[QUAD_RINGS + 1]; /* number of elements across each band of the disc; the first band
                                    lies between the middle block and the first circle */
-    int layers;                 /* number of elements across all bands of the disc together */
+    int layers; /* number of elements across all bands of the disc together: the number of layers
+                   around the middle block */
 } disc_plan;
 
 static disc_plan make_plan(const quad_disc *disc)
@@ -93,7 +94,8 @@ static void ring_point(const disc_plan *plan, const quad_mesh *mesh, int i, int 
 }
 
 /*
- * Compute the height and the director of a node of the disc whose position in the plane is known.
+ * Set the height and the director (unit normal) of a node of the disc whose position in the plane
+ * is known.
  */
 static void lift_node(const quad_disc *disc, double x[3], double director[3])
 {
@@ -133,8 +135,8 @@ static void fill_nodes(const disc_plan *plan, quad_mesh *mesh)
 /* ---- elements ------------------------------------------------------------ */
 
 /*
- * Return the number of the node at position j along layer i; layer 0 is the border of the middle
- * block.
+ * Return the index of the node at position j along layer i of a disc's mesh; layer 0 is the border
+ * of the middle block.
  */
 static uint32_t layer_node(const disc_plan *plan, int i, int j)
 {
@@ -166,7 +168,10 @@ static void fill_elements(const disc_plan *plan, quad_mesh *mesh)
 
 /* ---- sets ---------------------------------------------------------------- */
 
-/* Give a set its name, and memory for `most` members. Returns 0, or -1 when memory runs out. */
+/*
+ * Give a set of nodes, elements or edges its name, and memory for `most` members. Returns 0, or -1
+ * when memory runs out.
+ */
 static int open_set(quad_set *set, const char *name, size_t most)
 {
     set->name = malloc(strlen(name) + 1);
@@ -183,9 +188,9 @@ static void add_sector(const disc_plan *plan, int first, int last, int sector, i
 {
     const int elements = plan->disc->elements, each = plan->around / sectors, turn = elements / 2;
     for (int i = first; i < last; i++)
-        for (int j = 0; j < plan->around; j++) /* positions along a circle are counted from the
-                                                  diagonal; the x axis lies half a side of the
-                                                  middle block further on */
+        for (int j = 0; j < plan->around; j++) /* Positions along a circle of the disc are counted
+                                                  from the diagonal; the x axis lies half a side of
+                                                  the middle block further on. */
             if ((j - turn + plan->around) % plan->around / each == sector)
                 set->index[set->count++] = (uint32_t)(elements * elements + i * plan->around + j);
 }
@@ -222,8 +227,8 @@ static int fill_sets(const disc_plan *plan, quad_mesh *mesh)
         open_set(mesh->edge_set, "rim", (size_t)plan->around) < 0)
         return -1;
     mesh->node_set[0].index[mesh->node_set[0].count++] = (uint32_t)(elements / 2 * (elements + 2));
-    for (int j = 0; j < plan->around; j++) { /* side 1 of an element in the outermost ring lies on
-                                                the rim */
+    for (int j = 0; j < plan->around; j++) { /* Side 1 of an element in the outermost ring lies on
+                                                the rim of the disc. */
         const uint32_t element =
             (uint32_t)(elements * elements + (plan->layers - 1) * plan->around + j);
         mesh->edge_set[0].index[mesh->edge_set[0].count++] = 4 * element + 1;

@@ -12,15 +12,15 @@ enum { QUAD_RINGS = 16 };
 
 typedef struct quad_disc {
     double radius; /* radius of the disc's rim (m) */
-    double sphere; /* radius of the sphere that the disc is part of (m), its centre below the disc;
-                      0: flat disc */
+    double sphere; /* radius of the sphere of which the disc is a part, with the centre below the
+                      disc (m); 0: flat disc */
     double ring[QUAD_RINGS]; /* [rings] radii of circles along which elements end, ascending,
                                 without the rim (m) */
     int rings;               /* number of circles along which elements end, without the rim */
     int elements; /* number of elements along a side of the middle block, even; every circle has
                      four times as many */
-    int sectors;  /* number of sectors of equal angle into which each ring outside the first circle
-                     is divided; a divisor of the number of elements along a circle */
+    int sectors;  /* number of equal angular sectors into which each ring of elements outside the
+                     first circle is divided; a divisor of the number of elements along a circle */
 } quad_disc;
 
 /*
@@ -28,8 +28,8 @@ typedef struct quad_disc {
  * rim there; the outer face looks along +z.
  * Sets: nodes `centre`; edges `rim`; elements `ring1` inside the first circle, then `ring2` and so
  * on to the rim, or with sectors `ring2-1`, `ring2-2` and so on, the first of which begins at the x
- * axis. The numbers of the disc must be in their ranges.
- * Returns 0, or -1 with the mesh empty when memory runs out.
+ * axis. The numbers in `disc` must be in their ranges. Returns 0, or -1 with the mesh empty when
+ * memory runs out.
  */
 int quad_disc_make(quad_mesh *mesh, const quad_disc *disc);
 

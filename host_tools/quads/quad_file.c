@@ -74,7 +74,9 @@ static int refuse_file(const quad_file *file, const char *why)
 
 /* ---- opening ----------------------------------------------------------- */
 
-/* Return whether the first bytes of a file may begin a Gmsh or an Abaqus mesh file. */
+/*
+ * Return whether the first bytes of a file can be the beginning of a Gmsh or an Abaqus mesh file.
+ */
 static bool is_mesh_head(const char *head, size_t bytes)
 {
     size_t i = 0;
@@ -194,8 +196,8 @@ static int refuse_number(const quad_file *file, const char *what)
 }
 
 /*
- * Copy the bytes of a binary number from the reading position. Returns 0, or -1 after writing the
- * error message of the mesh file at the end of the file.
+ * Copy the bytes of a binary number from the reading position of a mesh file. Returns 0, or -1
+ * after writing the error message of the mesh file at the end of the file.
  */
 static int take_bytes(quad_file *file, const char *what, void *value, size_t size)
 {

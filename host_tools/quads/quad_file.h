@@ -18,8 +18,8 @@ typedef struct quad_file {
     char *text; /* [bytes + 1] contents of the mesh file, followed by a NUL */
     size_t bytes;
     size_t at;      /* reading position in the file, from 0 to bytes */
-    bool is_binary; /* whether numbers are binary; the position of a fault is then a byte, else a
-                       line */
+    bool is_binary; /* whether the numbers in the mesh file are binary; the position of a fault is
+                       then given as a byte, otherwise as a line */
     char *error;    /* [QUAD_ERROR] memory of the error message about the file */
 } quad_file;
 
@@ -44,10 +44,10 @@ uint32_t quad_file_hash(const quad_file *file);
 
 /* ---- text -------------------------------------------------------------- */
 
-/* Move the reading position behind blanks, tabs and line ends. */
+/* Move the reading position of a mesh file behind blanks, tabs and line ends. */
 void quad_skip(quad_file *file);
 
-/* Move the reading position to the start of the next line. Returns whether there is one. */
+/* Move the reading position to the start of the next line. Returns whether there is a next line. */
 bool quad_next_line(quad_file *file);
 
 /*

@@ -6,10 +6,8 @@
 #include <string.h>
 
 /*
- * List each corner of each element at its node: the corners at node n are corner[start[n]] to
- * corner[start[n + 1] - 1].
- *   start  [nodes + 2]  in/out  zeros in; index of the first corner of each node out
- *   corner [4 elements] out     numbers 4 element + corner
+ * List all corners of all elements by their nodes: the corners that lie at node n are
+ * corner[start[n]] to corner[start[n + 1] - 1].
  */
 static void list_corners(const quad_mesh *mesh, uint32_t *start, uint32_t *corner)
 {
@@ -21,10 +19,7 @@ static void list_corners(const quad_mesh *mesh, uint32_t *start, uint32_t *corne
         corner[start[mesh->element[i / 4][i % 4] + 1]++] = (uint32_t)i;
 }
 
-/*
- * Fill the neighbours of all nodes.
- *   seen [nodes] in/out  zeros in; work array
- */
+/* Fill the list of the neighbours of each node of the mesh. */
 static void list_neighbours(const quad_mesh *mesh, const uint32_t *start, const uint32_t *corner,
                             uint32_t *seen, quad_graph *graph)
 {

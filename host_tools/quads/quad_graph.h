@@ -14,8 +14,9 @@
  */
 typedef struct quad_graph {
     uint32_t nodes;
-    uint32_t *start;     /* [nodes + 1] index of the first neighbour of each node */
-    uint32_t *neighbour; /* [start[nodes]] neighbours, without repetition */
+    uint32_t *start; /* [nodes + 1] index of the first neighbour of each node in `neighbour`; the
+                        last element is the number of all entries */
+    uint32_t *neighbour; /* [entries] indices of the neighbours of all nodes, without repetition */
 } quad_graph;
 
 /* Fill the graph of a mesh. Returns 0, or -1 when memory runs out. */
@@ -24,17 +25,18 @@ int quad_graph_make(quad_graph *graph, const quad_mesh *mesh);
 void quad_graph_free(quad_graph *graph);
 
 /*
- * Return the size of the factor's envelope for an order of the nodes: the sum, over all nodes, of
- * the distance in the order to their first neighbour.
+ * Return the number of stored entries (envelope) of a matrix factor for an order of the nodes: the
+ * sum, over all nodes, of the distance in the order to the first neighbour of the node.
  *   order [nodes] in   the nodes in the order of their numbers
  *   place [nodes] out  place of each node in the order
  */
 uint64_t quad_envelope(const quad_graph *graph, const uint32_t *order, uint32_t *place);
 
 /*
- * Order the nodes by Sloan's algorithm. The next number goes to the node for which the distance,
- * less the weight times the number of neighbours that the number would add to the front, is
- * largest; the front consists of the nodes without a number that have a neighbour with a number.
+ * Order the nodes by Sloan's algorithm. The next number goes to the node for which its distance
+ * from the end of the mesh, less `growth_weight` times the number of neighbours that the number
+ * would add to the front, is largest; the front consists of the nodes without a number that have a
+ * neighbour with a number.
  *   distance [nodes]   in   number of elements between each node and the end of the mesh
  *   first              in   node that gets the first number
  *   growth_weight      in   the weight

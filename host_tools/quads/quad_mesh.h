@@ -23,7 +23,7 @@ typedef struct quad_set {
                         repetition */
 } quad_set;
 
-/* Layers that the elements of a region have in common. */
+/* Properties that the elements of a region of the mesh have in common: plies and material axis. */
 typedef struct quad_region {
     uint32_t present_plies; /* bit i is set if ply i of the laminate is present in the elements of
                                the region */
@@ -38,8 +38,8 @@ typedef struct quad_mesh {
                               triad */
     double (*axis)[3]; /* [nodes] unit vectors e1 of the triads, normal to the directors; e2 = e3 x
                           e1 */
-    uint8_t *constrained; /* [nodes] bit i is set if dof i of the node is constrained to 0; NULL:
-                             none is */
+    uint8_t *constrained; /* [nodes] bit i is set if dof i of the node is constrained to 0; NULL: no
+                             dof is constrained */
     uint32_t *order;     /* [nodes] nodes in the order in which their dof are numbered; NULL: in the
                             order of their indices */
     int64_t *node_label; /* [nodes] numbers of the nodes in the mesh file; NULL: they have none */
@@ -47,11 +47,12 @@ typedef struct quad_mesh {
                                none */
     uint32_t (*element)[4]; /* [elements] nodes of the corners (-,-) (+,-) (+,+) (-,+),
                                counterclockwise as seen from the outer face */
-    double *area; /* [elements] exact areas (m2); NULL: areas are computed from nodes and directors
-                   */
+    double *area; /* [elements] exact area of each element (m2); NULL: areas are computed from nodes
+                     and directors */
     uint32_t *element_region; /* [elements] number of each element's region; NULL: all belong to
                                  region 0 */
-    quad_region *region;      /* [regions] layers of each region; there is at least one region */
+    quad_region *region; /* [regions] plies and material axis of each region; there is at least one
+                            region */
     size_t node_sets, element_sets, edge_sets;
     quad_set *node_set;    /* [node_sets] named sets of nodes of the mesh */
     quad_set *element_set; /* [element_sets] named sets of elements of the mesh */

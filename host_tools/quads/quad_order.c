@@ -17,7 +17,7 @@ static uint32_t valence(const quad_graph *graph, uint32_t node)
     return graph->start[node + 1] - graph->start[node];
 }
 
-/* Move the last node of a list forward until no node before this node has more neighbours. */
+/* Move the last node of a list forward until no node before it has more neighbours. */
 static void sift(const quad_graph *graph, uint32_t *list, size_t count)
 {
     for (size_t i = count - 1; i > 0; i--) {
@@ -59,8 +59,7 @@ static uint32_t list_levels(const quad_graph *graph, size_t count, uint32_t *ord
 }
 
 /*
- * Return the node with the fewest neighbours in the last level of an order that list_levels has
- * made.
+ * Return the node with the fewest neighbours in the last level of an order of the nodes by levels.
  */
 static uint32_t end_node(const quad_graph *graph, const uint32_t *order, const uint32_t *level)
 {
@@ -143,7 +142,10 @@ static void order_from_side(const quad_mesh *mesh, const quad_graph *graph, int 
     list_levels(graph, count, order, level);
 }
 
-/* Search for the node order whose envelope of the stiffness matrix is smallest. */
+/*
+ * Search for the order of the nodes in which the stiffness matrix has the smallest envelope (number
+ * of stored entries).
+ */
 typedef struct search {
     const quad_graph *graph;
     uint32_t *best;    /* [nodes] best node order found so far */
@@ -151,8 +153,8 @@ typedef struct search {
     uint32_t *level;   /* [nodes] distance of each node from the start of a node order, counted in
                           elements */
     uint32_t *place;   /* [nodes] work memory for the computation of an envelope */
-    uint64_t envelope; /* size of the envelope of the best node order; UINT64_MAX: no order has been
-                          found yet */
+    uint64_t envelope; /* number of stored entries (envelope) of the stiffness matrix's factor for
+                          the best node order; UINT64_MAX: no order has been found yet */
 } search;
 
 static void reverse(uint32_t *order, size_t count)
@@ -165,7 +167,8 @@ static void reverse(uint32_t *order, size_t count)
 }
 
 /*
- * Replace the best node order of a search by the other one if the other one has a smaller envelope.
+ * Keep the new node order of a search in place of the best one if its envelope (number of stored
+ * matrix entries) is smaller.
  */
 static void compare(search *search)
 {
@@ -176,7 +179,10 @@ static void compare(search *search)
     memcpy(search->best, search->other, search->graph->nodes * sizeof *search->best);
 }
 
-/* Compare the other node order of a search, and its reverse, with the best one. */
+/*
+ * Compare a new node order and its reverse with the best node order of the search, and keep the
+ * best one.
+ */
 static void compare_both(search *search)
 {
     compare(search);
@@ -262,10 +268,11 @@ int quad_renumber(quad_mesh *mesh)
     if (search.best && search.other && search.level && search.place &&
         quad_graph_make(&graph, mesh) == 0) {
         try_levels(&search, mesh);
-        search.envelope -= search.envelope / 50; /* an order of Sloan's algorithm must have an
-                                                    envelope at least 2 % smaller to be chosen,
-                                                    because the rows of the other orders have more
-                                                    uniform lengths and are factored faster */
+        search.envelope -= search.envelope / 50; /* An order of Sloan's algorithm must have an
+                                                    envelope (number of stored matrix entries) at
+                                                    least 2 % smaller to be chosen, because the rows
+                                                    of the other orders have more uniform lengths
+                                                    and are factored faster. */
         status = try_fronts(&search, mesh);
     }
     quad_graph_free(&graph);

@@ -12,7 +12,7 @@
 typedef struct quad_raw_node {
     int64_t label; /* number of the node in the mesh file */
     double x[3];
-    size_t at; /* position of the item in the mesh file (byte) */
+    size_t at; /* position (byte) in the mesh file at which the item was read, for error messages */
 } quad_raw_node;
 
 /* Cell of a mesh file: a point (1 corner), an edge (2 corners) or a quadrilateral (4 corners). */
@@ -20,8 +20,9 @@ typedef struct quad_raw_cell {
     int64_t label;   /* number of the cell (point, edge or quadrilateral) in the mesh file */
     int64_t node[4]; /* [corners] numbers of the cell's nodes in the file */
     int corners;
-    int group; /* number that the reader of a file format uses to collect the members of sets */
-    size_t at; /* position of the item in the mesh file (byte) */
+    int group; /* number of the set to which the cell belongs, used by the reader of a file format
+                  to collect the members of sets */
+    size_t at; /* position (byte) in the mesh file at which the item was read, for error messages */
 } quad_raw_cell;
 
 /*
@@ -30,7 +31,7 @@ typedef struct quad_raw_cell {
  */
 typedef struct quad_raw_set {
     char *name;
-    int corners; /* type of the members: 0 nodes, 2 edges, 4 quadrilaterals */
+    int corners; /* type of the members of the set: 0 nodes, 2 edges, 4 quadrilaterals */
     size_t count, room;
     int64_t *item; /* [count] numbers of nodes in the file, or indices of cells */
 } quad_raw_set;
@@ -45,8 +46,8 @@ typedef struct quad_raw {
 void quad_raw_free(quad_raw *raw);
 
 /*
- * Append a node or a cell to the contents. Each function returns 0, or -1 after writing the error
- * message of the mesh file when memory runs out.
+ * Append a node or a cell (point, edge, quadrilateral) to the contents of a mesh file. Each
+ * function returns 0, or -1 after writing the error message of the mesh file when memory runs out.
  */
 int quad_raw_add_node(quad_raw *raw, const quad_file *file, const quad_raw_node *node);
 int quad_raw_add_cell(quad_raw *raw, const quad_file *file, const quad_raw_cell *cell);

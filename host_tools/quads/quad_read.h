@@ -8,13 +8,13 @@
 #include "quad_options.h"
 
 /*
- * Read a mesh file, check it, orient its elements, and determine directors, axes, sets and the
- * order of the nodes.
+ * Read a mesh file, check it, give its elements a common orientation, and determine the directors
+ * (unit normals) and axes of the nodes, the sets and the order of the nodes.
  *
  * A director inside the mesh is the mean of the normals of the elements at the node, weighted with
- * their angles there and corrected by the fit of a quadric. On a free edge it continues the
- * directors inside, so that spheres and cylinders keep their exact normals. Axes are those of
- * quad_default_axis. There is one region.
+ * their angles there and corrected by the fit of a quadric. On a free edge the director is
+ * extrapolated from the directors inside, so that spheres and cylinders keep their exact normals.
+ * Axes are those of quad_default_axis. All elements belong to one region.
  *   error  [QUAD_ERROR] out
  * Returns 0, or -1 with error filled and the mesh empty.
  */

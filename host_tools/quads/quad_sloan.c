@@ -25,8 +25,9 @@ typedef struct sloan {
                           index i is at least that at the indices 2 i + 1 and 2 i + 2 */
     uint32_t *slot;    /* [nodes] index of each candidate in the heap `waiting` */
     uint32_t count;    /* number of candidates for the next number */
-    int64_t growth_weight; /* increase of the priority of a node when numbering this node would add
-                              one node less to the front than before */
+    int64_t growth_weight; /* weight of the front's growth: increase of a node's priority when
+                              numbering this node would add one node less to the front than before
+                            */
 } sloan;
 
 /* ---- waiting nodes ------------------------------------------------------ */
@@ -46,8 +47,8 @@ static void swap_slots(sloan *run, uint32_t first, uint32_t second)
 }
 
 /*
- * Move the node at an index of the heap towards the top until its priority does not exceed that of
- * the node above.
+ * Move the node at an index of the heap of candidates towards the top until its priority does not
+ * exceed that of the node above.
  */
 static void lift(sloan *run, uint32_t slot)
 {

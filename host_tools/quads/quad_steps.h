@@ -16,13 +16,14 @@ typedef struct quad_origin {
     size_t *element_at; /* [elements] position of each element in the file (byte) */
 } quad_origin;
 
-/* Return the number of an element or a node in the mesh file. */
+/* Return the number that an element, or a node, has in the mesh file. */
 long long quad_element_label(const quad_mesh *mesh, size_t element);
 long long quad_node_label(const quad_mesh *mesh, size_t node);
 
 /*
- * Replace the numbers of the file by indices: fill the nodes, the elements and the sets of nodes
- * and elements of the mesh. Returns 0, or -1 after writing the error message of the mesh file.
+ * Replace the numbers of nodes and elements in the mesh file by indices: fill the nodes, the
+ * elements and the sets of nodes and elements of the mesh. Returns 0, or -1 after writing the error
+ * message of the mesh file.
  */
 int quad_collect(quad_mesh *mesh, quad_origin *origin, const quad_raw *raw,
                  const quad_options *options);
@@ -30,8 +31,8 @@ int quad_collect(quad_mesh *mesh, quad_origin *origin, const quad_raw *raw,
 /* Neighbours of all elements across their sides; QUAD_FREE marks a side without a neighbour. */
 #define QUAD_FREE UINT32_MAX
 typedef struct quad_topology {
-    uint32_t (*neighbour)[4]; /* [elements] edge number 4 element + side of the neighbour's side, or
-                                 QUAD_FREE */
+    uint32_t (*neighbour)[4]; /* [elements][4] for each side of each element the side of its
+                                 neighbour, as the edge number 4 element + side, or QUAD_FREE */
 } quad_topology;
 void quad_topology_free(quad_topology *topology);
 
@@ -59,8 +60,8 @@ int quad_turn(quad_mesh *mesh);
 
 /*
  * Fill mesh->order with an order of the nodes that gives the factor of the stiffness matrix a small
- * envelope: the best of those of the algorithms of Cuthill and McKee and of Sloan. Returns 0, or -1
- * when memory runs out.
+ * envelope: the best of the orders that the algorithms of Cuthill and McKee and of Sloan find.
+ * Returns 0, or -1 when memory runs out.
  */
 int quad_renumber(quad_mesh *mesh);
 

@@ -7,8 +7,8 @@
 #include <string.h>
 
 /*
- * Return the component along the axes of an element's nodes of the direction in which side k of the
- * element runs.
+ * Return how well side k of an element runs along the axes of the element's nodes: the component of
+ * its direction along these axes.
  */
 static double along_axes(const quad_mesh *mesh, const uint32_t node[4], int k)
 {

@@ -21,8 +21,8 @@ typedef struct entity {
 
 typedef struct physical_name {
     int dimension, tag;
-    const char *text; /* name of a physical group, a part of the text of the file; not terminated by
-                         NUL */
+    const char *text; /* name of a physical group, a part of the text of the Gmsh file; not
+                         terminated by NUL */
     size_t length;
 } physical_name;
 
@@ -40,7 +40,7 @@ typedef struct gmsh {
 
 enum { POINT = 15, EDGE = 1, TRIANGLE = 2, QUADRILATERAL = 3 };
 
-/* Number of nodes of each element type of Gmsh; types that are refused also have a name. */
+/* Number of nodes of each element type of Gmsh; element types that are refused also have a name. */
 static const struct {
     int nodes;
     const char *refused;
@@ -151,7 +151,9 @@ static int collect_sets(gmsh *gmsh)
         const quad_raw_cell *cell = &gmsh->raw->cell[index];
         const entity *of = cell->group >= 0 ? &gmsh->entity[cell->group] : NULL;
         for (int k = 0; of && k < of->count; k++) {
-            /* A negative number stands for a physical group with reversed orientation. */
+            /*
+             * A negative number of a physical group stands for the group with reversed orientation.
+             */
             quad_raw_set *set = set_of(gmsh, of->dimension, abs(of->physical[k]));
             const int64_t item = cell->corners == 1 ? cell->node[0] : (int64_t)index;
             if (!set || quad_raw_add_item(set, gmsh->file, item) < 0)
@@ -164,8 +166,8 @@ static int collect_sets(gmsh *gmsh)
 /* ---- sections ---------------------------------------------------------- */
 
 /*
- * Check that the line that ends a section follows. Returns 0, or -1 after writing the error message
- * of the mesh file.
+ * Check that the line that ends a section of the Gmsh file follows. Returns 0, or -1 after writing
+ * the error message of the mesh file.
  */
 static int end_section(gmsh *gmsh, const char *end)
 {
@@ -180,7 +182,8 @@ static int read_names(gmsh *gmsh)
     quad_file *file = gmsh->file;
     const bool is_binary = file->is_binary;
     int count, dimension, tag;
-    file->is_binary = false; /* the section $PhysicalNames is text in a binary file, too */
+    file->is_binary = false; /* The section $PhysicalNames of a Gmsh file is text even if the file
+                                is binary. */
     if (quad_read_int(file, "the number of names", &count) < 0 ||
         quad_check_count(file, "names", count, 4) < 0)
         return -1;
@@ -208,8 +211,8 @@ static int read_names(gmsh *gmsh)
 }
 
 /*
- * Skip numbers that are not needed: bounding boxes (pass_reals), or entities on a boundary
- * (pass_boundary). Returns 0, or -1 after writing the error message of the mesh file.
+ * Skip numbers of a Gmsh file that are not needed: bounding boxes (pass_reals), or entities on a
+ * boundary (pass_boundary). Returns 0, or -1 after writing the error message of the mesh file.
  */
 static int pass_reals(gmsh *gmsh, int count)
 {
@@ -299,7 +302,7 @@ static int read_nodes_2(gmsh *gmsh)
         return -1;
     gmsh->file->is_binary = is_binary;
     if (is_binary)
-        gmsh->file->at++; /* one line end separates the number of nodes from the binary data */
+        gmsh->file->at++; /* One line end separates the number of nodes from the binary data. */
     for (int i = 0; i < count; i++) {
         if (!is_binary)
             quad_skip(gmsh->file);
@@ -355,14 +358,14 @@ static int read_node_block(gmsh *gmsh)
 }
 
 /*
- * Function that reads the next block of a section. Returns 0, or -1 after writing the error message
- * of the mesh file.
+ * Function that reads the next block of a section of the Gmsh file. Returns 0, or -1 after writing
+ * the error message of the mesh file.
  */
 typedef int read_block(gmsh *gmsh);
 
 /*
- * Read a section of version 4.1 that consists of blocks: number of blocks, number of items, lowest
- * and highest number of an item, then the blocks.
+ * Read a section of a Gmsh file of version 4.1 that consists of blocks: number of blocks, number of
+ * items, lowest and highest number of an item, then the blocks.
  *   what   in  name of the items in messages
  *   found  in  number of items that have been read, which grows with each block
  * Returns 0, or -1 after writing the error message of the mesh file.
@@ -399,8 +402,8 @@ static int add_element(gmsh *gmsh, const quad_raw_cell *cell)
 }
 
 /*
- * Read an element of version 2.2 behind its number: first its tags, then its nodes. Returns 0, or
- * -1 after writing the error message of the mesh file.
+ * Read an element of a Gmsh file of version 2.2, whose number has been read: first its tags, then
+ * its nodes. Returns 0, or -1 after writing the error message of the mesh file.
  */
 static int read_element_2(gmsh *gmsh, quad_raw_cell *cell, int type, int tags)
 {
@@ -423,8 +426,8 @@ static int read_element_2(gmsh *gmsh, quad_raw_cell *cell, int type, int tags)
 }
 
 /*
- * Read a block of elements of one type, as binary files of version 2.2 have them; *left is the
- * number of elements still to come. Returns 0, or -1 after writing the error message of the mesh
+ * Read a block of elements of one type, as binary files of version 2.2 have them; `left` is the
+ * number of elements still to be read. Returns 0, or -1 after writing the error message of the mesh
  * file.
  */
 static int read_element_block_2(gmsh *gmsh, int *left)
@@ -472,7 +475,7 @@ static int read_elements_2(gmsh *gmsh)
         return -1;
     gmsh->file->is_binary = is_binary;
     if (is_binary)
-        gmsh->file->at++; /* one line end separates the number of elements from the binary data */
+        gmsh->file->at++; /* One line end separates the number of elements from the binary data. */
     while (is_binary && left > 0)
         if (read_element_block_2(gmsh, &left) < 0)
             return -1;
@@ -483,8 +486,8 @@ static int read_elements_2(gmsh *gmsh)
 }
 
 /*
- * Read an element of version 4.1. Returns 0, or -1 after writing the error message of the mesh
- * file.
+ * Read an element of a Gmsh file of version 4.1. Returns 0, or -1 after writing the error message
+ * of the mesh file.
  */
 static int read_element_4(gmsh *gmsh, int type, int group)
 {
@@ -529,8 +532,8 @@ static int read_elements_4(gmsh *gmsh)
 /* ---- the file ---------------------------------------------------------- */
 
 /*
- * Check that the integer 1 in the head of a binary file has the byte order of this machine. Returns
- * 0, or -1 after writing the error message of the mesh file.
+ * Check that the integer 1 in the head of a binary Gmsh file has the byte order of this machine.
+ * Returns 0, or -1 after writing the error message of the mesh file.
  */
 static int check_byte_order(gmsh *gmsh)
 {
@@ -572,8 +575,8 @@ static int read_format(gmsh *gmsh)
 }
 
 /*
- * Skip a section that is not needed, up to the line that ends it. Returns 0, or -1 after writing
- * the error message of the mesh file.
+ * Skip a section of a Gmsh file that is not needed, up to the line that ends it. Returns 0, or -1
+ * after writing the error message of the mesh file.
  */
 static int skip_section(gmsh *gmsh, const char *name, size_t length)
 {
@@ -596,12 +599,13 @@ static int skip_section(gmsh *gmsh, const char *name, size_t length)
 
 typedef struct section {
     const char *name;
-    int (*read[2])(gmsh *gmsh); /* functions that read the section in version 2.2 and in
-                                   version 4.1; NULL: the section is skipped */
+    int (*read[2])(gmsh *gmsh); /* functions that read a section of a Gmsh file of version 2.2 and
+                                   of version 4.1; NULL: the section is skipped */
 } section;
 
 /*
- * Read a section of the file. In a binary file the section begins behind the line end of its name.
+ * Read a section of a Gmsh file. In a binary file the section begins behind the line end of its
+ * name.
  */
 static int read_section(gmsh *gmsh, const section *one)
 {

@@ -11,13 +11,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Members of a set, given as the numbers first, first + step and so on up to last. */
+/*
+ * Members of a set in an INP file, given as the numbers first, first + step and so on up to last.
+ */
 typedef struct run {
     int64_t first, last, step;
     size_t at;
 } run;
 
-/* Set as the file lists it, before its numbers of nodes or elements are replaced by indices. */
+/*
+ * Set of an INP file as the file lists it, before its numbers of nodes or elements are replaced by
+ * indices.
+ */
 typedef struct listed_set {
     char name[64];
     bool is_elements;
@@ -31,11 +36,12 @@ typedef struct inp {
     quad_file *file;
     quad_raw *raw;
     inp_mode mode;
-    int corners;    /* number of corners of the elements that are being read (mode ELEMENTS) */
-    bool generates; /* whether the lines contain first, last and step instead of single numbers
-                       (mode SET_MEMBERS) */
+    int corners;    /* number of corners of the elements that are being read (in the reader's state
+                       ELEMENTS) */
+    bool generates; /* whether the lines contain first, last and step instead of single numbers (in
+                       the reader's state SET_MEMBERS) */
     int set;        /* index of the set to which the lines that are being read belong, or -1 */
-    bool has_part;  /* whether the keyword *PART was read before */
+    bool has_part;  /* whether the keyword *PART has been read */
     size_t sets, room;
     listed_set *list;
 } inp;
@@ -58,7 +64,10 @@ static bool same_text(const char *first, size_t length, const char *second)
     return true;
 }
 
-/* Field of a line: the text between two commas, without the blanks and quotes at its ends. */
+/*
+ * Field of a line of an INP file: the text between two commas, without the blanks and quotes at its
+ * ends.
+ */
 typedef struct piece {
     const char *text;
     size_t length;
@@ -80,8 +89,8 @@ static piece trimmed(const char *from, const char *to)
 }
 
 /*
- * Read the next field of a line; the reading position moves behind its comma, or to the line end.
- * Returns whether there is a field.
+ * Read the next field of a line of an INP file; the reading position moves behind its comma, or to
+ * the line end. Returns whether there is a field.
  */
 static bool next_piece(quad_file *file, piece *one)
 {
@@ -95,7 +104,10 @@ static bool next_piece(quad_file *file, piece *one)
     return one->length > 0 || *to == ',';
 }
 
-/* Return the value behind NAME= in a field, or an empty field if it has another name. */
+/*
+ * Return the value in a field of the form NAME=value, or an empty field if the field has another
+ * name.
+ */
 static piece value_of(piece one, const char *name)
 {
     const char *equals = memchr(one.text, '=', one.length);
@@ -305,7 +317,10 @@ static int data_line(inp *in)
 
 /* ---- keywords ---------------------------------------------------------- */
 
-/* Element types of the file format by the start of their names; the first row that fits is used. */
+/*
+ * Element types of the INP file format by the start of their names; the first row that fits is
+ * used.
+ */
 static const struct {
     const char *start;
     int corners;
@@ -338,7 +353,7 @@ static int read_type(inp *in, piece type, size_t at)
                          upper_type);
 }
 
-/* Options of a keyword of the file format, which end at the line end. */
+/* Options of a keyword of the INP file format, which end at the line end. */
 typedef struct options {
     piece type, nset, elset;
     bool generates;
@@ -418,7 +433,7 @@ static int keyword_line(inp *in)
 
 /* ---- sets by number ---------------------------------------------------- */
 
-/* Number of a node or element in the file, with the index of its cell. */
+/* Number of a node or element in the INP file, with the index of its cell. */
 typedef struct numbered {
     int64_t label, index;
 } numbered;
@@ -444,8 +459,9 @@ static size_t lower_bound(const numbered *entry, size_t count, int64_t label)
 }
 
 /*
- * Add the members of a run of numbers that exist in the file to the sets. A single number must
- * exist. Returns 0, or -1 after writing the error message of the mesh file.
+ * Add those members of a run of numbers (first, first + step, ...) that exist in the file to the
+ * sets of the mesh. A run of one number must exist. Returns 0, or -1 after writing the error
+ * message of the mesh file.
  */
 static int take_run(inp *in, const listed_set *from, const run *one, const numbered *entry,
                     size_t count)
