@@ -11,12 +11,7 @@
  * ceramic of every electrode into the minor hysteresis loop of the later pulses, whatever voltages
  * the electrode had before, so that the gains of electrodes can be compared with each other.
  *
- * With s from -1 to 1 over the duration of a pulse and b = 1 - s^2, the pulse is b^4 times its
- * height. The measured response is the sum of the readings times the even weight b^3 (1 - 9 s^2),
- * divided by the sum of the pulse times this weight. The sum of the even weights is zero. The odd
- * weight 1.5 s b^2 (3 s^2 - 1) is proportional to the derivative of the even one; without a pulse,
- * both sums together give the amplitude of a vibration. Polynomials need no trigonometric
- * functions, which are not the same on all processors.
+ * Pulses and the weights of the readings are those of test_pulse.h.
  *
  * The evaluation compares the matrix of the measured responses with that of the model. A column of
  * these matrices is the response of all sensors to one amplifier, a row is the response of one
@@ -32,6 +27,7 @@
 #include "pzs_loop.h"
 #include "control.h"
 #include "scrub.h"
+#include "test_pulse.h"
 #include "../core/guard.h"
 #include "../core/numbers.h"
 
@@ -93,11 +89,7 @@ static pzs_real square(pzs_real number)
 
 /* ---- tables of the self-test -------------------------------------------- */
 
-/*
- * List the arrays that the checksum of the tables of the self-test covers. Returns the number of
- * arrays.
- */
-static uint32_t list_parts(const pzs_selftest_tables *tables, pzs_table_part part[PZS_TABLE_PARTS])
+uint32_t pzs_selftest_parts(const pzs_selftest_tables *tables, pzs_table_part part[PZS_TABLE_PARTS])
 {
     part[0] = (pzs_table_part){&tables->inputs, 4u * sizeof tables->inputs};
     part[1] = scrub_reals(tables->direct, (size_t)tables->sensors * tables->inputs);
@@ -120,7 +112,7 @@ pzs_status pzs_selftest_seal(pzs_selftest_tables *tables)
     if (tables == NULL || !are_complete(tables))
         return PZS_E_ARGUMENT;
     tables->format = PZS_TABLE_FORMAT;
-    tables->crc = pzs_scrub_crc(part, list_parts(tables, part));
+    tables->crc = pzs_scrub_crc(part, pzs_selftest_parts(tables, part));
     return PZS_OK;
 }
 
@@ -162,8 +154,8 @@ static int32_t too_high(const pzs_selftest_tables *tables, const pzs_problem *pr
     return -1;
 }
 
-static pzs_status check(const pzs_selftest_tables *tables, const pzs_loop_signals *signals,
-                        int32_t *where)
+pzs_status pzs_selftest_check(const pzs_selftest_tables *tables, const pzs_loop_signals *signals,
+                              int32_t *where)
 {
     const pzs_problem *problem = signals->control->state.problem;
     pzs_table_part part[PZS_TABLE_PARTS];
@@ -174,7 +166,7 @@ static pzs_status check(const pzs_selftest_tables *tables, const pzs_loop_signal
                            (tables->direct != NULL || tables->sensors == problem->outputs);
     if (!are_complete(tables) || !has_sizes)
         return PZS_E_ARGUMENT;
-    if (pzs_scrub_crc(part, list_parts(tables, part)) != tables->crc)
+    if (pzs_scrub_crc(part, pzs_selftest_parts(tables, part)) != tables->crc)
         return PZS_E_CRC;
     if (!are_finite(tables))
         return PZS_E_NONFINITE;
@@ -255,20 +247,6 @@ static void report(pzs_selftest *selftest)
 /* ---- test pulses -------------------------------------------------------- */
 
 /*
- * Return the position of a tick within a duration of `ticks` ticks, as a number from -1 (start) to
- * 1 (end).
- */
-static pzs_real place_in(uint32_t tick, uint32_t ticks)
-{
-    return (pzs_real)(2u * tick + 1u) / (pzs_real)ticks - 1;
-}
-
-static pzs_real pulse_at(pzs_real place)
-{
-    return square(square(1 - square(place)));
-}
-
-/*
  * Return the height of the self-test pulse of input j (V). It is negative if the voltage is nearer
  * to its upper limit than to its lower limit.
  */
@@ -301,7 +279,7 @@ static void set_voltages(pzs_selftest *selftest, uint32_t position)
     const uint32_t window = position / tables->pulse_ticks;
     const bool is_for_all = window < CONDITIONING_WINDOWS;
     const uint32_t ticks = (is_for_all ? CONDITIONING_WINDOWS : 1u) * tables->pulse_ticks;
-    const pzs_real pulse = pulse_at(place_in(position % ticks, ticks));
+    const pzs_real pulse = test_pulse_at(test_pulse_place(position % ticks, ticks));
     for (uint32_t j = 0; j < tables->inputs; j++) {
         pzs_real voltage = selftest->state.start[j];
         if ((is_for_all || window == j + WINDOWS_BEFORE) && is_tested(selftest, j))
@@ -375,13 +353,11 @@ static void measure(pzs_selftest *selftest, const pzs_real *readings, uint32_t p
     if (position <= tables->delay)
         return;
     const uint32_t then = position - tables->delay - 1u;
-    const pzs_real place = place_in(then % tables->pulse_ticks, tables->pulse_ticks);
-    const pzs_real rest = 1 - square(place);
-    const pzs_real even = rest * square(rest) * (1 - 9 * square(place));
-    const pzs_real odd = PZS_R(1.5) * place * square(rest) * (3 * square(place) - 1);
+    const pzs_real place = test_pulse_place(then % tables->pulse_ticks, tables->pulse_ticks);
+    const pzs_real even = test_pulse_even(place), odd = test_pulse_odd(place);
     for (uint32_t i = 0; i < tables->sensors; i++)
         add_reading(state, i, readings != NULL ? readings[i] : (pzs_real)NAN, even, odd);
-    state->pulse += even * pulse_at(place);
+    state->pulse += even * test_pulse_at(place);
     if (then % tables->pulse_ticks == tables->pulse_ticks - 1u)
         end_window(selftest, then / tables->pulse_ticks);
 }
@@ -448,6 +424,7 @@ static selftest_axis rows_of(const pzs_selftest *selftest)
  */
 typedef struct line_sums {
     pzs_real product;  /* sum of the products of measured and modelled responses (1/V2) */
+    pzs_real size;     /* sum of the absolute values of these products (1/V2) */
     pzs_real measured; /* sum of the squared measured responses (1/V2) */
     pzs_real modelled; /* sum of the squared responses that the model predicts, each times the
                           scale of its sensor (1/V2) */
@@ -466,7 +443,7 @@ static line_sums compare_lines(const pzs_selftest *selftest, const selftest_axis
                                uint32_t measured, uint32_t modelled, const pzs_real *noise)
 {
     const pzs_selftest_state *state = &selftest->state;
-    line_sums sums = {0, 0, 0, 0};
+    line_sums sums = {0, 0, 0, 0, 0};
     for (uint32_t k = 0; k < axis->entries; k++) {
         if (axis->entry[k].state != PZS_WIRING_HEALTHY)
             continue;
@@ -478,6 +455,7 @@ static line_sums compare_lines(const pzs_selftest *selftest, const selftest_axis
         const pzs_real expected =
             gain * scale * state->direct[modelled * axis->model_line + k * axis->model_entry];
         sums.product += found * expected;
+        sums.size += number_absolute(found * expected);
         sums.measured += square(found);
         sums.modelled += square(expected);
         sums.noise += square(scale / state->tables->amplitude[input]) * noise[sensor];
@@ -572,8 +550,10 @@ static uint32_t mark_unobservable(const pzs_selftest *selftest, const selftest_a
 }
 
 /*
- * Compute the gain of each amplifier without a finding: the measured response divided by the
- * modelled response.
+ * Compute the gain of each amplifier without a finding: the sum of the absolute products of
+ * measured and modelled responses, divided by the sum of the squared modelled responses, with the
+ * sign of the sum of the products. A sensor that is reversed or swapped then changes the gain
+ * little; in a sum with signs it would cancel the responses of the other sensors.
  */
 static void find_gains(const pzs_selftest *selftest)
 {
@@ -582,7 +562,8 @@ static void find_gains(const pzs_selftest *selftest)
         if (columns.line[j].state != PZS_WIRING_HEALTHY)
             continue;
         const line_sums sums = compare_lines(selftest, &columns, j, j, selftest->state.null);
-        columns.line[j].gain = sums.modelled > 0 ? sums.product / sums.modelled : 0;
+        const pzs_real gain = sums.modelled > 0 ? sums.size / sums.modelled : 0;
+        columns.line[j].gain = sums.product < 0 ? -gain : gain;
     }
 }
 
@@ -844,7 +825,7 @@ static pzs_real model_angle(const pzs_selftest *selftest, const selftest_axis *a
         first += square(left);
         second += square(right);
     }
-    const line_sums sums = {product, first, second, 0};
+    const line_sums sums = {product, product, first, second, 0};
     return direction_error(&sums);
 }
 
@@ -1046,7 +1027,7 @@ pzs_status pzs_selftest_repeat(pzs_selftest *selftest)
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     pzs_selftest *selftest = self;
-    const pzs_status status = check(tables, signals, &signals->where);
+    const pzs_status status = pzs_selftest_check(tables, signals, &signals->where);
     if (status != PZS_OK)
         return status;
     /* A test pulse of a single input could violate the limit row of several inputs. */
@@ -1094,7 +1075,7 @@ static uint32_t block_parts(const void *tables, uint32_t number,
 {
     const pzs_selftest_tables *table = tables;
     *crc = table->crc;
-    return number == 0 ? list_parts(table, part) : 0;
+    return number == 0 ? pzs_selftest_parts(table, part) : 0;
 }
 
 const pzs_block_type pzs_selftest_block = {"selftest", PZS_PHASE_COMMISSION, block_bytes,

@@ -765,8 +765,11 @@ enum { STRIP_TICKS = 64 };
 /* A strip, clamped at one end, whose electrodes follow each other along its length. */
 typedef struct strip {
     uint16_t inputs;
-    double gain[STRIP_INPUTS]; /* measured response of each electrode relative to the model */
-    double noise;              /* RMS noise of a reading (length of the strip) */
+    double gain[STRIP_INPUTS];      /* measured response of each electrode relative to the model */
+    size_t electrode[STRIP_INPUTS]; /* index of the electrode to which each amplifier is connected
+                                     */
+    size_t place[STRIP_SENSORS];    /* index of the place that each sensor measures */
+    double noise;                   /* RMS noise of a reading (length of the strip) */
     double mean; /* root mean square response of all sensors to 1 V (length of the strip) */
     pzs_real influence[STRIP_SENSORS * STRIP_INPUTS]; /* [STRIP_SENSORS][inputs] */
     pzs_real lower[STRIP_INPUTS], upper[STRIP_INPUTS], step[STRIP_INPUTS], zero[STRIP_INPUTS];
@@ -811,6 +814,10 @@ static void open_strip(strip *s, size_t inputs, double noise)
     s->mean = sqrt(sum / (double)(STRIP_SENSORS * inputs));
     for (size_t j = 0; j < inputs; j++)
         s->gain[j] = 1;
+    for (size_t j = 0; j < inputs; j++)
+        s->electrode[j] = j;
+    for (size_t i = 0; i < STRIP_SENSORS; i++)
+        s->place[i] = i;
     fill(s->lower, inputs, -strip_limit);
     fill(s->upper, inputs, strip_limit);
     fill(s->step, inputs, strip_step);
@@ -849,8 +856,10 @@ static void read_strip(const strip *s, const pzs_real *voltage, unsigned *seed, 
 {
     for (size_t i = 0; i < STRIP_SENSORS; i++) {
         double reading = s->noise * normal(seed);
-        for (size_t j = 0; j < s->inputs; j++)
-            reading += s->gain[j] * (double)s->influence[i * s->inputs + j] * (double)voltage[j];
+        for (size_t j = 0; j < s->inputs; j++) {
+            const size_t entry = s->place[i] * s->inputs + s->electrode[j];
+            reading += s->gain[j] * (double)s->influence[entry] * (double)voltage[j];
+        }
         readings[i] = (pzs_real)reading;
     }
 }
@@ -964,6 +973,89 @@ static void test_all_gains_off(void **state)
     }
 }
 
+/* ---- similar amplifiers and sensors -------------------------------------- */
+
+/*
+ * Turn a vector towards another vector. All vectors have `count` entries, which are `stride` reals
+ * apart.
+ *   from         in  first entry of the vector that is turned
+ *   to           in  first entry of the vector towards which it is turned
+ *   squared_sine in  squared sine of the angle by which it is turned
+ *   result       out first entry of the turned vector, which is as long as `from`
+ */
+static void turn(const pzs_real *from, const pzs_real *to, size_t count, size_t stride,
+                 double squared_sine, pzs_real *result)
+{
+    double along = 0, length = 0, across = 0;
+    for (size_t k = 0; k < count * stride; k += stride) {
+        along += (double)from[k] * (double)to[k];
+        length += (double)from[k] * (double)from[k];
+    }
+    for (size_t k = 0; k < count * stride; k += stride)
+        across += pow((double)to[k] - along / length * (double)from[k], 2);
+    const double part = sqrt(squared_sine * length / across), rest = sqrt(1 - squared_sine);
+    for (size_t k = 0; k < count * stride; k += stride) {
+        const double off = (double)to[k] - along / length * (double)from[k];
+        result[k] = (pzs_real)(rest * (double)from[k] + part * off);
+    }
+}
+
+/* A strip in which the responses of one pair of amplifiers, or of sensors, are nearly parallel. */
+typedef struct similar_case {
+    bool is_of_sensors, is_swapped; /* is_swapped: the cables of the pair are exchanged */
+    double squared_sine; /* squared sine of the angle between the responses of the pair (1) */
+    double noise;        /* RMS noise of a reading relative to the response to a pulse (1) */
+    bool is_similar;     /* each of the pair has to be listed as similar to the other one */
+    size_t findings;     /* number of findings: both of an exchanged pair, or none */
+} similar_case;
+
+/* Test the strip of one case and compare the members `similar` and the number of findings. */
+static void try_similar(const similar_case *c)
+{
+    const size_t one = c->is_of_sensors ? 7 : 1, other = c->is_of_sensors ? 10 : 2;
+    const size_t third = c->is_of_sensors ? 5 : 0;
+    strip s;
+    open_strip(&s, STRIP_INPUTS, c->noise);
+    pzs_real *entry = s.influence;
+    if (c->is_of_sensors)
+        turn(entry + one * STRIP_INPUTS, entry + third * STRIP_INPUTS, STRIP_INPUTS, 1,
+             c->squared_sine, entry + other * STRIP_INPUTS);
+    else
+        turn(entry + one, entry + third, STRIP_SENSORS, STRIP_INPUTS, c->squared_sine,
+             entry + other);
+    size_t *order = c->is_of_sensors ? s.place : s.electrode;
+    order[one] = c->is_swapped ? other : one;
+    order[other] = c->is_swapped ? one : other;
+    assert_int_equal(pzs_problem_seal(&s.problem), PZS_OK);
+    const strip_result found = test_strip(&s, 17u);
+    assert_int_equal(found.info.findings, c->findings);
+    const pzs_wiring *line = c->is_of_sensors ? found.sensor : found.amplifier;
+    assert_int_equal(line[one].similar, c->is_similar ? other : PZS_WIRING_NONE);
+    assert_int_equal(line[other].similar, c->is_similar ? one : PZS_WIRING_NONE);
+    assert_int_equal(line[third].similar, PZS_WIRING_NONE);
+}
+
+/*
+ * Two amplifiers, or two sensors, are listed as similar exactly where the self-test cannot tell
+ * them apart: if the squared sine of the angle between their modelled responses is below 1e-4, or
+ * below what noise allows. Exchanged cables of such a pair give no finding; they are named where
+ * the angle is larger and the noise is small.
+ */
+static void test_similar(void **state)
+{
+    static const similar_case cases[] = {
+        {false, false, 0.95e-4, 0, true, 0},  {false, false, 1.05e-4, 0, false, 0},
+        {true, false, 0.95e-4, 0, true, 0},   {true, false, 1.05e-4, 0, false, 0},
+        {false, true, 0.4e-4, 0, true, 0},    {true, true, 0.4e-4, 0, true, 0},
+        {false, true, 1.05e-4, 0, false, 2},  {true, true, 1.05e-4, 0, false, 2},
+        {false, false, 1e-3, 0.03, true, 0},  {false, true, 1e-3, 0.03, true, 0},
+        {false, false, 1e-3, 1e-3, false, 0}, {false, true, 1e-3, 1e-3, false, 2},
+    };
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
+        try_similar(&cases[k]);
+}
+
 /* Status of the initialisation of a loop with tables of the self-test. */
 static pzs_status init_status(const structure *s, const pzs_selftest_tables *tables)
 {
@@ -1014,6 +1106,7 @@ int main(void)
         cmocka_unit_test(test_early_acceptance), cmocka_unit_test(test_bad_tables),
         cmocka_unit_test(test_blind_by_noise),   cmocka_unit_test(test_blind_amplifier),
         cmocka_unit_test(test_one_dead),         cmocka_unit_test(test_all_gains_off),
+        cmocka_unit_test(test_similar),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

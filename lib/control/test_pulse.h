@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Slow test pulse of a voltage, and the weights with which the response of a sensor to the pulse is
+ * measured.
+ *
+ * With s from -1 to 1 over the duration of a pulse and b = 1 - s^2, the pulse is b^4 times its
+ * height. The measured response is the sum of the readings times the even weight b^3 (1 - 9 s^2),
+ * divided by the sum of the pulse times this weight. The sum of the even weights is zero. The odd
+ * weight 1.5 s b^2 (3 s^2 - 1) is proportional to the derivative of the even one; without a pulse,
+ * both sums together give the amplitude of a vibration. Polynomials need no trigonometric
+ * functions, which are not the same on all processors.
+ */
+#ifndef PZS_LIB_TEST_PULSE_H
+#define PZS_LIB_TEST_PULSE_H
+
+#include "pzs_loop.h"
+
+/*
+ * Return the position of a tick within a duration of `ticks` ticks, as a number from -1 (start) to
+ * 1 (end).
+ */
+static inline pzs_real test_pulse_place(uint32_t tick, uint32_t ticks)
+{
+    return (pzs_real)(2u * tick + 1u) / (pzs_real)ticks - 1;
+}
+
+/* Return the voltage of a test pulse at a place from -1 to 1, relative to the height of the pulse.
+ */
+static inline pzs_real test_pulse_at(pzs_real place)
+{
+    const pzs_real rest = 1 - place * place, squared = rest * rest;
+    return squared * squared;
+}
+
+/* Return the even weight of a reading at a place from -1 to 1 within a test pulse. */
+static inline pzs_real test_pulse_even(pzs_real place)
+{
+    const pzs_real rest = 1 - place * place;
+    return rest * (rest * rest) * (1 - 9 * (place * place));
+}
+
+/* Return the odd weight of a reading at a place from -1 to 1 within a test pulse. */
+static inline pzs_real test_pulse_odd(pzs_real place)
+{
+    const pzs_real rest = 1 - place * place;
+    return PZS_R(1.5) * place * (rest * rest) * (3 * (place * place) - 1);
+}
+
+/*
+ * Check the tables of test pulses against the loop in which they are used. Writes to `where` the
+ * index of the input whose pulse is too high, or -1.
+ * Errors: PZS_E_FORMAT, PZS_E_ARGUMENT, PZS_E_CRC, PZS_E_NONFINITE, PZS_E_LIMITS.
+ */
+pzs_status pzs_selftest_check(const pzs_selftest_tables *tables, const pzs_loop_signals *signals,
+                              int32_t *where);
+
+/*
+ * List the arrays that the checksum of tables of test pulses covers. Returns the number of arrays.
+ */
+uint32_t pzs_selftest_parts(const pzs_selftest_tables *tables,
+                            pzs_table_part part[PZS_TABLE_PARTS]);
+
+#endif
