@@ -205,6 +205,7 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage);
  * Announce the values of the known loads for the coming ticks. After pzs_loop_init, and after a
  * call with NULL, no load is known.
  *   now  [loads] in  values when the readings of a tick were taken, 1 being the value in the scene
+ *                    file
  *   next [loads] in  values under the next voltages
  * The caller keeps both arrays; every tick reads them until the next call. Errors: PZS_E_ARGUMENT,
  * PZS_E_STAGE.

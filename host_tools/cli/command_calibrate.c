@@ -22,9 +22,9 @@ typedef struct run {
     const scene *scene;
     number_table voltages, shapes;
     pokes pokes;
-    calibration_model model; /* model whose influence matrix is computed from a scene with fitted
-                                factors of its material constants; empty where the scene gives a
-                                measured matrix, or without a scene */
+    calibration_model model; /* model whose influence matrix is computed from a scene file with
+                                fitted factors of its material constants; empty where the scene file
+                                gives a measured matrix, or without a scene */
     int faults;
     wiring_fault fault[WIRING_FAULTS];
     double size;    /* size of the measured shapes relative to those that the scene predicts
@@ -82,7 +82,7 @@ static int read_pokes(run *run, const options *options)
     return 0;
 }
 
-/* Name of an actuator: its name in the scene, or in the file of voltages, or its number. */
+/* Name of an actuator: its name in the scene file, or in the file of voltages, or its number. */
 static void actuator_name(const run *run, size_t k, char name[SCENE_LABEL])
 {
     if (run->scene)

@@ -24,7 +24,7 @@ static void print_list(FILE *file, const char *key, const scene_short_list *list
     fputs("]\n", file);
 }
 
-/* Print the section `hysteresis` of a scene in YAML. */
+/* Print the section `hysteresis` of a scene file in YAML. */
 static void print_section(FILE *file, const scene_hysteresis *hysteresis)
 {
     fprintf(file, "hysteresis:\n  range: [%.6g, %.6g]\n", hysteresis->range[0],

@@ -11,8 +11,8 @@
 
 /*
  * Identify hysteresis and creep from a sweep (voltage that rises and falls, and the position at
- * every sample), print the section `hysteresis` of a scene and the errors of the fit, and write the
- * section to the output file that the options name.
+ * every sample), print the section `hysteresis` of a scene file and the errors of the fit, and
+ * write the section to the output file that the options name.
  *   samples  in  one voltage and one or more positions per sample; the mean of the positions is
  *       used
  * Returns an exit code after printing the result or an error message.

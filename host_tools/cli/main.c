@@ -349,8 +349,8 @@ static int shape_before(shape_run *run, char *error)
 /*
  * Compute all sets of voltages: the optimum without limits; for each pair of limits the optimum, on
  * a nonlinear structure also the optimum of the linear model, clipped least squares and clipped
- * regularised least squares with the best parameter; then the sets of voltages that the scene gives
- * for comparison.
+ * regularised least squares with the best parameter; then the sets of voltages that the scene file
+ * gives for comparison.
  */
 static int shape_results(shape_run *run, const options *options, char *error)
 {
@@ -741,7 +741,7 @@ static double target_amplitude(const design *design)
 
 /*
  * Add a warning where the control loop is stable, but not if the sensor readings are one tick older
- * than the scene states, or not on the shape of a large target.
+ * than the scene file states, or not on the shape of a large target.
  */
 static void warn_of_loop(analysis *analysis)
 {

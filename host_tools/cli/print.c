@@ -553,7 +553,7 @@ static double reached(const analysis *analysis, int k, const voltages *result)
 }
 
 /*
- * Print the displacements of single nodes that the scene lists as outputs, under each set of
+ * Print the displacements of single nodes that the scene file lists as outputs, under each set of
  * voltages.
  */
 static void print_reached(const shape_run *run)
@@ -710,7 +710,9 @@ void print_shape(const shape_run *run)
            100 * best->error, limits);
 }
 
-/* Write the displacements that the scene lists as outputs, under one set of voltages, as JSON. */
+/*
+ * Write the displacements that the scene file lists as outputs, under one set of voltages, as JSON.
+ */
 static void json_reached(json *json, const analysis *analysis, const voltages *result)
 {
     double *value = calloc((size_t)analysis->design.structure.output.count + 1, sizeof *value);

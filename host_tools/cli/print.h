@@ -14,10 +14,10 @@ typedef struct shape_run {
     voltages *results; /* [count] sets of voltages: optimum without limits; for each pair of limits
                           the optimum, on a nonlinear structure also that of the linear model,
                           clipped and regularised clipped least squares; then the sets that the
-                          scene gives */
+                          scene file gives */
     voltages before;   /* displacements and shape error with all voltages zero */
     int count, compared; /* number of results; index of the first result whose voltages the scene
-                            gives */
+                            file gives */
     modes modes; /* results for each mode of the target; empty where the target is no list of modes
                   */
 } shape_run;

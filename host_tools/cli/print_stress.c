@@ -9,8 +9,8 @@
 #include "../text/words.h"
 
 /*
- * Return the name of a layer. A layer without a name in the scene is called "layer" followed by its
- * number, counted from 1.
+ * Return the name of a layer. A layer without a name in the scene file is called "layer" followed
+ * by its number, counted from 1.
  */
 static const char *layer_name(const design *design, int layer, char text[SCENE_NAME])
 {

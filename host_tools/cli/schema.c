@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* JSON schema of scenes (schema.h). Each form of a value in the scene becomes one schema. */
+/* JSON schema of scenes (schema.h). Each form of a value in the scene file becomes one schema. */
 #include "schema.h"
 #include <math.h>
 #include <stdbool.h>
@@ -101,7 +101,7 @@ static bool is_mentioned(const form_case *cases, const char *key)
 }
 
 /*
- * Whether a group of keys in a scene may contain a certain key.
+ * Whether a group of keys in a scene file may contain a certain key.
  *   one in  permitted combination of keys; NULL where the group has no such combinations
  */
 static bool is_permitted(const form *form, const form_case *one, const char *key)

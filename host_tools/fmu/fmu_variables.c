@@ -56,7 +56,7 @@ void fmu_add_amplifiers(fmu *fmu, fmu_variable kind, const char *group, const do
 
 /*
  * Append the coordinates of a target node to the description of a variable. For a measured
- * influence matrix they are the coordinates that the scene gives for the output, if any.
+ * influence matrix they are the coordinates that the scene file gives for the output, if any.
  */
 static void add_place(const design *design, int target, char about[FMU_NAME])
 {

@@ -40,7 +40,7 @@ typedef struct mesh {
                            design uses it */
     scene_element formulation; /* formulation of the finite element */
     scene_line line[2];        /* mesh lines of theta1 and theta2; the points belong to the scene */
-    bool is_from_file;         /* whether the scene names a mesh file in place of mesh lines */
+    bool is_from_file;         /* whether the scene file names a mesh file in place of mesh lines */
     bool is_polar;             /* whether the surface is a plane in polar coordinates */
     bool is_angle[2];          /* whether theta1 and theta2 are angles (rad) instead of lengths */
     const quad_mesh *quads; /* general quadrilateral mesh from which this mesh was built; NULL for a
@@ -70,8 +70,8 @@ typedef struct mesh {
     int prescribed_count;   /* number of free dof whose displacement is prescribed */
     uint16_t *prescribed_dof; /* [prescribed_count] numbers of the free dof with prescribed
                                  displacement, ascending */
-    double *prescribed_value; /* [prescribed_count] prescribed displacements at full load (scene
-                                 unit of length) */
+    double *prescribed_value; /* [prescribed_count] prescribed displacements at full load (length
+                                 unit of the scene file) */
     mesh_springs springs;
 } mesh;
 
@@ -93,7 +93,9 @@ int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, boo
 
 void mesh_free(mesh *mesh);
 
-/* Make an empty mesh of a scene, and copy from the scene what describes the mesh as a whole. */
+/*
+ * Make an empty mesh of a scene, and copy from the scene file what describes the mesh as a whole.
+ */
 void mesh_begin(mesh *mesh, const scene *scene);
 
 /*
@@ -114,9 +116,9 @@ void mesh_springs_free(mesh_springs *springs);
 
 /*
  * Build a mesh of points without elements for a measured influence matrix: one point for each
- * output, with one dof along z. If the scene gives no coordinates, the points lie along x in the
- * order of the outputs, for pictures only. theta1 and theta2 of the points are NAN. Returns 0, or
- * -1 with error filled and the mesh empty.
+ * output, with one dof along z. If the scene file gives no coordinates, the points lie along x in
+ * the order of the outputs, for pictures only. theta1 and theta2 of the points are NAN. Returns 0,
+ * or -1 with error filled and the mesh empty.
  */
 int mesh_points(mesh *mesh, const scene *scene, char *error);
 
@@ -140,8 +142,8 @@ mesh_text mesh_node_text(const mesh *mesh, int node);
 mesh_text mesh_element_text(const mesh *mesh, int element);
 
 /*
- * Return the node of a place in the scene that is a single node: the node of a point, or the first
- * node of a node set.
+ * Return the node of a place in the scene file that is a single node: the node of a point, or the
+ * first node of a node set.
  */
 int mesh_point_node(const mesh *mesh, const scene_where *where);
 

@@ -196,7 +196,7 @@ static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT]
 
 /*
  * Append the sentences that say by how many ticks the readings may be older or newer than the scene
- * states while the loop stays stable.
+ * file states while the loop stays stable.
  */
 static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {

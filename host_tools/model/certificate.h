@@ -54,13 +54,13 @@ typedef struct certificate_loop {
                        its step limit relative to the scene's */
     double ticks; /* mean number of ticks until the shape has settled after fast jumps of the target
                    */
-    int delay;    /* age of the readings that the scene states (ticks) */
-    int older; /* largest number of ticks by which all readings may be older than the scene states;
-                  vibrations decay, and the shape settles after fast target jumps, with every number
-                  up to it */
-    int newer; /* number of ticks by which every reading may be newer than the scene states, at most
-                  the stated delay: with every smaller or equal number, vibrations decay and the
-                  shape settles after fast jumps of the target */
+    int delay;    /* age of the readings that the scene file states (ticks) */
+    int older;    /* largest number of ticks by which all readings may be older than the scene file
+                     states; vibrations decay, and the shape settles after fast target jumps, with
+                     every number up to it */
+    int newer; /* number of ticks by which every reading may be newer than the scene file states, at
+                  most the stated delay: with every smaller or equal number, vibrations decay and
+                  the shape settles after fast jumps of the target */
     bool has_margins;
     double margin_gain; /* largest static response of the structure to voltages, relative to the
                            model, with which the loop is stable */
@@ -84,9 +84,9 @@ typedef struct certificate {
                               measured, because some readings come from electrodes */
     int modes;             /* number of modes of the structure with which the loop is assessed */
     double damping;        /* damping ratio of the structure's first mode */
-    bool has_own_damping;  /* true where the scene gives the damping ratio; false where it is an
-                              assumption */
-    double rate;           /* tick rate of the scene (1/s); 0 where the scene gives none */
+    bool has_own_damping; /* true where the scene file gives the damping ratio; false where it is an
+                             assumption */
+    double rate;          /* tick rate of the scene (1/s); 0 where the scene file gives none */
     double radius; /* spectral radius of the loop at the scene's tick rate, the growth factor of
                       vibrations per tick; NAN without a rate */
     double gain;   /* approximately the largest part of the way to the optimum that a stable control

@@ -5,7 +5,7 @@
 #include <string.h>
 #include "../../lib/control/hysteresis.h"
 
-/* Tick rate that is assumed where the scene gives none, as in simulations (1/s). */
+/* Tick rate that is assumed where the scene file gives none, as in simulations (1/s). */
 static const double usual_rate = 1000;
 
 static void copy(double *to, const scene_short_list *from)

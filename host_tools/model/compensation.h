@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Tables with which the controller compensates hysteresis and creep of the ceramic, from the
- * section `hysteresis` of a scene.
+ * section `hysteresis` of a scene file.
  */
 #ifndef COMPENSATION_H
 #define COMPENSATION_H

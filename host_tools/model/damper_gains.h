@@ -43,8 +43,8 @@ typedef struct damper_settings {
                      the first mode in a tick, relative to the noise of one sensor */
     double slow;  /* gain, 0 to 1, of the low-pass filter for the residual readings: readings minus
                      those of the observed modes */
-    int later;    /* number of ticks by which the readings are assumed to be older than the scene
-                     states; the observer tolerates newer readings better than older ones */
+    int later; /* number of ticks by which the readings are assumed to be older than the scene file
+                  states; the observer tolerates newer readings better than older ones */
     bool is_gradient; /* true: damp along the gradient of the vibration energy, which decreases even
                          where voltages are at their limits; false: damp along the gradient of the
                          squared error of the shape */

@@ -44,8 +44,9 @@ typedef struct design_rows {
 } design_rows;
 
 /*
- * A design. The members after `problem` are what the scene says to the stages after the design,
- * copied by design_build; their texts and lists belong to the scene, which outlives the design.
+ * A design. The members after `problem` are what the scene file says to the stages after the
+ * design, copied by design_build; their texts and lists belong to the scene, which outlives the
+ * design.
  */
 typedef struct design {
     const scene *scene; /* the scene from which the design is built, for the functions of the design
@@ -105,7 +106,7 @@ typedef struct design {
                                             position in its grid if it has several electrodes */
     scene_kinematics kinematics;
     double tolerance; /* largest relative error that linear kinematics may cause where the scene
-                         says kinematics: auto */
+                         file says kinematics: auto */
     scene_equilibrium equilibrium; /* settings of the solver for the nonlinear equilibrium */
     int materials, layers, patch_grids, actuators, sensors, supports, springs, outputs, compares;
     const scene_material *material; /* [materials] materials of the scene */
@@ -216,9 +217,9 @@ int design_pieces(const design *design, const scene_patches *patches, int electr
                   bool draws_outline, outline_draw *draw, void *context);
 
 /*
- * Index of the value that belongs to a target row, in lists of values that the scene gives. For a
- * measured influence matrix this is the index of the row in the matrix file, in which other rows
- * may be ignored.
+ * Index of the value that belongs to a target row, in lists of values that the scene file gives.
+ * For a measured influence matrix this is the index of the row in the matrix file, in which other
+ * rows may be ignored.
  */
 int design_row(const design *design, int target);
 

@@ -87,8 +87,8 @@ static void set_all(const limits *limits, double lower, double upper)
 }
 
 /*
- * Replace the common voltage limits of amplifiers that have own limits in the scene. Where several
- * entries of the scene name an amplifier, the last one applies.
+ * Replace the common voltage limits of amplifiers that have own limits in the scene file. Where
+ * several entries of the scene name an amplifier, the last one applies.
  */
 static void apply_own_limits(const limits *limits)
 {
@@ -139,8 +139,8 @@ static int check_limits(const limits *bounds, const char *which, char *error)
 }
 
 /*
- * Compute the voltage limits from the scene: those of the amplifier itself, else the common ones,
- * narrowed by the depolarisation fields. Returns 0, or -1 with error filled.
+ * Compute the voltage limits from the scene file: those of the amplifier itself, else the common
+ * ones, narrowed by the depolarisation fields. Returns 0, or -1 with error filled.
  */
 static int build_limits(const design *design, char *error)
 {

@@ -82,8 +82,8 @@ static size_t input_of(const estimation *estimation, size_t disturbance)
 }
 
 /*
- * Standard deviation of the voltage of an amplifier where the scene gives none: a tenth of half the
- * range between its limits, or 1 V without limits.
+ * Standard deviation of the voltage of an amplifier where the scene file gives none: a tenth of
+ * half the range between its limits, or 1 V without limits.
  */
 static double default_deviation(const design *design, size_t amplifier)
 {

@@ -5,7 +5,7 @@
  *
  * The shape is y = B v + A a: the effect of the voltages v, and of disturbances a of mean 0 and
  * variance 1. The columns of A are the effects of loads and of deviations of the electrodes'
- * voltages, times the standard deviations given in the scene. The sensors read s = S v + C a +
+ * voltages, times the standard deviations given in the scene file. The sensors read s = S v + C a +
  * noise with the covariance N^2 of the noise. The best linear estimate is y = B v + G (s - S v)
  * with G = A C' (C C' + N^2)^-1, and the covariance of its error is A (1 + C' N^-2 C)^-1 A'.
  */

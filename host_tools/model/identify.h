@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Identification of hysteresis and creep of a ceramic from one measured sweep of voltage and
- * position: least squares with bounds for the numbers of the section `hysteresis` of a scene. The
- * model is position = position at the start + gain x effect, where the effect (V) is that of
+ * position: least squares with bounds for the numbers of the section `hysteresis` of a scene file.
+ * The model is position = position at the start + gain x effect, where the effect (V) is that of
  * pzs_hysteresis.
  *
  * The slacks of the play operators and the time constants of the creep are prescribed; slopes,

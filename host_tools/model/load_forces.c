@@ -9,8 +9,8 @@
 #include "node_forces.h"
 
 /*
- * Return whether a load acts along a vector that the scene gives. Otherwise the load acts along a
- * displacement component.
+ * Return whether a load acts along a vector that the scene file gives. Otherwise the load acts
+ * along a displacement component.
  */
 static bool has_vector(const scene_load *load)
 {

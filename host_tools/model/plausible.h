@@ -91,9 +91,10 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
 
 /*
  * Warn about a stable control loop with a vibration model in two cases: the loop becomes unstable
- * if the sensor readings are one tick older than the scene states; or the target displaces the
+ * if the sensor readings are one tick older than the scene file states; or the target displaces the
  * structure by so many thicknesses that the linear vibration model may be wrong.
- *   older     in  largest number of ticks by which the readings may be older than the scene states
+ *   older     in  largest number of ticks by which the readings may be older than the scene file
+ *                 states
  *       while the loop stays stable
  *   amplitude in  largest displacement of the target divided by the thickness of the structure
  */

@@ -29,7 +29,7 @@ typedef struct subject {
     double amplitude;         /* largest displacement of the target divided by the thickness of the
                                  structure */
     int older; /* largest number of ticks by which the sensor readings may be older than the scene
-                  states while the control loop stays stable */
+                  file states while the control loop stays stable */
 } subject;
 
 enum { WHAT = 300 };
@@ -134,7 +134,7 @@ double plausible_voltage(const scene *scene, const scene_actuator *actuator, con
 
 /*
  * Store in found->value the electric field that an actuator's voltage causes in the layer of the
- * patch grid that it drives (V/m); NAN if the scene gives a field limit for the material.
+ * patch grid that it drives (V/m); NAN if the scene file gives a field limit for the material.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found);
 

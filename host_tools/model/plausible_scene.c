@@ -60,8 +60,8 @@ double plausible_voltage(const scene *scene, const scene_actuator *actuator, con
 
 /*
  * Store in found->value the electric field that an actuator's voltage causes in the layer of the
- * patch grid that it drives (V/m); NAN if the scene gives a field limit for the material, because
- * the design then enforces this limit.
+ * patch grid that it drives (V/m); NAN if the scene file gives a field limit for the material,
+ * because the design then enforces this limit.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found)
 {

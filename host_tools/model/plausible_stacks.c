@@ -67,7 +67,9 @@ int measure_stack_energy(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Measure the force per volt of a voice coil, or of a stack for which the scene gives a force. */
+/*
+ * Measure the force per volt of a voice coil, or of a stack for which the scene file gives a force.
+ */
 int measure_coil(const subject *of, int k, measured *found)
 {
     const scene_spring *stacks;

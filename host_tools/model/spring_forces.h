@@ -15,8 +15,8 @@
 double spring_force(const design *design, int row, const double *u, const double *value);
 
 /*
- * Name of a spring entry or stack actuator of the scene (springs.h): the name that the scene gives,
- * or a number counted from 1.
+ * Name of a spring entry or stack actuator of the scene (springs.h): the name that the scene file
+ * gives, or a number counted from 1.
  */
 void spring_item_name(const design *design, int item, char name[SCENE_LABEL]);
 

@@ -42,7 +42,8 @@ typedef struct stress_state {
 
 /* State of one element at its centre: position, shell axes, strains and stress resultants. */
 typedef struct stress_element {
-    double place[3];   /* position of the centre on the reference surface (scene unit of length) */
+    double place[3];   /* position of the centre on the reference surface (length unit of the scene
+                          file) */
     double axis[3][3]; /* unit vectors of the shell axes 1, 2 and 3 as rows; ply angles count from
                           axis 1 */
     double strain[10]; /* strains in the order of pzs_element_type.d (dimensionless) */

@@ -25,8 +25,8 @@ typedef struct stress_summary {
                                                  (dimensionless) */
     stress_extreme mises[LAMINATE_LAYERS];    /* largest von Mises stress of each layer (Pa) */
     stress_extreme reserve[LAMINATE_LAYERS];  /* smallest reserve factor of each layer against the
-                                                 strengths of its material, if the scene gives them
-                                                 (dimensionless) */
+                                                 strengths of its material, if the scene file gives
+                                                 them (dimensionless) */
     stress_extreme field[LAMINATE_LAYERS];    /* largest electric field in each layer, by magnitude
                                                  (V/m) */
     stress_extreme field_reserve[LAMINATE_LAYERS]; /* smallest reserve factor of each layer against

@@ -31,17 +31,17 @@ typedef struct tick_work {
     int ticks;           /* number of ticks that were computed to find the longest one */
     double instructions; /* upper bound of the number of instructions in one tick */
     double longest;      /* number of instructions in the longest tick that was computed */
-    double rate; /* highest tick rate that the scene's clock allows (1/s); 0 where the scene gives
-                    no clock */
-    bool holds;  /* true where the scene's tick rate is at most `rate`, or the scene lacks the clock
-                    or the tick rate */
+    double rate; /* highest tick rate that the scene's clock allows (1/s); 0 where the scene file
+                    gives no clock */
+    bool holds;  /* true where the scene's tick rate is at most `rate`, or the scene file lacks the
+                    clock or the tick rate */
 } tick_work;
 
 /*
  * Limit of the optimiser's work in one tick (multiply-adds) that processor clock and tick rate of
- * the scene allow, at least PZS_WORK_LEAST; 0 where the scene does not give both. With a governor,
- * each tick also computes the static optimum for the moving target; this second voltage problem and
- * the control step may each take half of the tick.
+ * the scene allow, at least PZS_WORK_LEAST; 0 where the scene file does not give both. With a
+ * governor, each tick also computes the static optimum for the moving target; this second voltage
+ * problem and the control step may each take half of the tick.
  */
 uint64_t tick_work_limit(const design *design);
 

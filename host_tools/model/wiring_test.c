@@ -22,13 +22,14 @@ static const double margin = 0.99;
 
 /*
  * Noise of a sensor above which the self-test reports the sensor as too noisy, as a multiple of the
- * noise that the scene states.
+ * noise that the scene file states.
  */
 static const double noise_margin = 5;
 
 /*
  * Smallest noise above which the self-test reports a sensor as too noisy, relative to the root mean
- * square response of all sensors to a test pulse; needed where the scene states little or no noise.
+ * square response of all sensors to a test pulse; needed where the scene file states little or no
+ * noise.
  */
 static const double least_noise = 0.02;
 
@@ -61,7 +62,9 @@ static uint16_t window_of(const analysis *analysis, const double *height)
     return (uint16_t)fmin(ceil(ticks), most_ticks);
 }
 
-/* List the noise that the scene states for each sensor, in the unit of the sensor's reading. */
+/*
+ * List the noise that the scene file states for each sensor, in the unit of the sensor's reading.
+ */
 static void list_noise(const design *design, const estimator *estimator, size_t sensors,
                        double *noise)
 {
@@ -94,8 +97,8 @@ static double mean_response(const pzs_selftest_tables *tables, const double *dir
 /*
  * Set the scale of each sensor, so that the mean square of all scaled responses to 1 V is 1, and
  * the noise above which a sensor is reported as too noisy. The scales are inversely proportional to
- * the noise of the sensors where the scene states it, so that sensors with different units can be
- * compared.
+ * the noise of the sensors where the scene file states it, so that sensors with different units can
+ * be compared.
  */
 static void set_scales(const pzs_selftest_tables *tables, const double *direct, double amplitude,
                        double *scale, double *noise)
@@ -210,9 +213,9 @@ void wiring_test_text(const wiring_test *test, const analysis *analysis, char te
 }
 
 /*
- * Height of the pulse of one amplifier (V) that suffices beside the noise in the scene: infinite
- * where the amplifier moves no sensor. The measured energy of noise is the largest of two samples
- * and varies; the margin covers it.
+ * Height of the pulse of one amplifier (V) that suffices beside the noise in the scene file:
+ * infinite where the amplifier moves no sensor. The measured energy of noise is the largest of two
+ * samples and varies; the margin covers it.
  */
 static double sufficient_height(const wiring_test *test, const double *direct, size_t amplifier)
 {

@@ -12,16 +12,16 @@
 typedef struct wiring_test {
     bool is_used; /* true if the scene asks for a self-test; otherwise all other members are zero */
     double *memory; /* memory for all arrays of the self-test tables, in one allocation */
-    double *stated; /* [sensors] RMS noise of each sensor that the scene states (unit of each
+    double *stated; /* [sensors] RMS noise of each sensor that the scene file states (unit of each
                        sensor) */
     pzs_selftest_tables tables;
 } wiring_test;
 
 /*
  * Make the tables of the self-test of amplifiers, cables and sensors. A test pulse lasts as long as
- * the scene says. If the scene gives no duration, the pulse lasts six periods of the first
- * vibration mode, where the natural frequencies are known. In any case it lasts long enough for its
- * height under the step limits of the amplifiers.
+ * the scene file says. If the scene file gives no duration, the pulse lasts six periods of the
+ * first vibration mode, where the natural frequencies are known. In any case it lasts long enough
+ * for its height under the step limits of the amplifiers.
  *   analysis  in  analysis after design_control, and after certificate_make if the natural
  *       frequencies are to be used; must outlive the self-test
  *   estimator in  estimator of the controller, which must outlive the self-test; NULL: every target
@@ -43,8 +43,9 @@ void wiring_test_text(const wiring_test *test, const analysis *analysis, char te
 
 /*
  * List as text what the self-test cannot tell: amplifiers that it does not move, amplifiers that
- * move no sensor, and amplifiers whose response the noise in the scene may hide, with an amplitude
- * and a duration of the pulses that suffice. The text is empty where there is nothing to list.
+ * move no sensor, and amplifiers whose response the noise in the scene file may hide, with an
+ * amplitude and a duration of the pulses that suffice. The text is empty where there is nothing to
+ * list.
  */
 void wiring_test_remarks(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR]);
 

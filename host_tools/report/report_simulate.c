@@ -110,7 +110,7 @@ static void write_plant(const simulate_page *self)
 
 /*
  * Write whether the plant has inertia, its first natural frequency, and the certificate of the
- * control loop with vibrations; without densities in the scene, why vibrations are unknown.
+ * control loop with vibrations; without densities in the scene file, why vibrations are unknown.
  */
 static void write_certificate(const simulate_page *self)
 {

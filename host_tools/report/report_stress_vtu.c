@@ -15,7 +15,7 @@ typedef struct stress_file {
     report_array *array; /* [room] arrays of values that the VTK file will contain */
     int arrays, room;
     char unit[WORDS_UNIT]; /* unit of stresses, in parentheses after a blank; an empty text if the
-                              scene names no units */
+                              scene file names no units */
     char field_unit[WORDS_UNIT], flux_unit[WORDS_UNIT]; /* units of electric fields and of electric
                                                            displacements, in parentheses */
     char line_unit[WORDS_UNIT]; /* units of the stress resultants: of forces, moments and transverse
@@ -142,7 +142,7 @@ static void add_all(stress_file *out, const double *vector)
 
 /*
  * Make the texts of the units of the arrays from the units of the scene. The texts are empty if the
- * scene names no units.
+ * scene file names no units.
  */
 static void name_units(stress_file *out)
 {

@@ -21,7 +21,10 @@ typedef struct word {
     double number;
 } word;
 
-/* Names that a formula may use, with their number of arguments; a variable or constant has 0. */
+/*
+ * Names that a formula may use, with the number of arguments of each; a variable or constant has 0
+ * arguments.
+ */
 static const word words[] = {
     {"x", OP_X, 0, 0},           {"y", OP_Y, 0, 0},
     {"z", OP_Z, 0, 0},           {"theta1", OP_THETA1, 0, 0},
@@ -112,7 +115,7 @@ static int push(parser *parser, operation op, const word *function)
 }
 
 /*
- * Move operators from the parser stack to the code as long as they bind at least as strongly as
+ * Move operators from the parser stack to the code as long as their precedence is at least
  * `binding`, at most down to an open parenthesis. Returns 0, or -1 if the formula is too long.
  */
 static int reduce(parser *parser, int binding)
@@ -243,7 +246,7 @@ static int take_operator(parser *parser)
         return fault(parser, "a power is written ^");
     op = ops[sign - signs];
     if (reduce(parser, op == OP_POWER ? precedence(op) + 1 : precedence(op)) != 0)
-        return -1; /* two power operators ^ are evaluated from right to left */
+        return -1; /* Successive power operators (^) are evaluated from right to left. */
     parser->at++;
     parser->want_value = true;
     return push(parser, op, NULL);

@@ -8,14 +8,14 @@
 #include <string.h>
 #include "expr_code.h"
 
-/* Value and first and second derivative of a function of one value. */
+/* Value, first and second derivative of a function of one variable. */
 typedef struct slope1 {
     double value, first, second;
 } slope1;
 
 /*
- * Value and derivatives of a function of two values a and b: first by a and by b; second twice by
- * a, twice by b, and mixed.
+ * Value and derivatives of a function of two variables a and b. `first`: derivatives by a and by b;
+ * `second`: twice by a, twice by b, and once by each.
  */
 typedef struct slope2 {
     double value, first[2], second[3];

@@ -12,11 +12,11 @@
 
 /* Plane in which the corners and lengths of the outlines of electrodes are given. */
 typedef enum outline_plane {
-    OUTLINE_THETA, /* OUTLINE_THETA: the plane of the parameters theta1 and theta2 of the surface */
+    OUTLINE_THETA, /* plane of the parameters theta1 and theta2 of the surface */
     OUTLINE_XY,
     OUTLINE_XZ,
-    OUTLINE_YZ /* OUTLINE_XY, OUTLINE_XZ and OUTLINE_YZ: a plane of two coordinates in space, on
-                  which the surface is projected along the third coordinate */
+    OUTLINE_YZ /* plane of two coordinates in space (x and y, x and z, or y and z), on which the
+                  surface is projected along the third coordinate */
 } outline_plane;
 
 struct polygon; /* The structure polygon is declared in host_tools/data/polygon.h. */
@@ -45,20 +45,20 @@ typedef struct scene_outlines {
     scene_outline *electrode; /* [electrodes] outline of each electrode, in the order of the scene
                                */
     int elements;
-    size_t *start; /* [elements + 1] for each element, the index in electrode_of and share of its
-                      first covered part; the last entry is the number of all parts */
-    int *electrode_of; /* [start[elements]] number of the electrode that covers each part; ascending
-                          in each element */
-    double *share; /* [start[elements]] covered area over the area of the element, above 0 and at
-                      most 1 */
+    size_t *start; /* [elements + 1] index, in electrode_of and share, of the first covered part of
+                      each element; the last entry is the number of all parts */
+    int *electrode_of; /* [parts] number of the electrode that covers each part of an element,
+                          ascending in each element */
+    double *share; /* [parts] covered area of each part divided by the area of its element, above 0
+                      and at most 1 */
 } scene_outlines;
 
-/* Append an electrode that covers no area yet. Returns NULL where memory runs out. */
+/* Append an electrode without area to a list of electrodes. Returns NULL where memory runs out. */
 scene_outline *outline_append(scene_outlines *outlines, scene_at at);
 
 /*
- * Append a polygon with `count` points to an electrode. Returns the points, which the caller fills
- * in, or NULL where memory runs out.
+ * Append a polygon with `count` points to the area that an electrode covers. Returns the points,
+ * which the caller fills in, or NULL where memory runs out.
  */
 double (*outline_polygon(scene_outline *outline, size_t count))[2];
 

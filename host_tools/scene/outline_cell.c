@@ -92,11 +92,14 @@ static void fit_ratio(outline_cell *cell, const int axis[2], const double ratio[
     cell->ratio[2] = (square[0] * right[1] - square[1] * right[0]) / determinant;
 }
 
-/* Compute all members of a cell that follow from its corners. */
+/*
+ * Compute all members of a cell (a quadrilateral in the plane of the electrode outlines) that
+ * follow from its corners.
+ */
 static void finish(outline_cell *cell, outline_plane plane)
 {
     const double steepest = 0.1; /* smallest permitted cosine of the angle between the surface and
-                                    the plane of the outlines, that of 84 degrees */
+                                    the plane of the electrode outlines: that of 84 degrees */
     const int *axis = plane_axes[plane];
     double ratio[4], sum = 0;
     int turned = 0;
@@ -205,7 +208,7 @@ expr_point outline_cell_point(const scene *scene, const outline_cell *cell, cons
 
 /*
  * Compute the derivatives of all coordinates of a cell along one natural coordinate. The
- * derivatives are exact, because the coordinates are linear along it.
+ * derivatives are exact, because the coordinates are linear functions of each natural coordinate.
  */
 static void derivative(const outline_cell *cell, const double natural[2], int direction,
                        double slope[OUTLINE_AXES])
@@ -221,8 +224,8 @@ static void derivative(const outline_cell *cell, const double natural[2], int di
 }
 
 /*
- * The coordinates of the plane are bilinear functions of the natural coordinates, which Newton's
- * method inverts from the middle of any convex cell.
+ * The coordinates in the plane of the outlines are bilinear functions of the natural coordinates,
+ * which Newton's method inverts, starting from the middle of the convex cell.
  */
 void outline_cell_natural(const outline_cell *cell, outline_plane plane, const double point[2],
                           double natural[2])

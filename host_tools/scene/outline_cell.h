@@ -20,15 +20,17 @@ typedef struct outline_cell {
                                    (+,+) (-,+) of the cell */
     double quad[4][2]; /* corners of the cell in the plane of the outlines, counterclockwise */
     double centre[2];  /* mean of the cell's four corners in the plane of the outlines */
-    double ratio[3];   /* area of the surface over that of the plane at the centre, and its two
-                          derivatives along the coordinates of the plane */
+    double ratio[3]; /* area of the surface divided by its projection on the plane of the electrode
+                        outlines, at the centre of the cell, and its two derivatives along the
+                        coordinates of the plane */
     double plane_area; /* area of the cell in the plane of the outlines */
     double area;     /* area of the cell on the surface, from its area in the plane and the ratio of
                         both */
     polygon_box box; /* bounding box of the cell in the plane of the outlines */
-    bool is_mirrored; /* true where the plane shows the inner face of the surface; quad then has the
-                         reverse order of the corners */
-    bool is_steep;    /* true where the surface stands at more than 84 degrees to the plane */
+    bool is_mirrored; /* true where the plane of the outlines shows the inner face of the surface;
+                         the member quad then has the reverse order of the corners */
+    bool is_steep;    /* true where the surface stands at more than 84 degrees to the plane of the
+                         electrode outlines */
 } outline_cell;
 
 /* Return the number of elements of a scene, on mesh lines or on a mesh from a file. */

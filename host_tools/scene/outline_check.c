@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Check of all electrodes with outlines of any shape in a scene: computes the part of each element
- * that they cover, and refuses electrodes that overlap (scene_parts.h).
+ * Check of all electrodes with outlines of any shape in a scene file: computes the part of each
+ * element that they cover, and refuses electrodes that overlap (scene_parts.h).
  */
 #include "outline_overlap.h"
 #include "outline_shares.h"

@@ -5,7 +5,7 @@
 
 #include "outline_cell.h"
 
-/* Memory in which polygon_clip cuts a polygon to a cell. */
+/* Work memory in which polygons are cut to a cell. */
 typedef struct clip_room {
     double (*work)[2], (*out)[2];
 } clip_room;

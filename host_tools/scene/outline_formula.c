@@ -93,8 +93,8 @@ static void crossing(const double a[2], const double b[2], double of_a, double o
 }
 
 /*
- * Draw the part of a triangle in which a linear function is positive, or the line on which it is 0.
- * value [3]: the function at the corners
+ * Draw, in a picture of an electrode, the part of a triangle in which a linear function is
+ * positive, or the line on which it is 0. value [3]: the function at the corners
  */
 static void draw_triangle(const double (*corner)[2], const double value[3], int element,
                           bool draws_outline, outline_draw *draw, void *context)

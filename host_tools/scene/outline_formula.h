@@ -26,8 +26,8 @@ int formula_sample(const scene *scene, const outline_cell *cell, const scene_out
 double formula_share(const outline_cell *cell, formula_grid value);
 
 /*
- * Draw the areas of an element in which a formula is positive, or (draws_outline) the lines on
- * which the formula is 0.
+ * Draw the areas of an element in which a formula is positive, or, if draws_outline is true, the
+ * lines on which the formula is 0.
  */
 void formula_pieces(formula_grid value, int element, bool draws_outline, outline_draw *draw,
                     void *context);

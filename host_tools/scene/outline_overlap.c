@@ -10,7 +10,7 @@
  */
 enum { OVERLAP_GRID = 8 };
 
-/* Two electrodes of one layer that are compared. */
+/* Two electrodes of one layer whose areas are compared. */
 typedef struct electrode_pair {
     const scene *scene;
     const scene_patches *patches[2];
@@ -120,7 +120,7 @@ static int check_pair(const electrode_pair *pair, char *error)
     return is_bad ? refuse_overlap(pair, error) : 0;
 }
 
-/* Return whether patches of whole elements contain an element. */
+/* Return whether an element belongs to a patch that consists of whole elements. */
 static bool has_patch(const scene *scene, const scene_patches *patches, int element)
 {
     outline_cell cell;
@@ -147,8 +147,8 @@ static int check_whole(const scene *scene, const scene_patches *outlined,
 }
 
 /*
- * Compare all pairs of electrodes of two items of the section `patches`, which may be one and the
- * same item.
+ * Compare all pairs of electrodes of two items of the section `patches`, which may be the same
+ * item.
  */
 static int check_items(const scene *scene, const scene_patches *one, const scene_patches *other,
                        char *error)

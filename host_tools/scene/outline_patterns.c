@@ -133,8 +133,8 @@ int outline_grid(scene_outlines *outlines, const grid_pattern *pattern, scene_at
 /* ---- rings of keystones ----------------------------------------------- */
 
 /*
- * A sector of a ring whose sides are moved inwards: inner and outer radius, directions of its two
- * radii, and distance of its straight sides from these radii.
+ * Electrode in the shape of a keystone, a sector of a ring whose sides are moved inwards: inner and
+ * outer radius, directions of its two radii, and distance of its straight sides from these radii.
  */
 typedef struct keystone {
     double radius[2], angle[2], half_gap;
@@ -173,7 +173,7 @@ double outline_ring_size(const ring_pattern *pattern)
 
 /*
  * Compute the directions (rad), seen from the centre of the rings, of the two ends of the arc of
- * the given radius between the straight sides of a keystone.
+ * the given radius between the straight sides of a keystone-shaped electrode.
  */
 static void arc_ends(const keystone *stone, double radius, double angle[2])
 {

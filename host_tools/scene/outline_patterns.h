@@ -50,9 +50,9 @@ typedef struct grid_pattern {
 typedef struct ring_pattern {
     double centre[2], gap, angle;
     int rings;
-    double radius[OUTLINE_RINGS + 1]; /* [rings + 1] radii that bound the rings, ascending; the
-                                         first may be 0 */
-    int sectors[OUTLINE_RINGS];       /* [rings] number of sectors of each ring */
+    double radius[OUTLINE_RINGS + 1]; /* [rings + 1] radii that bound the rings of the pattern,
+                                         ascending; the first may be 0 (length) */
+    int sectors[OUTLINE_RINGS];       /* [rings] number of sectors of each ring of the pattern */
 } ring_pattern;
 
 /*

@@ -10,7 +10,8 @@
 /* The element in which the pieces of an electrode are drawn, and how they are drawn. */
 typedef struct piece_drawing {
     outline_plane plane;
-    outline_cell cell;  /* cell of the element */
+    outline_cell cell; /* cell (quadrilateral in the plane of the electrode outlines) of the element
+                        */
     outline_cell moved; /* cell of the element after a move by full turns of theta1 or theta2 */
     double shift[2];    /* displacement of the cell in the plane of the outlines by full turns of
                            theta1 or theta2 */
@@ -41,7 +42,8 @@ static void draw_area(const piece_drawing *drawing, const polygon *polygon)
 }
 
 /*
- * Cut a line to its part on the left of the line from a to b. Returns false where nothing is left.
+ * Cut a line segment to its part on the left of the straight line from a to b. Returns whether a
+ * part remains.
  */
 static bool cut_line(const double a[2], const double b[2], double (*line)[2])
 {

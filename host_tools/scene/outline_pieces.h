@@ -6,8 +6,8 @@
 #include "scene.h"
 
 /*
- * Draw the areas that an electrode covers in an element, or (draws_outline) the parts of its
- * outline that cross the element. Returns 0, or -1 where memory runs out.
+ * Draw the areas that an electrode covers in an element, or, if draws_outline is true, the parts of
+ * its outline that cross the element. Returns 0, or -1 where memory runs out.
  */
 int outline_pieces(const scene *scene, const scene_patches *patches, int electrode, int element,
                    bool draws_outline, outline_draw *draw, void *context);

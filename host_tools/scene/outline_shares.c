@@ -25,7 +25,8 @@ typedef struct share_entry {
 typedef struct share_list {
     share_entry *entry;
     size_t count, room;
-    bool is_full; /* whether memory ran out while parts were appended */
+    bool is_full; /* whether memory ran out while covered parts of elements were appended to the
+                     list */
 } share_list;
 
 static void append(share_list *list, int element, int electrode, double share)
@@ -43,7 +44,7 @@ static void append(share_list *list, int element, int electrode, double share)
 }
 
 /*
- * Arguments and scratch memory while the covered parts of elements are computed for one item of the
+ * Arguments and work memory while the covered parts of elements are computed for one item of the
  * section `patches`.
  */
 typedef struct outline_work {
@@ -55,7 +56,7 @@ typedef struct outline_work {
     char *error;
 } outline_work;
 
-/* Return whether the layer of the patches exists in an element. */
+/* Return whether the layer on which the patches lie exists in an element. */
 static bool has_layer(const outline_work *work, int element)
 {
     const scene_layer *layer = &work->scene->layer[work->patches->layer];
@@ -113,8 +114,8 @@ static int add_share(outline_work *work, int electrode, int element, clip_room *
 enum { HINT = 200 };
 
 /*
- * Write the end of an error message that compares the place of all electrodes with that of the
- * surface: a pitch or a centre in another unit than the mesh shows there.
+ * Write the end of an error message that compares the range of the coordinates of all electrodes
+ * with that of the surface, which shows a pitch or a centre in a wrong unit.
  *   hint [HINT] out  empty where an electrode has a formula in place of polygons
  */
 static void write_place_hint(const outline_work *work, char hint[HINT])
@@ -143,15 +144,16 @@ static void write_place_hint(const outline_work *work, char hint[HINT])
 }
 
 /*
- * Refuse an electrode of polygons that lies beside the surface with a part of its area, or that
+ * Refuse an electrode given by polygons if a part of its area lies beside the surface, or that
  * meets the surface twice.
  */
 static int check_place(const outline_work *work, int electrode, const electrode_sums *sums)
 {
-    const double theta_most = 1e-9, space_most = 0.05; /* largest parts of an electrode that may lie
-                                                          outside the surface; the rim of a mesh in
-                                                          space has straight sides where the true
-                                                          rim is curved */
+    const double theta_most = 1e-9,
+                 space_most = 0.05; /* largest fraction of an electrode's area that may lie outside
+                                       the surface: theta_most in the plane of theta1 and theta2,
+                                       space_most in a plane of space; the rim of a mesh in space
+                                       has straight sides where the true rim is curved */
     const scene_outline *outline = &work->patches->outlines->electrode[electrode];
     const double outside = 1 - sums->plane_area / outline_plane_area(outline);
     const bool is_folded = sums->is_mirrored && sums->is_direct;
@@ -218,7 +220,7 @@ static int sort_entries(const share_list *list, int elements, scene_outlines *ou
     for (int element = 0; element < elements; element++)
         outlines->start[element + 2] += outlines->start[element + 1];
     for (size_t i = 0; i < list->count; i++) { /* The parts in the list are sorted by electrodes, so
-                                                  that they are added to each element in the order
+                                                  that each element receives its parts in the order
                                                   of the electrodes. */
         const size_t to = outlines->start[list->entry[i].element + 1]++;
         outlines->electrode_of[to] = list->entry[i].electrode;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Functions on a whole scene (scene.h): release of memory, names of amplifiers and sensor
- * electrodes, errors that are found after reading.
+ * electrodes, and errors that are found after the scene file has been read.
  */
 #include "scene.h"
 

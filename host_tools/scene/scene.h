@@ -19,8 +19,8 @@
 
 /*
  * Limits: bytes of a name (SCENE_NAME), bytes of a name followed by _i_j (SCENE_LABEL), largest
- * number of mesh nodes (SCENE_NODES), largest number of functions removed from a target
- * (SCENE_FREE).
+ * number of mesh nodes (SCENE_NODES), largest number of functions whose best fit is removed from a
+ * target (SCENE_FREE).
  */
 enum { SCENE_NAME = 64, SCENE_LABEL = SCENE_NAME + 24, SCENE_NODES = 60000, SCENE_FREE = 16 };
 
@@ -41,16 +41,17 @@ typedef enum scene_surface_type {
 typedef struct scene_surface {
     scene_surface_type type;
     double radius; /* radius of a cylinder or sphere, radius of a cone at theta1 = 0, or major
-                      radius of a torus (scene unit of length) */
+                      radius of a torus (length unit of the scene file) */
     double angle;  /* half angle of a cone (degrees) */
     int axial;     /* surface coordinate along the axis of a cylinder or spiral: 1 for theta1, 2 for
                       theta2 */
-    double waist, height; /* constants of a hyperboloid of radius waist sqrt(1 + (z/height)^2) */
-    double tube;          /* minor radius of a torus (scene unit of length) */
-    double inner, outer, turns; /* radius of a spiral at angle 0, its radius at its end, and the
-                                   number of turns between both */
-    double focal_length; /* distance of the focus of a paraboloid from its vertex (scene unit of
-                            length) */
+    double waist, height; /* constants of a hyperboloid of revolution, whose radius at the height z
+                             is waist sqrt(1 + (z/height)^2) */
+    double tube;          /* minor radius of a torus (length unit of the scene file) */
+    double inner, outer, turns; /* radius of a spiral at angle 0, its radius at its end, and its
+                                   number of turns */
+    double focal_length; /* distance of the focus of a paraboloid from its vertex (length unit of
+                            the scene file) */
     expr *formula[3]; /* formulas of the coordinates x, y and z of a surface in the variables theta1
                          and theta2; a coordinate whose formula is NULL is theta1, theta2 or 0 */
     spline *meridian; /* meridian (r, z) of a surface of revolution, a spline whose parameter is the
@@ -77,20 +78,20 @@ typedef struct scene_equilibrium {
 } scene_equilibrium;
 
 /*
- * Formulation of the finite element, selected in the scene by `element: published`, `element:
+ * Formulation of the finite element, selected in the scene file by `element: published`, `element:
  * improved`, or a map of single options.
  */
 typedef struct scene_element {
-    bool cartesian; /* true: strains from differences of the displacement vectors of an element's
-                       corners; false: strains from derivatives of displacement components in the
+    bool cartesian; /* true: strains are computed from differences of the displacement vectors of an
+                       element's corners; false: from derivatives of displacement components in the
                        local triad of the surface */
     double tau; /* factor of the warping correction in the membrane shear strain of an element */
     double rho; /* factor of the bending flexibility that is added to the transverse shear
                    compliance of an element */
     bool hr, lin33; /* hr: true sets the stress resultants of those strains to 0 that the linear and
-                       bilinear modes of an element omit (Hellinger-Reissner), false sets these
-                       strains to 0; lin33: true condenses the linear part of the normal strain e33
-                       through the thickness */
+                       bilinear strain modes of an element omit (Hellinger-Reissner), false sets
+                       these strains to 0; lin33: true condenses the linear part of the normal
+                       strain e33 through the thickness */
     bool metric;    /* true: strains take the exact variation of the surface metric through the
                        thickness; false: metric of the reference surface */
     bool exact_area; /* true: exact area of an element; false: area from the metric at the centre of
@@ -110,13 +111,14 @@ typedef struct scene_line { /* Mesh lines of one surface coordinate, theta1 or t
 } scene_line;
 
 /*
- * Mesh that is read from a file, in place of mesh lines on a surface. The regions, constrained dof
- * and axes of the mesh follow from the layers, patches and supports of the scene.
+ * Mesh that is read from a file, in place of mesh lines on a surface. The regions (elements with
+ * equal layers), constrained dof and axes of the mesh follow from the layers, patches and supports
+ * of the scene.
  */
 typedef struct scene_quads {
     quad_mesh mesh;
     quad_warnings warnings;
-    char *file;            /* name of the mesh file as it is written in the scene */
+    char *file;            /* name of the mesh file as it is written in the scene file */
     double direction[3];   /* vector from which ply angles are measured, projected on each element;
                               zero vector: the direction from corner 1 to corner 2 of an element */
     bool accept_irregular; /* true: elements that are too thin for an irregular mesh are reported;
@@ -155,7 +157,7 @@ typedef struct scene_material {
     double field_limit;      /* depolarisation field (V/m); 0: no limit */
     scene_strength strength; /* strengths, with which `pzs solve --stress` compares the stresses */
     double film_thickness; /* thickness of a film actuator whose constants come from its data sheet
-                              (scene unit of length); 0: no film */
+                              (length unit of the scene file); 0: no film */
     int poling; /* poling direction of a material relative to e3 of the surface: +3 or -3 */
     scene_at at;
 } scene_material;
@@ -206,7 +208,7 @@ typedef enum scene_edge {
 /*
  * Type of a set of nodes: an edge, all nodes, the node at (theta1, theta2), or the nodes of a
  * rectangular region of the mesh; on a mesh from a file also a named set, or the node nearest to a
- * place.
+ * point in space.
  */
 typedef enum scene_where_type {
     WHERE_EDGE,
@@ -221,11 +223,12 @@ typedef struct scene_where {
     scene_edge edge;
     double theta[2]; /* coordinates theta1 and theta2 of a point, equal to those of its mesh node */
     double span[2][2]; /* start and end of a region along theta1 and along theta2; infinite where
-                          the scene gives no limit */
+                          the scene file gives no limit */
     int node[2]; /* indices of the mesh lines of theta1 and of theta2 on which a point lies; on a
-                    mesh from a file, node[0] is the number of the node nearest to a place */
+                    mesh from a file, node[0] is the number of the node nearest to the point */
     char set[SCENE_NAME]; /* name of a node, edge or element set of the mesh file */
-    double x[3]; /* coordinates x, y, z of a place on a mesh from a file (scene unit of length) */
+    double x[3]; /* coordinates x, y, z of a point in space, on a mesh from a file (length unit of
+                    the scene file) */
     scene_at at;
 } scene_where;
 
@@ -260,12 +263,12 @@ typedef struct scene_direction {
 typedef enum scene_per { PER_POINT, PER_LENGTH, PER_AREA } scene_per;
 
 /*
- * Springs of equal stiffness between places of the shell and the ground, or between places and one
- * node of the shell. An actuator describes its stacks by the same structure; each stack has one
+ * Springs of equal stiffness between points of the shell and the ground, or between points and one
+ * node of the shell. A stack actuator is described by the same C struct; each stack has one
  * amplifier.
  */
 typedef struct scene_spring {
-    char name[SCENE_NAME]; /* name of the springs; empty if the scene gives none */
+    char name[SCENE_NAME]; /* name of the springs; empty if the scene file gives none */
     scene_where where; /* nodes to which one spring each is attached; not given (where.at.column is
                           0) if the springs are attached at points */
     int points;
@@ -292,7 +295,7 @@ typedef struct scene_spring {
  * An actuator has one amplifier for each position in its grids of patches; the patches at one
  * position are connected to its amplifier, each with a signed factor. Positions are numbered along
  * theta1 and theta2, fastest along theta2. An actuator may instead be one uniform temperature, or a
- * number of stacks with one amplifier each. A sensor is described by the same structure: it has
+ * number of stacks with one amplifier each. A sensor is described by the same C struct: it has
  * electrodes but no amplifiers.
  */
 typedef struct scene_actuator {
@@ -300,8 +303,8 @@ typedef struct scene_actuator {
     int drives;
     scene_drive *drive;
     bool is_temperature;
-    scene_spring *stacks; /* places, directions and stiffness of the actuator's stacks; NULL: the
-                             actuator has none */
+    scene_spring *stacks; /* points, directions and stiffness of the stacks of a stack actuator;
+                             NULL: the actuator has no stacks */
     double applied;       /* voltage (V) or temperature (K) on every amplifier of an actuator in a
                              solution without optimisation; if a list is given, its value of largest
                              magnitude */
@@ -328,8 +331,8 @@ typedef struct scene_support {
     unsigned fix; /* bit i set: dof i of the support's nodes is prescribed, in the order means of u1
                      u2 u3, differences of u1 u2 u3, middle surface; higher bits are FIX_SIMPLE to
                      FIX_Z */
-    expr *value;  /* formula of the prescribed displacement at full load (scene unit of length);
-                     NULL: 0 */
+    expr *value;  /* formula of the prescribed displacement at full load (length unit of the scene
+                     file); NULL: 0 */
     unsigned move; /* bit i set: the prescribed dof i takes the value of the support; the other
                       prescribed dof are 0, so that a prescribed u3 moves both faces by the same
                       distance */
@@ -358,11 +361,11 @@ typedef struct scene_load {
     scene_direction about; /* axis about which a point load acts as a moment */
     expr *value; /* formula of the load: force or moment at a point, force per length or per area,
                     temperature (K), or the acceleration of gravity for a weight */
-    expr *outer; /* formula of the temperature at the outer face (K), where `value` is that at the
-                    inner face; NULL: uniform temperature */
+    expr *outer; /* formula of the temperature change at the outer face (K), where `value` is that
+                    at the inner face; NULL: the temperature is uniform */
     bool true_area; /* face load: true: load per area of the loaded face; false: load per area of
                        the reference surface */
-    scene_follower follower; /* face load: law by which a pressure follows the deformation;
+    scene_follower follower; /* face load: way in which a pressure follows the deformation;
                                 FOLLOWER_PRESSURE implies true_area */
     scene_at at;
 } scene_load;
@@ -375,7 +378,7 @@ typedef struct scene_body {
                          of the centre of a sphere */
     double normal[3]; /* unit normal of a plane, pointing out of the rigid body */
     double axis[3];   /* unit vector along the axis of a rigid cylinder */
-    double radius;    /* radius of a rigid cylinder or sphere (scene unit of length) */
+    double radius;    /* radius of a rigid cylinder or sphere (length unit of the scene file) */
     expr *value; /* level-set function psi(x, y, z) of a rigid body, positive outside the body */
 } scene_body;
 
@@ -383,7 +386,8 @@ typedef struct scene_contact {
     bool given;
     scene_face face; /* face of the shell that touches the rigid body, inner or outer */
     scene_body body;
-    double move[3]; /* displacement x, y, z of the rigid body at full load (scene unit of length) */
+    double move[3]; /* displacement x, y, z of the rigid body at full load (length unit of the scene
+                       file) */
     double stiffness; /* penalty stiffness of the contact, as a multiple of the stiffness of the
                          structure */
     scene_at at;
@@ -419,12 +423,14 @@ enum { RECOVERED_MISES = 6 };
 
 typedef struct scene_output {
     char name[SCENE_NAME];
-    scene_recovered recovered; /* whether the output is a strain or a stress; if so, it has a place,
-                                  but is no displacement */
+    scene_recovered recovered; /* whether the output is a strain or a stress; if so, it has a place
+                                  on the mesh, but is no displacement */
     int recovered_component; /* component of a strain or stress, from 0 in the order 11 22 33 23 13
                                 12, or RECOVERED_MISES */
-    int layer;    /* layer of a strain or stress; -1: a strain of the package of all layers */
-    int height;   /* height in the layer or package: 0 inner face, 1 middle, 2 outer face */
+    int layer;  /* layer of a strain or stress output; -1: a strain that is measured over all layers
+                   together */
+    int height; /* height of a strain or stress output in its layer, or in all layers together: 0
+                   inner face, 1 middle, 2 outer face */
     double angle; /* angle of the axis 1 of a strain against that of the shell (degrees) */
     scene_contact_output contact;   /* quantity of contact; if it is not CONTACT_NONE, the output is
                                        no displacement, and only CONTACT_PRESSURE has a place */
@@ -433,7 +439,8 @@ typedef struct scene_output {
                                        place */
     bool of_sensor;   /* electric output: true: of sensor electrodes; false: of the electrodes of
                          amplifiers */
-    int first, count; /* electrodes of an electric output: numbers first to first + count - 1 */
+    int first, count; /* range of the electrodes of an electric output: numbers first to first +
+                         count - 1 */
     scene_where where;
     scene_component component;
     scene_face face;
@@ -441,7 +448,7 @@ typedef struct scene_output {
     scene_at at;
 } scene_output;
 
-/* Named target shape, for the component, place and weight of the scene's target. */
+/* Named alternative target shape; it has the component, place and weights of the scene's target. */
 typedef struct scene_mode {
     char name[SCENE_NAME];
     expr *value;
@@ -451,10 +458,11 @@ typedef struct scene_mode {
 typedef struct scene_target {
     bool given;
     scene_output what; /* component, face and place of the displacement that is controlled */
-    expr *value; /* formula of the desired displacement in the coordinates of the nodes (scene unit
-                    of length) */
+    expr *value; /* formula of the desired displacement in the coordinates of the nodes (length unit
+                    of the scene file) */
     int modes;
-    scene_mode *mode; /* [modes] alternative target shapes, each solved for separately */
+    scene_mode *mode; /* [modes] alternative target shapes, for each of which the voltages are
+                         optimised separately */
     bool weight_area; /* weights of the nodes in the target error: true: by the area of each node;
                          false: equal */
     int frees;
@@ -469,19 +477,22 @@ typedef struct scene_compare {
     scene_at at;
 } scene_compare;
 
-typedef struct scene_limit { /* Voltage limits of the amplifiers first to first + count - 1; equal
-                                limits fix the voltage. */
+typedef struct scene_limit { /* Voltage limits of the amplifiers with the numbers first to first +
+                                count - 1; equal limits fix the voltage. */
     int first, count;
     double lower, upper;
     scene_at at;
 } scene_limit;
 
-/* Limits between amplifiers: the sum of factor times voltage has a lowest and a highest value. */
+/*
+ * Limit of a weighted sum of voltages: the sum over some amplifiers of (factor times voltage) has a
+ * lower and an upper limit.
+ */
 typedef struct scene_limit_row {
     int count;
-    int *amplifier;      /* [count] amplifiers of the sum */
-    double *factor;      /* [count] factor of the voltage of each of them (1) */
-    double lower, upper; /* limits of the sum (V) */
+    int *amplifier; /* [count] numbers of the amplifiers in the limited sum */
+    double *factor; /* [count] factor of the voltage of each amplifier in the limited sum (1) */
+    double lower, upper; /* lower and upper limit of a weighted sum of voltages (V) */
     scene_at at;
 } scene_limit_row;
 
@@ -489,8 +500,9 @@ typedef struct scene_limits {
     double lower, upper, step_limit; /* lower and upper voltage limit (V) and step limit, the
                                         largest change of a voltage in one tick (V), of all
                                         amplifiers; infinite if not given */
-    double regularisation; /* weight of the sum of squared voltages in the optimisation: absolute,
-                              or relative if regularisation_is_relative is true */
+    double regularisation; /* regularisation weight, the factor of the sum of squared voltages in
+                              the objective of the optimisation: absolute, or relative if
+                              regularisation_is_relative is true */
     bool regularisation_is_relative;
     int each_count;
     scene_limit *each; /* [each_count] voltage limits of single amplifiers, which override the
@@ -518,8 +530,8 @@ typedef struct scene_estimate {
     bool given;
     int readings;
     scene_reading *reading;
-    double loads;    /* standard deviation of the factor that multiplies each load of the scene; its
-                        true value is unknown to the firmware */
+    double loads; /* standard deviation of the unknown factor by which each load of the scene file
+                     is multiplied in reality (1) */
     double voltages; /* standard deviation of the voltage error of an electrode (V); -1: a twentieth
                         of its voltage range */
     double tolerance; /* largest permitted root mean square of the error of the estimated shape, as
@@ -539,21 +551,22 @@ typedef enum scene_event_type {
                           known */
     EVENT_DEAD,
     EVENT_STUCK,
-    EVENT_ALIVE, /* electrodes fall to 0 V (EVENT_DEAD), keep their last voltage (EVENT_STUCK), or
-                    work again (EVENT_ALIVE) */
+    EVENT_ALIVE, /* event: electrodes fall to 0 V (EVENT_DEAD), keep their last voltage
+                    (EVENT_STUCK), or work again (EVENT_ALIVE) */
     EVENT_NAN,
-    EVENT_FROZEN,  /* a fraction of the sensors reads NaN (EVENT_NAN) or keeps its last value
+    EVENT_FROZEN,  /* event: a fraction of the sensors reads NaN (EVENT_NAN) or keeps its last value
                       (EVENT_FROZEN) */
-    EVENT_LOST,    /* the controller does not run for some ticks */
-    EVENT_IMPULSE, /* a load acts like a hammer: the impulse of its force during `amount` seconds is
-                      applied in one instant */
-    EVENT_SINE,    /* a load is multiplied by amount * sin(2 pi frequency time) for some ticks */
-    EVENT_LATE, /* for some ticks each voltage change takes effect late, by a random fraction of the
-                   tick interval that is at most `amount` */
-    EVENT_JITTER, /* for some ticks the tick interval is lengthened or shortened by a random
-                     fraction of it that is at most `amount` */
-    EVENT_DELAY   /* for some ticks the readings arrive `amount` ticks later than the controller
-                     assumes */
+    EVENT_LOST,    /* event: the controller does not run for some ticks */
+    EVENT_IMPULSE, /* event: a load acts like a hammer blow; the impulse of its force during
+                      `amount` seconds is applied in one instant */
+    EVENT_SINE, /* event: a load is multiplied by amount * sin(2 pi frequency time) for some ticks
+                 */
+    EVENT_LATE, /* event: for some ticks each voltage change takes effect late, by a random fraction
+                   of the tick interval that is at most `amount` */
+    EVENT_JITTER, /* event: for some ticks the tick interval is lengthened or shortened by a random
+                     fraction of at most `amount` */
+    EVENT_DELAY   /* event: for some ticks the readings arrive `amount` ticks later than the
+                     controller assumes */
 } scene_event_type;
 
 /*
@@ -584,8 +597,8 @@ typedef struct scene_event {
 
 /*
  * Source of the measured shape in a simulation. SIGHT_SCENE: the readings of the scene's estimate
- * if there is one, else one sensor for each target node; SIGHT_ESTIMATED and SIGHT_MEASURED select
- * one of the two.
+ * if there is one, else one sensor for each target node; SIGHT_ESTIMATED selects the former,
+ * SIGHT_MEASURED the latter.
  */
 typedef enum scene_sight { SIGHT_SCENE, SIGHT_ESTIMATED, SIGHT_MEASURED } scene_sight;
 
@@ -610,14 +623,15 @@ typedef struct scene_imperfections {
 } scene_imperfections;
 
 /*
- * Motion of a plant with inertia. MOTION_MODAL: vibration in the modes of the undeformed state
- * about the static equilibrium; MOTION_NONLINEAR: all degrees of freedom at large rotation.
+ * Way in which the motion of a plant with inertia is computed. MOTION_MODAL: in the vibration modes
+ * of the undeformed state about the static equilibrium; MOTION_NONLINEAR: with all degrees of
+ * freedom, at large rotation.
  */
 typedef enum scene_motion { MOTION_MODAL, MOTION_NONLINEAR } scene_motion;
 
 /*
- * Closed-loop simulation of the controller with a plant that differs from the scene, with sensors,
- * amplifiers and a schedule of events.
+ * Closed-loop simulation of the controller with a plant that differs from the scene file, with
+ * sensors, amplifiers and a schedule of events.
  */
 typedef struct scene_simulate {
     bool given;
@@ -634,25 +648,26 @@ typedef struct scene_simulate {
     double hysteresis; /* width of the hysteresis loop of an actuator over a full voltage cycle, as
                           a fraction of the voltage range */
     scene_sight sight;
-    double noise; /* standard deviation of the noise of a measured shape (scene unit of length); the
-                     readings of an estimate have their own noise */
+    double noise; /* standard deviation of the noise of a measured shape (length unit of the scene
+                     file); the readings of an estimate have their own noise */
     int delay;    /* delay between measurement and use of the sensors' readings (ticks) */
     double step, dead_band; /* quantisation step of the digital-to-analogue converters and dead band
                                of the amplifiers (V) */
     double fault_chance;    /* probability that a random electrode fault occurs in a tick */
     int fault_until;        /* number of the tick from which on no random electrode faults occur */
-    bool inertia_given, inertia; /* inertia_given: the scene says whether the plant has inertia;
-                                    inertia: the plant has inertia */
+    bool inertia_given, inertia; /* inertia_given: whether the scene file says if the plant has
+                                    inertia; inertia: whether the plant has inertia */
     int modes;                   /* largest number of vibration modes of a plant with inertia */
-    bool motion_given;           /* whether the scene gives the motion of a plant with inertia */
-    scene_motion motion;         /* motion of a plant with inertia */
-    int steps; /* fewest time steps of a nonlinear motion in a control tick; 0: chosen from the
-                  natural frequencies */
-    bool hysteresis_given; /* whether the scene gives the width of the hysteresis loop */
+    bool motion_given;   /* whether the scene file says how the motion of a plant with inertia is
+                            computed */
+    scene_motion motion; /* way in which the motion of a plant with inertia is computed */
+    int steps; /* smallest number of time steps of a nonlinear motion in a control tick; 0: chosen
+                  from the natural frequencies */
+    bool hysteresis_given; /* whether the scene file gives the width of the hysteresis loop */
     scene_imperfections imperfections;
-    bool detects_faults; /* whether the controller has to detect the fault of some electrode itself
+    bool detects_faults; /* whether the controller itself has to detect the fault of some electrode
                             (ANNOUNCED_DETECTED) */
-    bool has_feed_forward; /* whether some load event is known to the controller in advance */
+    bool has_feed_forward; /* whether the controller knows some load event in advance */
     int events;
     scene_event *event;
     scene_at at;
@@ -660,47 +675,52 @@ typedef struct scene_simulate {
 
 /*
  * Measured influence matrix in place of a structural model. Its columns are the actuators of the
- * scene, with one amplifier each. Outputs that the scene ignores are left out of every array except
- * output_name.
+ * scene, with one amplifier for each. Outputs that the scene ignores are left out of every array
+ * except output_name.
  */
 typedef struct scene_influence {
     bool given;
-    char file[256]; /* name of the file of the influence matrix as it is written in the scene */
+    char file[256]; /* name of the file of the influence matrix as it is written in the scene file
+                     */
     int outputs;    /* number of rows of the influence matrix that are used, one for each output */
     int file_outputs;        /* number of outputs in the file of the influence matrix */
     bool rows_are_actuators; /* true: the rows of the file are actuators; false: they are outputs */
     int *row;           /* [outputs] number of each used output's row in the file, counted from 0 */
     double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt */
     double (*place)[3]; /* [outputs] coordinates x, y, z of the output points; NULL where the scene
-                           gives none */
-    char (*output_name)[SCENE_NAME]; /* [file_outputs] names of the rows of the file, or NULL where
-                                        it has none */
+                           file gives none */
+    char (*output_name)[SCENE_NAME]; /* [file_outputs] names of the rows of the influence matrix's
+                                        file, or NULL where it has no names */
     scene_at at;
 } scene_influence;
 
-/* Data for vibration in addition to the densities of the materials. */
+/*
+ * Data for vibration, in addition to the densities of the materials: damping, mass without
+ * stiffness, number of vibration modes.
+ */
 typedef struct scene_dynamics {
     double damping; /* damping ratio of every vibration mode, relative to critical damping */
     int dampings;   /* number of entries of damping_of_mode; 0: the ratio `damping` holds for every
-                       mode */
+                       vibration mode */
     double *damping_of_mode; /* [dampings] damping ratios of the first vibration modes; the last
                                 entry holds for all later modes */
     bool is_rayleigh;        /* whether the damping ratios follow from Rayleigh's coefficients */
     double rayleigh[2]; /* Rayleigh coefficients a of mass (rad/s) and b of stiffness (s/rad): a
-                           mode of angular frequency w has the damping ratio a/(2 w) + b w/2 */
+                           vibration mode of angular frequency w has the damping ratio a/(2 w) + b
+                           w/2 */
     bool damping_given; /* true: the damping ratio is given by the scene; false: it is an assumed
                            value */
     int modes; /* number of vibration modes used to assess the stability of the control loop */
     double mass_per_area; /* mass per area that belongs to no layer, located at the middle of the
-                             laminate (scene units) */
+                             laminate (units of the scene file) */
 } scene_dynamics;
 
 /* Settings of the control loop on the device. */
 typedef struct scene_control {
     double rate; /* tick rate of the control loop (ticks per second); 0 if neither given nor needed
                     by a simulation */
-    bool moving_target; /* true: the target moves, and a reference governor compensates the lag of
-                           the controller when it damps vibration */
+    bool moving_target; /* true: the target moves, and a reference governor compensates the lag of a
+                           controller that damps vibration */
     double clock;       /* clock frequency of the device's processor (Hz); 0 if not given */
 } scene_control;
 
@@ -716,12 +736,13 @@ typedef struct scene_safety {
     double amplitude;      /* height of the pulses of the self-test (V); 0: no self-test */
     double gain_tolerance; /* largest plausible deviation of an amplifier's gain from the mean gain
                               of all amplifiers, relative to the latter, in the self-test */
-    int pulse_ticks; /* duration of a pulse of the self-test (ticks); 0: from the first mode */
+    int pulse_ticks; /* duration of a pulse of the self-test (ticks); 0: chosen from the period of
+                        the first vibration mode */
 } scene_safety;
 
 enum { SCENE_PLAYS = 32, SCENE_CREEPS = 8 };
 
-/* List of at most SCENE_PLAYS numbers, stored in the structure itself without allocation. */
+/* List of at most SCENE_PLAYS numbers, stored in the C struct itself without allocation. */
 typedef struct scene_short_list {
     int count;
     double value[SCENE_PLAYS];
@@ -752,7 +773,7 @@ typedef struct scene_hysteresis {
                       voltage (V) */
 } scene_hysteresis;
 
-/* Units of the numbers of a scene, as text; empty if the scene names none. */
+/* Units of the numbers of a scene, as text; empty if the scene file names no units. */
 typedef struct scene_unit_names {
     char length[SCENE_NAME], force[SCENE_NAME], voltage[SCENE_NAME], temperature[SCENE_NAME];
 } scene_unit_names;
@@ -767,15 +788,15 @@ typedef struct scene {
     scene_element element;
     scene_kinematics kinematics;
     double tolerance; /* largest relative error that linear kinematics may cause where the scene
-                         says kinematics: auto */
+                         file says kinematics: auto */
     scene_equilibrium equilibrium;
     scene_surface surface;
     scene_line line[2]; /* mesh lines of theta1 and theta2; without points where the mesh comes from
                            a file */
     scene_quads *quads; /* mesh from a file, or NULL where the scene has mesh lines on a surface */
     bool reference_is_middle;
-    double reference; /* height of the reference surface above the inner face of the laminate (scene
-                         unit of length) */
+    double reference; /* height of the reference surface above the inner face of the laminate
+                         (length unit of the scene file) */
     int materials, layers, patch_grids, actuators, sensors, supports, springs, loads, outputs,
         compares;
     scene_material *material;
@@ -824,12 +845,15 @@ void scene_free(scene *scene);
 
 /*
  * Copy a scene so that its kinematics, material constants, loads and measured influence matrix may
- * be changed, with room for one more load. All other lists and texts are those of the original,
- * which must outlive the copy. Returns 0, or -1 where memory runs out, with nothing to release.
+ * be changed, with room for one more load. The copy shares all other lists and texts with the
+ * original, which must outlive it. Returns 0, or -1 where memory runs out, with nothing to release.
  */
 int scene_vary(scene *copy, const scene *original);
 
-/* Release a copy from scene_vary; the formulas of added loads are released by who added them. */
+/*
+ * Release a copy of a scene from scene_vary; the caller releases the formulas of the loads that it
+ * added.
+ */
 void scene_vary_free(scene *copy);
 
 /*
@@ -857,8 +881,8 @@ int scene_find_amplifier(const scene *scene, const char *name, int *first, int *
 int scene_find_sensor(const scene *scene, const char *name, int *first, int *count);
 
 /*
- * Mark the nodes of a place on a mesh from a file. A named set is looked for among the node sets,
- * then the edge sets, then the element sets.
+ * Mark the nodes of a place (named set, or node nearest to a point) on a mesh from a file. A named
+ * set is searched for among the node sets, then the edge sets, then the element sets.
  *   in_set  [nodes]  out  1 for the nodes of the place, else 0
  * Returns the number of nodes that are marked.
  */

@@ -101,9 +101,9 @@ static int check_poles(const scene *scene, char *error)
     int i;
     for (i = 0; i <= SAMPLES; i++) {
         double theta1 = sample(line, i), radius;
-        if (surface_closes(&scene->surface, 1) && i < SAMPLES) /* the radius may be smallest between
-                                                                  two samples, at an odd multiple of
-                                                                  half a turn */
+        if (surface_closes(&scene->surface, 1) && i < SAMPLES) /* Between two samples, the radius
+                                                                  may be smallest at an odd multiple
+                                                                  of half a turn. */
             theta1 = fmax(theta1, fmin(sample(line, i + 1),
                                        (2 * floor(theta1 / full_turn) + 1) * full_turn / 2));
         radius = surface_at(&scene->surface, theta1, 0).lame[1];
@@ -119,8 +119,8 @@ static int check_poles(const scene *scene, char *error)
 }
 
 /*
- * Reject a meridian that turns back on itself: there its arc length per unit of the spline
- * parameter (chord length) is nearly 0.
+ * Reject a meridian with a turning point at which its arc length per unit of the spline parameter
+ * (chord length) is nearly 0.
  */
 static int check_meridian(const scene *scene, char *error)
 {
@@ -290,7 +290,7 @@ static int check_where(const scene *scene, scene_where *where, char *error)
 }
 
 /*
- * Check that both ends of springs or stack actuators lie at places that the mesh has. Returns 0, or
+ * Check that both ends of springs or stack actuators lie at points that the mesh has. Returns 0, or
  * -1 with error filled.
  */
 static int check_spring(const scene *scene, scene_spring *spring, char *error)
@@ -456,7 +456,10 @@ static int check_loads(const scene *scene, char *error)
 
 /* ---- kinematics ---- */
 
-/* Refuse strains as readings of a nonlinear plant, in which they are not linear. */
+/*
+ * Refuse strains as sensor readings of a nonlinear plant, because there they are not linear
+ * functions of the displacement.
+ */
 static int check_readings(const scene *scene, char *error)
 {
     const bool is_nonlinear =

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Mesh of a disc: the key `disc` in the section `mesh` of a scene (scene_parts.h). */
+/* Mesh of a disc: the key `disc` in the section `mesh` of a scene file (scene_parts.h). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

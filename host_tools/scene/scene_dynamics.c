@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Sections `dynamics` (data for vibration in addition to the densities) and `control` (data of the
- * control loop on the device) of a scene.
+ * control loop on the device) of a scene file.
  */
 #include "scene_parts.h"
 
@@ -44,8 +44,8 @@ static const field rayleigh_fields[] = {
     {.key = NULL}};
 
 /*
- * Read damping ratios: one for all modes, a list with one for each of the first modes, or
- * Rayleigh's coefficients as {rayleigh: [a, b]}.
+ * Read damping ratios: one for all vibration modes, a list with one for each of the first vibration
+ * modes, or Rayleigh's coefficients as {rayleigh: [a, b]}.
  */
 static int read_damping(reader *reader, int node, void *to, const void *rule)
 {

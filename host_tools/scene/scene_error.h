@@ -20,7 +20,8 @@ typedef struct scene_origin {
 typedef struct scene_at {
     int line, column;
     const scene_origin *origin; /* file and changes that line and column refer to; NULL in a YAML
-                                   tree, which has its own path, and for values of no file */
+                                   tree, which has its own path, and for values that come from no
+                                   file */
 } scene_at;
 
 /*

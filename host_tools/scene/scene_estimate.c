@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Section `estimate` of a scene: the outputs from which the firmware estimates the shape. */
+/* Section `estimate` of a scene file: the outputs from which the firmware estimates the shape. */
 #include "scene_parts.h"
 
 #include <math.h>

@@ -14,8 +14,8 @@
 enum { LONGEST = 32, LIST_ROOM = 220, MOST_ITEMS = 5000 };
 
 /*
- * Permitted magnitudes of nonzero numbers in a scene. Numbers outside are typing errors, and their
- * products could leave the range of a double.
+ * Permitted magnitudes of nonzero numbers in a scene file. Numbers outside are typing errors, and
+ * their products could leave the range of a double.
  */
 static const double smallest = 1e-60, largest = 1e60;
 
@@ -265,8 +265,8 @@ int read_pair(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Marks of comments in C; each is written in two parts, so that programs that search sources for
- * comments do not find one here.
+ * Texts that begin and end a comment in C; each is written in two parts, so that programs that
+ * search sources for comments do not find one here.
  */
 static const char comment_start[] = "/"
                                     "*",
@@ -274,8 +274,9 @@ static const char comment_start[] = "/"
                                   "/";
 
 /*
- * Return whether a text contains a mark that begins or ends a comment in C. Such a text is refused,
- * because it would begin or end a comment in the C tables that are generated from the scene.
+ * Return whether a text contains the beginning or the end of a comment in C. Such a text is
+ * refused, because it would begin or end a comment in the C tables that are generated from the
+ * scene file.
  */
 static int is_comment(const char *text)
 {

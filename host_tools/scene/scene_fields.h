@@ -30,8 +30,8 @@ extern const range above_zero, not_negative;
 typedef struct choice {
     const char *word;
     int value;
-} choice; /* Word of a scene and the value that it stands for; an array of choices ends with word =
-             NULL. */
+} choice; /* Word of a scene file and the value for which it stands; an array of such choices ends
+             with word = NULL. */
 
 /* Type of the value that a key of a scene accepts. */
 typedef enum form_type {
@@ -58,7 +58,9 @@ typedef struct form_case {
     const char *help; /* sentence that explains the combination of keys to users, or NULL */
 } form_case;
 
-/* Form of the value of a key: the JSON schema and the help texts are made from it. */
+/*
+ * Form of the value of a key in a scene file; the JSON schema and the help texts are made from it.
+ */
 typedef struct form {
     form_type type;
     const range *range;  /* FORM_NUMBER, FORM_WHOLE, FORM_FORMULA: permitted range of the number;
@@ -137,18 +139,19 @@ extern const form scene_form;
  */
 int read_map(reader *reader, int node, const field *fields, void *to);
 
-field_read read_real; /* reads a number into a double; rule: its range, or NULL */
-field_read read_int;  /* reads an integer number into an int; rule: its range */
-field_read read_pair; /* reads a list of two numbers into a double[2]; rule: their range, or NULL */
-field_read read_name; /* reads a name into a char[SCENE_NAME] */
-field_read read_text; /* reads a text into an allocated char * */
-field_read read_choice; /* reads a word into an int; rule: array of choices */
-field_read read_flag;   /* reads one of the words true, false, on, off, yes and no into a bool
-                         */
-field_read read_either; /* reads one of two words into a bool; rule: array of choices with the
-                           values 1 (true) and 0 (false) */
-field_read read_expr; /* reads a formula into an allocated expr *; rule: range of its value if it is
-                         constant, or NULL */
+field_read read_real; /* reader of a number into a double; its rule is the permitted range, or NULL
+                       */
+field_read read_int;  /* reader of an integer number into an int; its rule is the permitted range */
+field_read read_pair; /* reader of a list of two numbers into a double[2]; its rule is the permitted
+                         range of both, or NULL */
+field_read read_name; /* reader of a name into a char[SCENE_NAME] */
+field_read read_text; /* reader of a text into an allocated char * */
+field_read read_choice; /* reader of a word into an int; its rule is an array of choices */
+field_read read_flag; /* reader of one of the words true, false, on, off, yes and no into a bool */
+field_read read_either; /* reader of one of two words into a bool; its rule is an array of choices
+                           with the values 1 (true) and 0 (false) */
+field_read read_expr;   /* reader of a formula into an allocated expr *; its rule is the permitted
+                           range of a constant formula, or NULL */
 
 /* Descriptions (forms) of values that keys of several sections accept. */
 extern const form number_form, above_zero_form, not_negative_form, formula_form, name_form,
@@ -177,7 +180,7 @@ typedef int item_read(reader *reader, int node, void *item);
  * Read the children of a YAML list or mapping, in order, into items from new_items.
  *   items  in   items of `size` bytes; NULL where new_items has failed
  *   begun  out  number of items that are read or being read; may be NULL
- * Returns 0, or -1 where an item cannot be read or there are no items.
+ * Returns 0, or -1 where `items` is NULL or an item cannot be read.
  */
 int read_items(reader *reader, int node, void *items, size_t size, item_read *read, int *begun);
 

@@ -100,7 +100,7 @@ int scene_file_axis(const char *name)
 
 /*
  * Return the number of the column that item k of the key `columns` stands for: the column with that
- * name, or column k if the table has no names. Returns -1 if there is none.
+ * name, or column k if the table has no names. Returns -1 if there is no such column.
  */
 static int listed_column(const number_table *table, const char *name, int k)
 {
@@ -111,8 +111,8 @@ static int listed_column(const number_table *table, const char *name, int k)
 }
 
 /*
- * Find the columns of a function from the list in the scene: the coordinates, then the value.
- * Returns 0, or -1 after writing the error message of the YAML tree.
+ * Find the columns of a table that hold a function, from the list of columns in the scene file: the
+ * coordinates, then the value. Returns 0, or -1 after writing the error message of the YAML tree.
  */
 static int take_listed(reader *reader, const function_text *text, const number_table *table,
                        function_columns *columns)
@@ -146,8 +146,9 @@ static int take_listed(reader *reader, const function_text *text, const number_t
 }
 
 /*
- * Find the columns of a function from the names in the table: coordinates by their names, and one
- * other column for the value. Returns 0, or -1 after writing the error message of the YAML tree.
+ * Find the columns of a table that hold a function, from the names of the columns: coordinates by
+ * their names, and one other column for the value. Returns 0, or -1 after writing the error message
+ * of the YAML tree.
  */
 static int take_named(reader *reader, const function_text *text, const number_table *table,
                       function_columns *columns)

@@ -17,8 +17,8 @@ char *scene_file_path(const reader *reader, const char *name);
 
 /*
  * Read the table of numbers whose file name is the text of a YAML node. Returns 0, or -1 after
- * writing the error message of the YAML tree, with the position in the scene and the position in
- * the file.
+ * writing the error message of the YAML tree, with the position in the scene file and the position
+ * in the file.
  */
 int scene_table_read(reader *reader, int node, number_table *table);
 
@@ -33,7 +33,7 @@ int scene_file_axis(const char *name);
  * Readers of a function: a formula, or a mapping {file: FILE, columns: [x, y, value], column: NAME,
  * scale: 1}. A file with coordinates becomes a function that interpolates between its points; a
  * file without coordinates becomes a list of values in the order of its rows. read_row_function
- * also accepts a list of values in the scene, in the order of the rows of a target;
+ * also accepts a list of values in the scene file, in the order of the rows of a target;
  * read_place_function refuses lists.
  */
 field_read read_row_function, read_place_function;

@@ -10,10 +10,12 @@
 
 /* Data sheet of a film, a thin actuator with fibres; thickness = 0: the material is no film. */
 typedef struct scene_film {
-    double voltage;      /* voltage at which strains and force are given (V) */
-    double strain[2];    /* free strains along and across the fibres (1) */
-    double thickness;    /* thickness of the film (m) */
-    double force, width; /* blocking force (N) of a film of the given width (m); 0: not given */
+    double voltage;   /* voltage at which strains and force are given (V) */
+    double strain[2]; /* free strains of the film along and across its fibres at the given voltage
+                         (1) */
+    double thickness; /* thickness of the film (m) */
+    double force, width; /* blocking force (N) of a film of the given width (m); 0: the data sheet
+                            gives no force */
 } scene_film;
 
 field_read read_film;

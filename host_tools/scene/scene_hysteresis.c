@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Section `hysteresis` of a scene: hysteresis and creep of the ceramic, which the control loop
+ * Section `hysteresis` of a scene file: hysteresis and creep of the ceramic, which the control loop
  * compensates.
  */
 #include "scene_parts.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Lists of amplifier names in the section `simulate` of a scene, and the amplifiers whose wires are
- * reversed or swapped.
+ * Lists of amplifier names in the section `simulate` of a scene file, and the amplifiers whose
+ * wires are reversed or swapped.
  */
 #include "scene_parts.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Section `influence` of a scene: a measured influence matrix in place of a structural model. Each
- * column of the matrix becomes an actuator of the scene.
+ * Section `influence` of a scene file: a measured influence matrix in place of a structural model.
+ * Each column of the matrix becomes an actuator of the scene.
  */
 #include "scene_file.h"
 #include "scene_parts.h"
@@ -14,7 +14,10 @@
 
 enum { MOST_OUTPUTS = 60000, MOST_ACTUATORS = 4096, AXES = SCENE_AXES };
 
-/* The section `influence` as it is written in the scene, and the table of numbers from its file. */
+/*
+ * The section `influence` as it is written in the scene file, and the table of numbers from its
+ * file.
+ */
 typedef struct influence_text {
     int file, coordinates, actuators, outputs, ignore,
         mask; /* YAML nodes of the keys of the section `influence`; 0 for a key that is absent */
@@ -24,7 +27,8 @@ typedef struct influence_text {
     int coordinate_column[AXES]; /* number of the column of x, y and z in the table, or -1 */
     int *column; /* [columns] numbers of the table's columns that are no coordinates */
     int columns;
-    unsigned char *is_ignored; /* [outputs] 1 for an output of the file that the scene leaves out */
+    unsigned char *is_ignored; /* [outputs] 1 for an output of the file that the scene file leaves
+                                  out */
 } influence_text;
 
 static const char *const axis_name[AXES] = {"x", "y", "z"};
@@ -40,8 +44,9 @@ static int read_node(reader *reader, int node, void *to, const void *rule)
 /* ---- shape of the matrix ---------------------------------------------- */
 
 /*
- * Separate the columns of coordinates from those of the matrix; only a table whose rows are outputs
- * can have coordinates. Returns 0, or -1 after writing the error message of the YAML tree.
+ * In the table of a measured influence matrix, separate the columns of coordinates from those of
+ * the matrix; only a table whose rows are outputs can have coordinates. Returns 0, or -1 after
+ * writing the error message of the YAML tree.
  */
 static int separate_columns(reader *reader, influence_text *text)
 {
@@ -87,9 +92,10 @@ static double entry(const influence_text *text, int output, int actuator, char *
 }
 
 /*
- * Compare a number of names, points or flags in the scene with the number of outputs (or actuators)
- * of the matrix. If it equals the number of the other kind, the error message says that the matrix
- * is transposed. Returns 0, or -1 after writing the error message of the YAML tree.
+ * Compare a number of names, points or flags in the scene file with the number of outputs (or
+ * actuators) of the matrix. If a number of outputs equals that of the actuators, or the reverse,
+ * the error message says that the matrix is transposed. Returns 0, or -1 after writing the error
+ * message of the YAML tree.
  */
 static int check_count(reader *reader, int node, const influence_text *text, const char *what,
                        int count, int is_of_outputs)
@@ -126,8 +132,8 @@ static int check_size(reader *reader, const influence_text *text)
 /* ---- actuators -------------------------------------------------------- */
 
 /*
- * Find the name of an actuator: that of the list in the scene, else that in the file, else v1, v2
- * and so on.
+ * Find the name of an actuator: the name in the list of the scene file, otherwise the name in the
+ * table, otherwise v1, v2 and so on.
  */
 static int name_actuator(reader *reader, const influence_text *text, int k, int item, char *name)
 {
@@ -258,7 +264,7 @@ static int read_mask(reader *reader, influence_text *text)
     return failed;
 }
 
-/* List the rows of the matrix that are used in influence.row [outputs]. */
+/* List the rows of the measured influence matrix that are used, in influence.row [outputs]. */
 static int list_rows(reader *reader, influence_text *text)
 {
     scene_influence *influence = &reader->s->influence;
@@ -441,8 +447,8 @@ const char *scene_transposed_hint(const scene *scene)
 }
 
 /*
- * Check that a function can be evaluated at the outputs: it uses only coordinates that they have,
- * and a list has one value for each output of the file.
+ * Check that a function can be evaluated at the outputs of a measured influence matrix: it uses
+ * only coordinates that the outputs have, and a list has one value for each output of the file.
  */
 static int check_function(const scene *scene, const expr *function, scene_at at, char *error)
 {

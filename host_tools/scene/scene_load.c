@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sections `supports`, `loads` and `contact` of a scene. */
+/* Sections `supports`, `loads` and `contact` of a scene file. */
 #include "scene_file.h"
 #include "scene_parts.h"
 
@@ -47,8 +47,8 @@ static const choice fixes[] = {{"clamped", U1 | U2 | U3},
 
 /*
  * Return the dof, as bits, to which a support applies its prescribed displacement: the mean
- * displacement of both faces if the scene names u1, u2 or u3, otherwise the single dof that the
- * scene names.
+ * displacement of both faces if the scene file names u1, u2 or u3, otherwise the single dof that
+ * the scene file names.
  */
 static unsigned moved_by(int fix)
 {
@@ -87,7 +87,7 @@ static int fix_edge(reader *reader, int node, const scene_support *support, int 
 }
 
 /*
- * Return whether a word of the scene names a single displacement component, which may have a
+ * Return whether a word of the scene file names a single displacement component, which may have a
  * prescribed value.
  */
 static bool is_single(int fix)
@@ -435,8 +435,8 @@ static int read_follower(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Read the face of the shell on which a load acts. If the scene names no face, half of a point load
- * or line load acts on each face.
+ * Read the face of the shell on which a load acts. If the scene file names no face, half of a point
+ * load or line load acts on each face.
  */
 static int read_on(reader *reader, int node, void *to, const void *rule)
 {

@@ -33,8 +33,8 @@ static int out_of_memory(const migration *migration)
 }
 
 /*
- * Add an edit that replaces `length` bytes by the first `insert_length` bytes of a text. Returns 0,
- * or -1 when memory runs out.
+ * Add an edit to the migration of a scene file, which replaces `length` bytes by the first
+ * `insert_length` bytes of a text. Returns 0, or -1 when memory runs out.
  */
 static int add_edit(migration *migration, size_t from, size_t length, const char *insert,
                     size_t insert_length)
@@ -68,15 +68,15 @@ static int compare_edits(const void *left, const void *right)
 }
 
 /*
- * Write the text with all edits applied to the memory at `to`; an edit that repeats the one before
- * it is skipped.
+ * Write the text of the scene file with all edits applied to the memory at `to`; an edit that
+ * repeats the one before it is skipped.
  */
 static void write_edited(const migration *migration, char *to, size_t *bytes)
 {
     size_t at = 0, length = 0;
     for (int i = 0; i < migration->count; i++) {
         const edit *const edit = &migration->edits[i];
-        if (edit->from < at) /* the same YAML node was reached before through another alias */
+        if (edit->from < at) /* The YAML node has already been reached through another alias. */
             continue;
         memcpy(to + length, migration->text + at, edit->from - at);
         length += edit->from - at;
@@ -308,7 +308,7 @@ static int edit_step_limit(migration *migration, const scene *scene)
     return add_edit(migration, from, end - from, text, strlen(text));
 }
 
-/* Replace the step limit of a scene by a rate limit if the scene gives a tick rate. */
+/* Replace the step limit of a scene by a rate limit if the scene file gives a tick rate. */
 static int use_rate_limit(const char *path, char **text, size_t *bytes, char *error)
 {
     scene scene;

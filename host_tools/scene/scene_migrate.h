@@ -10,7 +10,7 @@
 
 /*
  * Rewrite the scene file at a path. A step limit that was called slew becomes a rate limit if the
- * scene gives a tick rate and the quotient of both is exactly the step limit.
+ * scene file gives a tick rate and the quotient of both is exactly the step limit.
  *   text, bytes  out                new text and its length, to be released with free; NULL after
  *   an error
  *   error        [SCENE_ERROR] out  one line with the position of the fault

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sections `element`, `materials`, `layers` and `patches` of a scene. */
+/* Sections `element`, `materials`, `layers` and `patches` of a scene file. */
 #include "scene_film.h"
 #include "scene_parts.h"
 
@@ -77,8 +77,8 @@ static int read_poling(reader *reader, int node, void *to, const void *rule)
 {
     const char *text = node_text(reader, node);
     (void)rule;
-    if (text && strcmp(text, "-3") == 0) { /* the poling -3 is read here, because an array of
-                                              choices cannot express a negative value */
+    if (text && strcmp(text, "-3") == 0) { /* The poling -3 is read here, because an array of
+                                              choices cannot express a negative value. */
         *(int *)to = -3;
         return 0;
     }
@@ -328,7 +328,7 @@ static const form pair_form = {.type = FORM_LIST, .item = &above_zero_form, .lea
 static const form *const axes_forms[] = {&above_zero_form, &pair_form, NULL};
 static const form axes_form = {.type = FORM_ANY, .any = axes_forms};
 
-/* Read a strength along the axes 1 and 2: one number for both, or a list of two. */
+/* Read a strength along the axes 1 and 2: one number for both axes, or a list of two. */
 static int read_axes(reader *reader, int node, void *to, const void *rule)
 {
     double *strength = to;
@@ -364,8 +364,9 @@ static const field strength_fields[] = {
 static const form strength_form = {.type = FORM_MAP, .fields = strength_fields};
 
 /*
- * Read the strengths of a material. With one tension for both axes and no shear, the shear strength
- * makes the Tsai-Hill criterion that of von Mises.
+ * Read the strengths of a material. If the tensile strength is equal for both axes and no shear
+ * strength is given, the shear strength is chosen so that the Tsai-Hill criterion equals that of
+ * von Mises.
  */
 static int read_strength(reader *reader, int node, void *to, const void *rule)
 {
@@ -649,8 +650,8 @@ const form patches_form = {.type = FORM_LIST, .item = &patch_form, .most = 1000}
 
 /*
  * Check and read patches whose electrodes are given by outlines: their layer is continuous, and
- * they have neither ranges nor sets. Returns 0, or -1 after writing the error message of the YAML
- * tree.
+ * they may have neither coordinate ranges nor element sets. Returns 0, or -1 after writing the
+ * error message of the YAML tree.
  */
 static int read_outlined(reader *reader, int node, scene_patches *patches)
 {

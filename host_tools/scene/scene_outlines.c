@@ -323,7 +323,7 @@ static const form bitmap_form = {.type = FORM_MAP, .fields = bitmap_fields};
 
 /*
  * Return the number, from 1, of the electrode to which a pixel of a bitmap belongs; 0: the pixel
- * belongs to none, -1: the value of the pixel names no electrode.
+ * belongs to no electrode, -1: the value of the pixel names no electrode.
  */
 static int label_of(const bitmap_text *text, double value)
 {
@@ -375,8 +375,8 @@ static int add_row(const bitmap_text *text, const number_table *table, size_t ro
 }
 
 /*
- * Return the number of electrodes of a bitmap, or -1 after writing the error message of the YAML
- * tree.
+ * Return the number of electrodes that the pixels of a bitmap name, or -1 after writing the error
+ * message of the YAML tree.
  */
 static int count_labels(reader *reader, const bitmap_text *text, const number_table *table)
 {

@@ -130,13 +130,16 @@ field_read read_reversed, read_swapped;
  */
 int read_amplifier_names(reader *reader, int node, int **list, int *count);
 
-/* Readers of limits between amplifiers (scene_rows.c), and their forms. */
+/*
+ * Readers of the limits of differences and of weighted sums of voltages (scene_rows.c), and
+ * descriptions of their values.
+ */
 field_read read_difference, read_sum;
 extern const form difference_form, sum_form;
 
 /*
- * Refuse parts of the control loop that move amplifiers one by one beside limits between
- * amplifiers. Returns 0, or -1 with error filled.
+ * Refuse parts of the control loop that move amplifiers one by one in a scene file with limits of
+ * sums or differences of voltages. Returns 0, or -1 with error filled.
  */
 int scene_check_rows(const scene *scene, char *error);
 
@@ -161,7 +164,7 @@ extern const int place_components[];
 /*
  * Rows for tables of keys. DIRECTIONS: the six displacement components u1, u2, u3, x, y and z, each
  * read by the function `read` with the component as its rule. PLACE: the keys that describe a set
- * of nodes, read into the scene_where at an offset (bytes) in the structure that is filled.
+ * of nodes, read into the scene_where at an offset (bytes) in the C struct that is filled.
  */
 #define DIRECTION(key, read, i, of, form, help)                                                    \
     {                                                                                              \

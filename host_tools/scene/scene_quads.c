@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Mesh from a file: the keys of the section `mesh` beside `file`, and the sets and places of such a
- * mesh in a scene (scene_parts.h).
+ * mesh in a scene file (scene_parts.h).
  */
 #include "scene_parts.h"
 
@@ -146,7 +146,7 @@ static void list_names(const quad_set *set, size_t count, char *list)
     }
 }
 
-/* Return whether a mesh has a set of edges or nodes of a name. */
+/* Return whether a mesh has a set of edges or nodes with a given name. */
 static bool is_other_set(const quad_mesh *mesh, const char *name)
 {
     return quad_set_find(mesh->edge_set, mesh->edge_sets, name) ||
@@ -298,7 +298,7 @@ static int read_sets(reader *reader, int node, set_action *action, void *to)
     return status;
 }
 
-/* Mark a layer as present in the elements of a set. */
+/* Mark a layer as present in the elements of an element set. */
 static int add_to_layer(reader *reader, int node, const quad_set *set, void *to)
 {
     scene_layer *layer = to;
@@ -420,7 +420,7 @@ int read_place(reader *reader, int node, scene_where *where)
 
 /*
  * Mark the nodes of all nodes, edges or elements of a set of the mesh file.
- *   type            in   nodes of each item of the set: 1 for nodes, 2 for edges, 4 for elements
+ *   type in number of nodes of each item of the set: 1 for nodes, 2 for edges, 4 for elements
  *   in_set [nodes]  out  1 for a node of the set; other entries stay as they are
  */
 static void mark_set(const quad_mesh *mesh, const quad_set *set, int type, unsigned char *in_set)

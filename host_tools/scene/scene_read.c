@@ -202,7 +202,7 @@ static int has_key(const field *fields, const char *key)
     return fields->key != NULL;
 }
 
-/* Refuse the sections of a structural model in a scene with a measured influence matrix. */
+/* Refuse the sections of a structural model in a scene file with a measured influence matrix. */
 static int check_sections(const tree *tree)
 {
     for (int i = tree->node[tree->root].first; i; i = tree->node[i].next)
@@ -233,8 +233,8 @@ static char *duplicate(const char *text)
 }
 
 /*
- * Store the path of the scene file and the applied changes in the scene, for error messages after
- * reading.
+ * Store the path of the scene file and the applied changes in the scene file, for error messages
+ * after reading.
  */
 static int keep_origin(scene *scene, const char *path, const char *const *set, int sets)
 {

@@ -15,7 +15,8 @@ static int check_overlaps(const scene *scene, char *error)
         for (int j = 0; j < i; j++) {
             const scene_patches *own = &scene->patches[i], *other = &scene->patches[j];
             if (!own->patch || !other->patch || own->layer != other->layer)
-                continue; /* electrodes given by outlines are compared in outline_overlap.c */
+                continue; /* Electrodes that are given by outlines are compared in
+                             outline_overlap.c. */
             for (size_t element = 0; element < scene->quads->mesh.elements; element++)
                 if (own->patch[element] >= 0 && other->patch[element] >= 0)
                     return scene_fault(own->at, error,

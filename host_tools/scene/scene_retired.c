@@ -34,7 +34,7 @@ enum { ROWS = sizeof rows / sizeof *rows };
 
 /*
  * Return the start of the last key in a path of keys joined by '.'; `length` is the length of the
- * path, and *key_length becomes that of the key.
+ * path, and *key_length becomes the length of the key.
  */
 static const char *last_key(const char *path, size_t length, size_t *key_length)
 {

@@ -12,8 +12,8 @@
 typedef enum retired_type {
     RETIRED_KEY,  /* a retired key is renamed */
     RETIRED_WORD, /* a retired word, which is the value of a key, is replaced by another word */
-    RETIRED_SLEW, /* a step limit (V a tick) becomes a rate limit (V/s) if the scene gives the tick
-                     rate */
+    RETIRED_SLEW, /* a step limit (V a tick) becomes a rate limit (V/s) if the scene file gives the
+                     tick rate */
     RETIRED_RATE  /* a retired key is moved to the section `control` */
 } retired_type;
 

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Keys limits.difference and limits.sum: limits between amplifiers, each a row of factors whose sum
- * of factor times voltage has a lowest and a highest value.
- */
+/* Keys limits.difference and limits.sum: limits of differences and of weighted sums of voltages. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,9 +7,9 @@
 #include "scene_parts.h"
 
 /*
- * Append a limit row of `count` amplifiers to the limits of the scene. Returns the row, with
- * factors of 1 and amplifiers to be filled, or NULL after writing the error message of the YAML
- * tree.
+ * Append a limit of a weighted sum of `count` voltages to the limits of the scene. Returns the new
+ * limit row, with factors of 1 and amplifiers to be filled, or NULL after writing the error message
+ * of the YAML tree.
  */
 static scene_limit_row *add_row(reader *reader, int node, int count, double lower, double upper)
 {
@@ -40,7 +37,10 @@ static scene_limit_row *add_row(reader *reader, int node, int count, double lowe
     return row;
 }
 
-/* Limit the difference of two amplifiers. Returns 0, or -1 after writing the error message. */
+/*
+ * Limit the difference of the voltages of two amplifiers. Returns 0, or -1 after writing the error
+ * message.
+ */
 static int add_difference(reader *reader, int node, int left, int right, double limit)
 {
     if (left == right)
@@ -58,7 +58,8 @@ static int add_difference(reader *reader, int node, int left, int right, double 
 
 typedef struct difference_text {
     double limit;
-    int *list; /* [count] amplifiers of the chain, in its order */
+    int *list; /* [count] numbers of the amplifiers of a chain, in its order; differences of
+                  successive voltages are limited */
     int count, neighbours;
 } difference_text;
 
@@ -101,7 +102,7 @@ static const field difference_fields[] = {
     {.key = NULL}};
 const form difference_form = {.type = FORM_MAP, .fields = difference_fields};
 
-/* Add the limit of one pair of names. */
+/* Add the limit of the difference of the voltages of one pair of amplifiers or actuators. */
 static int add_pair(reader *reader, int node, double limit)
 {
     int *list = NULL, count = 0;
@@ -158,7 +159,7 @@ int read_difference(reader *reader, int node, void *to, const void *rule)
 
 typedef struct sum_text {
     double voltage[2];
-    int *list; /* [count] amplifiers of the sum */
+    int *list; /* [count] numbers of the amplifiers in the limited sum of voltages */
     int count;
 } sum_text;
 

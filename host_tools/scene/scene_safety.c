@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Section `safety` of a scene: self-test and supervisor of the control loop. */
+/* Section `safety` of a scene file: self-test and supervisor of the control loop. */
 #include "scene_parts.h"
 
 static const choice arming[] = {{"automatic", 0}, {"command", 1}, {NULL, 0}};

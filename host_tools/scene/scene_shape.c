@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sections `surface` and `mesh` of a scene: reference surface and mesh lines. */
+/* Sections `surface` and `mesh` of a scene file: reference surface and mesh lines. */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -308,7 +308,7 @@ static int check_ends(reader *reader, int node, int direction, double from, doub
 }
 
 /*
- * Find the ends of a mesh direction. An end that the scene does not give is the end of the
+ * Find the ends of a mesh direction. An end that the scene file does not give is the end of the
  * surface's own range, if the surface has one.
  */
 static int find_ends(reader *reader, int node, int direction, line_text *text)

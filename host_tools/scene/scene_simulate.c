@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Section `simulate` of a scene: plant, sensors, amplifiers and events of the closed-loop
+ * Section `simulate` of a scene file: plant, sensors, amplifiers and events of the closed-loop
  * simulation.
  */
 #include "scene_file.h"
@@ -188,7 +188,7 @@ static const form *const gain_forms[] = {&number_form, &gains_form, NULL};
 static const form gain_form = {.type = FORM_ANY, .any = gain_forms};
 
 /*
- * Keys of the plant in a scene with a measured influence matrix: the plant is that matrix with
+ * Keys of the plant in a scene file with a measured influence matrix: the plant is that matrix with
  * errors.
  */
 static const field measured_plant_fields[] = {
@@ -705,7 +705,10 @@ static const field simulate_fields[] = {
 
 const form simulate_form = {.type = FORM_MAP, .fields = simulate_fields};
 
-/* Refuse a key of the plant that another key excludes; accept a plant without the first key. */
+/*
+ * Refuse a key of the simulated plant beside another key that excludes it; a plant without the key
+ * is accepted.
+ */
 static int refuse_beside(reader *reader, int plant, const char *key, const char *cure)
 {
     const int node = plant ? tree_find(reader->t, plant, key) : 0;
@@ -713,8 +716,8 @@ static int refuse_beside(reader *reader, int plant, const char *key, const char 
 }
 
 /*
- * Refuse keys that have no effect on the motion of the plant. Keys of a modal motion are accepted
- * beside `inertia: false`, with which a plant is compared with itself without mass.
+ * Refuse keys that have no effect on the motion of the plant. Keys of a motion in vibration modes
+ * are accepted beside `inertia: false`, so that a plant can be compared with one without mass.
  */
 static int check_motion_keys(reader *reader, int plant)
 {
@@ -734,8 +737,9 @@ static int check_motion_keys(reader *reader, int plant)
 }
 
 /*
- * Choose the motion of the plant where the scene does not say. Refuse a nonlinear motion of a
- * linear plant, and keys that have no effect on the motion.
+ * Choose how the motion of the plant is computed (in vibration modes or nonlinear) where the scene
+ * file does not say. Refuse a nonlinear motion of a linear plant, and keys that have no effect on
+ * the motion.
  */
 static int check_motion(reader *reader, int node)
 {

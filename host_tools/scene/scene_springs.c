@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Section `springs` of a scene, and the stack actuators of the section `actuators` (scene_parts.h).
+ * Section `springs` of a scene file, and the stack actuators of the section `actuators`
+ * (scene_parts.h).
  */
 #include <math.h>
 #include <stdlib.h>
@@ -96,7 +97,7 @@ static int read_face(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Rows of the table of keys that springs and stacks share. */
+/* Rows of the table of keys that springs and stack actuators share. */
 #define SPRING_ROWS                                                                                \
     PLACE(offsetof(scene_spring, where)),                                                          \
         {"points",                                                                                 \
@@ -154,8 +155,9 @@ static const form spring_form = {.type = FORM_MAP, .fields = spring_fields, .cas
 const form springs_form = {.type = FORM_LIST, .item = &spring_form};
 
 /*
- * Check that springs or stacks have a place, and that their other end and their direction do not
- * contradict each other. Returns 0, or -1 after writing the error message of the YAML tree.
+ * Check that springs or stacks have a point or node at which they are attached, and that their
+ * other end and their direction do not contradict each other. Returns 0, or -1 after writing the
+ * error message of the YAML tree.
  */
 static int check_ends(reader *reader, int node, const scene_spring *spring)
 {

@@ -220,8 +220,8 @@ int read_actuators(reader *reader, int node, void *to, const void *rule)
 static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
 
 /*
- * The rule `circuits` in the row of the key `drives` is no array of choices here; it is not NULL to
- * tell read_drives that the patches belong to a sensor.
+ * In the row of the key `drives`, the rule `circuits` is no array of choices; a rule that is not
+ * NULL tells read_drives that the patches belong to a sensor.
  */
 static const field sensor_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,
@@ -558,7 +558,7 @@ static int finish_recovered(reader *reader, int node, output_text *text)
     return require_place(reader, node, &output->where);
 }
 
-/* Refuse keys of strains and stresses in an output of another kind, where they mean nothing. */
+/* Refuse keys of strains and stresses in an output of another type, where they mean nothing. */
 static int refuse_recovered_keys(reader *reader, int node)
 {
     static const char *const keys[] = {"layer", "face", "angle"};

@@ -128,8 +128,8 @@ static int find_normals(triads *triads, const scene_support *support)
 /* ---- symmetry planes ---------------------------------------------------- */
 
 /*
- * Find the unit normal of the plane of a symmetric support: the direction that the scene gives, or
- * the mean of the normals of the support's edges. Returns 0, or -1 with the error filled.
+ * Find the unit normal of the plane of a symmetric support: the direction that the scene file
+ * gives, or the mean of the normals of the support's edges. Returns 0, or -1 with the error filled.
  */
 static int plane_normal(triads *triads, const scene_support *support, double normal[3])
 {
@@ -181,7 +181,7 @@ static int apply_plane(triads *triads, const scene_support *support, const doubl
 
 /* ---- triads ------------------------------------------------------------- */
 
-/* Return a set of dof in which those of the axes e1 and e2 have changed places. */
+/* Return a set of dof (bits) in which the dof along the axes e1 and e2 have changed places. */
 static unsigned exchanged(unsigned bits)
 {
     return (bits & ALONG_3) | (bits & ALONG_1) << 1 | (bits & ALONG_2) >> 1;
@@ -232,8 +232,8 @@ static int hold_global(triads *triads, const scene_support *support, size_t node
         const bool is_held = (bits & axis_bit[i]) != 0;
         if (is_held != (held == 1))
             continue;
-        own = i; /* index of the only constrained axis, or of the only free axis if two are
-                    constrained */
+        own = i; /* Index of the only constrained global axis, or of the only free axis if two are
+                    constrained. */
         if (held == 1 && fabs(triads->mesh->director[node][i]) > sqrt(1 - nearly * nearly)) {
             triads->mesh->constrained[node] |= ALONG_3;
             return 0;
@@ -300,7 +300,7 @@ static int hold_node(triads *triads, const scene_support *support, size_t node,
 /* ---- supports ----------------------------------------------------------- */
 
 /*
- * Find the nodes of a support. If the support needs directions that the scene does not give,
+ * Find the nodes of a support. If the support needs directions that the scene file does not give,
  * compute the normals of its edges too. Returns 0, or -1 with the error filled.
  */
 static int find_nodes(triads *triads, const scene_support *support)
@@ -368,9 +368,9 @@ static int apply_supports(triads *triads)
     for (int k = 0; k < triads->scene->supports; k++)
         if (turn_directors(triads, &triads->scene->support[k]) != 0)
             return -1;
-    for (int pass = 0; pass < 2; pass++) /* The first iteration applies the supports with a
-                                            prescribed value, so that other supports cannot change
-                                            the triads of their nodes. */
+    for (int pass = 0; pass < 2; pass++) /* The first iteration of the loop applies the supports
+                                            with a prescribed value, so that other supports cannot
+                                            change the triads of their nodes. */
         for (int k = 0; k < triads->scene->supports; k++) {
             const scene_support *support = &triads->scene->support[k];
             if ((support->value != NULL) != (pass == 0))

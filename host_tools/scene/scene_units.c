@@ -152,8 +152,8 @@ static dimension of_limit(const reader *reader, int map)
 }
 
 /*
- * Return the dimension of a number in a list of reference values of amplifiers, by its position in
- * the list.
+ * Return the dimension of a number in a list of reference values of amplifiers (voltage or
+ * temperature), by its position in the list.
  */
 static dimension of_compare(const reader *reader, int node)
 {

@@ -74,9 +74,9 @@ static void solve_band(double *band, double (*solution)[2], int rows)
 }
 
 /*
- * Add `value` to a coefficient of the condition of knot i: that of the ordinate or second
- * derivative (`kind`) at knot j. The same value is added to the transposed entry of the symmetric
- * matrix.
+ * Add `value` to a coefficient in the linear equation of a spline that belongs to knot i: the
+ * coefficient of the ordinate or the second derivative (`kind`) at knot j. The same value is added
+ * to the transposed entry of the symmetric matrix.
  */
 static void condition(double *band, int i, int j, int kind, double value)
 {
@@ -85,8 +85,9 @@ static void condition(double *band, int i, int j, int kind, double value)
 }
 
 /*
- * Add the slope of a cubic piece to the condition of a knot, multiplied by `sign`. The piece lies
- * between the knots i and i + 1; its slope is taken at its end `at` (i or i + 1).
+ * Add the slope of a cubic piece of a spline, multiplied by `sign`, to the linear equation that
+ * belongs to a knot. The piece lies between the knots i and i + 1; its slope is taken at its end
+ * `at` (i or i + 1).
  */
 static void add_slope(double *band, const double *length, int knot, int i, int at, double sign)
 {

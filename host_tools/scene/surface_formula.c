@@ -58,8 +58,8 @@ surface_point formula_at(const scene_surface *surface, double theta1, double the
         point.curvature[direction] = normal > 0
                                          ? -vector_dot(point.triad[2], at.second[direction]) /
                                                (point.lame[direction] * point.lame[direction])
-                                         : (double)NAN; /* the curvature is undefined where the
-                                                           surface has no normal */
+                                         : (double)NAN; /* The curvature is undefined where the
+                                                           surface has no normal. */
     return point;
 }
 

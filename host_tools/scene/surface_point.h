@@ -6,7 +6,8 @@
 #include "scene.h"
 
 typedef struct surface_point {
-    double position[3]; /* coordinates x, y, z of the point in space (scene unit of length) */
+    double position[3]; /* coordinates x, y, z of the point in space (length unit of the scene file)
+                         */
     double triad[3][3]; /* unit vectors e1, e2, e3 = e1 x e2 as rows; e3 points to the outer side of
                            the shell */
     double lame[2];     /* Lame parameters A1, A2: arc length per unit of theta1 and theta2 */

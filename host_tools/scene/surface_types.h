@@ -38,7 +38,8 @@ typedef double surface_area_function(const scene_surface *surface, const double 
 
 /*
  * Table of surface types. A row holds
- *   the type, the word for it in a scene, and its keys in a scene (?a is optional; SURFACE_NUMBERS
+ *   the type, the word for it in a scene file, and its keys in a scene file (?a is optional;
+ *   SURFACE_NUMBERS
  *   defines the keys that are numbers);
  *   the function of its points, of its meridian (0 unless it is a surface of revolution, whose
  *   points are revolution_at) and of its area (0: numerical integral);
@@ -94,7 +95,7 @@ typedef double surface_area_function(const scene_surface *surface, const double 
 
 /*
  * Table of the numbers that describe surfaces. A row holds the name, which is a key in the scene
- * and a member of scene_surface, the permitted range and the dimension (scene_fields.h), and a
+ * file and a member of scene_surface, the permitted range and the dimension (scene_fields.h), and a
  * sentence of help.
  */
 #define SURFACE_NUMBERS(ROW)                                                                       \

@@ -117,8 +117,8 @@ static int take_power(parser *parser, int *power)
 }
 
 /*
- * Read one factor of a unit and multiply the result by it; sign is -1 for a factor behind a '/',
- * else 1.
+ * Read one factor of a unit and multiply the unit read so far by it; `sign` is -1 for a factor
+ * behind a '/', else 1.
  */
 static int take_factor(parser *parser, int sign)
 {

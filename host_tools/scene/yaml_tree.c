@@ -25,8 +25,8 @@ static void make_one_line(char *text)
     if (length < SCENE_ERROR - 1)
         return;
     while (length > 0 && ((unsigned char)text[length - 1] & 0xC0) == 0x80)
-        text[--length] = 0; /* the cut at the end of the message left a part of a character of
-                               several bytes */
+        text[--length] = 0; /* The cut at the end of the message has left a part of a character of
+                               several bytes, which is removed. */
     if (length > 0 && ((unsigned char)text[length - 1] & 0x80))
         text[--length] = 0;
 }
@@ -338,8 +338,8 @@ static int take_key(builder *builder, const yaml_event_t *event, scene_at at)
 }
 
 /*
- * Insert a node at the present place of the tree: as the value of the key just read, at the end of
- * the open list, or as the root.
+ * Insert a node at the current position in the tree: as the value of the key just read, at the end
+ * of the open list, or as the root.
  */
 static int place(builder *builder, int node)
 {

@@ -59,7 +59,7 @@ static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
  * Settings of the control tick that damps vibration, from which one is chosen, the fastest first:
  * damping per radian; part (0 to 1) of the deviation that is computed from the velocity; assumed
  * change of the loads in a tick, relative to the sensors' noise; number of ticks by which the
- * readings are assumed to be older than the scene states.
+ * readings are assumed to be older than the scene file states.
  */
 static const struct {
     double damping, mix, drift;
@@ -181,8 +181,9 @@ static const double less_hysteresis = 0.25;
 
 /*
  * Return the structure, the step limits and the targets of the i-th storm (simulation with fast
- * jumps of the target), with readings that are `older` ticks older than the scene states. In storms
- * with the last sequence of targets some ticks are missed, and the loop is not informed of them.
+ * jumps of the target), with readings that are `older` ticks older than the scene file states. In
+ * storms with the last sequence of targets some ticks are missed, and the loop is not informed of
+ * them.
  */
 static storm_plant plant_of(int i, int older)
 {
@@ -224,8 +225,8 @@ static int run_storms(const trial *trial, certificate_loop *loop, char *error)
 
 /*
  * Determine whether small vibrations decay and the shape settles after fast jumps of the target on
- * every structure, with readings that are `older` ticks older than the scene states. Returns 0, or
- * -1 with error filled.
+ * every structure, with readings that are `older` ticks older than the scene file states. Returns
+ * 0, or -1 with error filled.
  */
 static int try_age(const trial *trial, int older, bool *settles, char *error)
 {
@@ -245,7 +246,7 @@ static int try_age(const trial *trial, int older, bool *settles, char *error)
 
 /*
  * Count the ticks by which readings may be older (sign = 1) or newer (sign = -1) than the scene
- * states.
+ * file states.
  *   stood in/out  number of ticks known to be tolerated
  *   most  in      largest number of ticks to try
  */
@@ -306,7 +307,7 @@ static int tolerance_of(const certificate_loop *loop)
 
 /*
  * Whether this loop has the best possible score of tolerance_of, so that no further settings need
- * to be tried; if the scene states readings without delay, they cannot be newer.
+ * to be tried; if the scene file states readings without delay, they cannot be newer.
  */
 static bool tolerates_all(const certificate_loop *loop)
 {
@@ -424,8 +425,8 @@ static int bisect(const trial *trial, bool is_gain, double end, double *margin, 
 }
 
 /*
- * Find the number of ticks by which readings may be older or newer than the scene states. Returns
- * 0, or -1 with error filled.
+ * Find the number of ticks by which readings may be older or newer than the scene file states.
+ * Returns 0, or -1 with error filled.
  */
 static int find_ages(const trial *trial, certificate_loop *loop, char *error)
 {

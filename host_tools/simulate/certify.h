@@ -11,7 +11,7 @@
  * Neither is enough alone: a loop whose spectral radius is below 1 may end in a limit cycle, and a
  * storm is too short to show slow growth. The chosen settings of the damped tick are the fastest of
  * a few that pass both, or settings that are at most a quarter slower and also pass with readings
- * one tick older or newer than the scene states.
+ * one tick older or newer than the scene file states.
  */
 #ifndef CERTIFY_H
 #define CERTIFY_H
@@ -32,7 +32,7 @@ int certify_loop(analysis *analysis, char *error);
 /*
  * Find by bisection how far a structure may differ from the model of a certified loop: the largest
  * factor of its response to voltages, and the range of the factor of its natural frequencies. Find
- * too by how many ticks readings may be older or newer than the scene states.
+ * too by how many ticks readings may be older or newer than the scene file states.
  *   with_rates in  true: find the range of stable tick rates too, with tables made for each rate
  * Returns 0, or -1 with error filled.
  */

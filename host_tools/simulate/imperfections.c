@@ -96,7 +96,7 @@ static double through_play(electrode *electrode, double voltage, double half_ran
 /*
  * Apply the hysteresis model to the voltages. After a full cycle the mean output of the play
  * operators has a loop whose width is 5/16 of the voltage range. The factor 16/5 scales this width
- * to the hysteresis that the scene states.
+ * to the hysteresis that the scene file states.
  */
 static void apply_hysteresis(const imperfections *on, double *voltage, double interval)
 {

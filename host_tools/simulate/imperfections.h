@@ -21,9 +21,9 @@ typedef enum electrode_fault { ELECTRODE_GOOD, ELECTRODE_DEAD, ELECTRODE_STUCK }
  *
  * Hysteresis is a Prandtl-Ishlinskii model: a part of the voltage passes through play operators
  * with half widths of 1/8, 2/8, 3/8 and 4/8 of A, where A is half the voltage range. With h, the
- * hysteresis that the scene states, the loop of a full cycle is h times the voltage range wide, and
- * hysteresis changes no voltage by more than h A. Creep is the sum of three first-order lags; their
- * time constants differ by factors of ten.
+ * hysteresis that the scene file states, the loop of a full cycle is h times the voltage range
+ * wide, and hysteresis changes no voltage by more than h A. Creep is the sum of three first-order
+ * lags; their time constants differ by factors of ten.
  */
 typedef struct electrode {
     electrode_fault fault;

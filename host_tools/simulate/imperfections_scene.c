@@ -7,7 +7,7 @@
 
 /*
  * Width of the hysteresis loop of a soft piezoceramic relative to the voltage range, used if the
- * scene gives no width.
+ * scene file gives no width.
  */
 static const double usual_hysteresis = 0.1;
 

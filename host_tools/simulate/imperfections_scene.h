@@ -8,8 +8,8 @@
 
 /*
  * Return the width of the hysteresis loop of the ceramic relative to the voltage range: the value
- * that the scene gives; without one, 0.1 for a piezoceramic between finite voltage limits, and 0
- * for other actuators.
+ * that the scene file gives; without one, 0.1 for a piezoceramic between finite voltage limits, and
+ * 0 for other actuators.
  */
 double imperfections_hysteresis(const design *design);
 

@@ -29,8 +29,8 @@ typedef struct plant {
                       a nonlinear structure also prescribed displacements and the motion of the
                       rigid body of a contact */
     double *computed_input; /* [inputs] inputs with which the latest shape was computed */
-    double *scene_input; /* [inputs] values of all inputs at full load, as given in the scene, such
-                            as loads and support displacements */
+    double *scene_input; /* [inputs] values of all inputs at full load, as given in the scene file,
+                            such as loads and support displacements */
     double *value;       /* [output rows] output values of the latest shape */
     int temperature;     /* index of the temperature change among the inputs, or -1 if the plant has
                             none */
@@ -60,7 +60,7 @@ typedef struct plant {
 int plant_open(plant *plant, const design *nominal, char *error);
 void plant_close(plant *plant);
 
-/* Set the factor of a load (1: the load given in the scene), or the temperature change. */
+/* Set the factor of a load (1: the load given in the scene file), or the temperature change. */
 void plant_load(plant *plant, int load, double factor);
 void plant_warm(plant *plant, double kelvin);
 
@@ -71,8 +71,8 @@ void plant_warm(plant *plant, double kelvin);
 void plant_rest(plant *plant);
 
 /*
- * Apply the impulse of a load: the force of the load as given in the scene during `seconds`, at one
- * instant.
+ * Apply the impulse of a load: the force of the load as given in the scene file during `seconds`,
+ * at one instant.
  */
 void plant_kick(plant *plant, int load, double seconds);
 

@@ -87,8 +87,8 @@ static size_t count_followed(const vibration *vibration, double step)
 }
 
 /*
- * Choose the viscosity (s) if the scene states damping ratios: the largest viscosity with which no
- * mode that the time steps resolve has more than its stated damping ratio.
+ * Choose the viscosity (s) if the scene file states damping ratios: the largest viscosity with
+ * which no mode that the time steps resolve has more than its stated damping ratio.
  */
 static double viscosity_of(const shell_motion *motion, const scene_dynamics *dynamics)
 {

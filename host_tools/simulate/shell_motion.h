@@ -20,9 +20,9 @@
  *     them. The other half adds b/2 times the acceleration to (u1 - u0)/h. It is needed because
  *     material viscosity alone does not damp motions that are much faster than a step
  *   - damping of each mode that the steps follow, in its reference shape, which brings the damping
- *     ratio of the mode to the one that the scene states
- * Rayleigh's coefficients of the scene are a and b. Where the scene states damping ratios, a is
- * zero and b is the largest viscosity that gives no followed mode more than its ratio. Faster
+ *     ratio of the mode to the one that the scene file states
+ * Rayleigh's coefficients of the scene are a and b. Where the scene file states damping ratios, a
+ * is zero and b is the largest viscosity that gives no followed mode more than its ratio. Faster
  * motions are thus damped more than the followed ones.
  */
 #ifndef SHELL_MOTION_H

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Simulation of a closed loop on the host: the library's controller with the tables of the scene,
- * a plant that differs from the controller's model, sensors and amplifiers with faults, and the
+ * Simulation of a closed loop on the host: the library's controller with the tables of the scene, a
+ * plant that differs from the controller's model, sensors and amplifiers with faults, and the
  * schedule of the scene. The plant vibrates where the densities of the scene are known, and is
- * quasi-static otherwise or where the scene says so (plant.h). Each tick runs in this order:
+ * quasi-static otherwise or where the scene file says so (plant.h). Each tick runs in this order:
  *
  *   time since the last tick, events, shape under the voltages of the previous tick, measurement,
  *       controller, amplifiers

@@ -41,12 +41,12 @@ typedef struct storm_plant {
     double gain; /* static response of the structure to voltages, relative to the controller's model
                   */
     double frequency; /* natural frequencies of the structure, relative to the controller's model */
-    double step_limit; /* step limits relative to the scene's; HUGE_VAL: neither step limits nor
-                          voltage limits, to measure the growth of small vibrations */
-    int more_delay; /* number of ticks by which readings are older than the scene states; negative:
-                       newer */
-    uint64_t seed;  /* seed of the random sequence of target jumps */
-    double missed_share;          /* share of the ticks that the controller misses, from 0 to 1 */
+    double step_limit;   /* step limits relative to the scene's; HUGE_VAL: neither step limits nor
+                            voltage limits, to measure the growth of small vibrations */
+    int more_delay;      /* number of ticks by which readings are older than the scene file states;
+                            negative: newer */
+    uint64_t seed;       /* seed of the random sequence of target jumps */
+    double missed_share; /* share of the ticks that the controller misses, from 0 to 1 */
     const storm_ceramic *ceramic; /* ceramic of the electrodes; NULL: the ceramic that the
                                      controller's tables describe, without hysteresis where the loop
                                      has no such tables */
@@ -65,7 +65,7 @@ typedef struct storm_rig {
                                  */
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
-    int delay;       /* age of the readings that the scene states (ticks) */
+    int delay;       /* age of the readings that the scene file states (ticks) */
     double interval; /* time between ticks (s) */
     size_t sensors, targets, amplifiers;
     vibration vibration;
@@ -104,7 +104,7 @@ void storm_close(storm_rig *rig);
  *   block [blocks] in      blocks of the control tick, copied; their tables must outlive the rig.
  *       The supervisor is left out: it would take control away where targets jump beyond all limits
  *       or a small vibration begins without a cause
- *   delay          in      age of the readings that the scene states (ticks)
+ *   delay          in      age of the readings that the scene file states (ticks)
  */
 void storm_use(storm_rig *rig, const pzs_block *block, int blocks, int delay);
 

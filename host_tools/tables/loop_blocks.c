@@ -425,8 +425,8 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
  */
 typedef struct block_counts {
     size_t inputs, outputs, rows, readings, modes, plays, creeps;
-    size_t delay, damper_delay; /* age of the readings that the scene states, and that the block
-                                   that damps vibration assumes (ticks) */
+    size_t delay, damper_delay; /* age of the readings that the scene file states, and that the
+                                   block that damps vibration assumes (ticks) */
 } block_counts;
 
 /*
@@ -464,8 +464,8 @@ BLOCK_BYTES(supervisor, PZS_SUPERVISOR_BLOCK_BYTES(of->outputs))
 /* ---- the table -------------------------------------------------------- */
 
 /*
- * Types of blocks of the control loop: condition for the block in a scene, functions that fill and
- * write its tables, names, and memory. In the generated header, the tables of a block are named
+ * Types of blocks of the control loop: condition for the block in a scene file, functions that fill
+ * and write its tables, names, and memory. In the generated header, the tables of a block are named
  * PREFIX_ followed by `tables_name`. The members `bytes` and `bytes_macro` are defined by
  * BLOCK_BYTES.
  */

@@ -111,8 +111,8 @@ static uint32_t body_crc_32(const pzs_body *body)
 }
 
 /*
- * Write the contact face and the contact body. A body that the scene gives by a formula needs a
- * distance function in the firmware.
+ * Write the contact face and the contact body. A body that the scene file gives by a formula needs
+ * a distance function in the firmware.
  */
 static void write_contact(emitter *emitter, const equilibrium *equilibrium)
 {

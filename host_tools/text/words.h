@@ -26,14 +26,14 @@ enum { WORDS_UNIT = 3 * SCENE_NAME };
 
 /*
  * Write the unit of a quantity, composed of the units of the scene; the text is empty if the scene
- * does not name one of these units. Returns text.
+ * file does not name one of these units. Returns text.
  */
 const char *words_unit(const scene_unit_names *units, words_quantity quantity,
                        char text[WORDS_UNIT]);
 
 /*
- * Return whether the scene names no units at all, so that its numbers are in arbitrary consistent
- * units.
+ * Return whether the scene file names no units at all, so that its numbers are in arbitrary
+ * consistent units.
  */
 bool words_unitless(const scene_unit_names *units);
 
