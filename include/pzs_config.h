@@ -39,6 +39,22 @@
 #define PZS_WIDE 0
 #endif
 
+/*
+ * PZS_VFP: 1 computes products of matrices and vectors with assembler instructions of the Arm
+ * floating-point unit that load up to 15 numbers at once. A product then takes about 0.6 times the
+ * instructions of compiled C code, and its result has the same bits. The option needs gcc or clang,
+ * a processor with the Thumb-2 instruction set and a floating-point unit, PZS_REAL_BITS 32 and
+ * PZS_TILE 4, and is 1 by default where all of these are given.
+ */
+#ifndef PZS_VFP
+#if defined(__GNUC__) && defined(__thumb2__) && defined(__ARM_FP) && PZS_REAL_BITS == 32 &&        \
+    PZS_TILE == 4
+#define PZS_VFP 1
+#else
+#define PZS_VFP 0
+#endif
+#endif
+
 #if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "piezoshape needs NaN and infinity: do not use -ffast-math, -Ofast, -ffinite-math-only"
 #endif
@@ -50,6 +66,9 @@
 #endif
 #if PZS_WIDE && (PZS_REAL_BITS != 64 || PZS_TILE != 4 || !defined(__x86_64__))
 #error "PZS_WIDE needs PZS_REAL_BITS 64, PZS_TILE 4 and an x86-64 processor"
+#endif
+#if PZS_VFP && (PZS_REAL_BITS != 32 || PZS_TILE != 4 || !defined(__thumb2__))
+#error "PZS_VFP needs PZS_REAL_BITS 32, PZS_TILE 4 and a processor with Thumb-2 and an FPU"
 #endif
 
 #endif

@@ -6,6 +6,7 @@
 #include <string.h>
 #include "product.h"
 #include "lane.h"
+#include "product_vfp.h"
 #include "unrolled.h"
 
 /*
@@ -18,6 +19,8 @@
 #define MANY PZS_BY_BITS(7, PZS_BY_TILE(3, 7, 7))
 #define SOME PZS_BY_TILE(PZS_BY_BITS(3, 2), 4, 4)
 #define LANES 8u /* number of independent partial sums of a scalar product */
+
+#if !PZS_VFP
 
 /* ---- table times vector ----------------------------------------------------- */
 
@@ -78,31 +81,6 @@ static void multiply(pzs_real *product, const pzs_real *from, size_t step, const
         from = product;
         step = 1;
     }
-}
-
-/*
- * From this number of columns on, a row of a matrix is too long to be read in groups of columns.
- * Each row is then read at once, and its product with the vector is that of pzs_product_dot.
- */
-#define LONG_ROW 128u
-
-void pzs_product_matrix(pzs_real *restrict product, const pzs_real *restrict table,
-                        const pzs_real *restrict vector, size_t rows, size_t cols)
-{
-    static const pzs_real zero = 0;
-    if (cols < LONG_ROW)
-        multiply(product, &zero, 0, table, vector, rows, cols);
-    for (size_t i = 0; cols >= LONG_ROW && i < rows; i++)
-        product[i] = pzs_product_dot(table + i * cols, vector, cols);
-}
-
-void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
-                     const pzs_real *restrict table, const pzs_real *restrict vector, size_t rows,
-                     size_t cols)
-{
-    if (cols == 0)
-        memcpy(product, from, rows * sizeof *product);
-    multiply(product, from, 1, table, vector, rows, cols);
 }
 
 /* ---- sums of rows -------------------------------------------------------------- */
@@ -187,8 +165,12 @@ static void sum_few(pzs_real *restrict product, const pzs_real *restrict table, 
     }
 }
 
-void pzs_product_sum_rows(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
-                          const pzs_real *restrict vector, size_t rows, size_t cols)
+/*
+ * Compute product [cols] = sum over the rows i of vector[i] times row i of the table, one group of
+ * columns after the other. The rows of the table are `stride` numbers apart.
+ */
+static void sum_rows(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
+                     const pzs_real *restrict vector, size_t rows, size_t cols)
 {
     if (PZS_TILE > 4 && cols < PZS_TILE) {
         sum_few(product, table, stride, vector, rows, cols);
@@ -210,6 +192,41 @@ void pzs_product_sum_rows(pzs_real *restrict product, const pzs_real *restrict t
         else
             sum_one(product + from, table + from, stride, vector, rows, end - from);
     }
+}
+
+#endif
+
+/* ---- matrices ------------------------------------------------------------------- */
+
+/*
+ * From this number of columns on, a row of a matrix is too long to be read in groups of columns.
+ * Each row is then read at once, and its product with the vector is that of pzs_product_dot.
+ */
+#define LONG_ROW 128u
+
+void pzs_product_matrix(pzs_real *restrict product, const pzs_real *restrict table,
+                        const pzs_real *restrict vector, size_t rows, size_t cols)
+{
+    static const pzs_real zero = 0;
+    if (cols < LONG_ROW)
+        multiply(product, &zero, 0, table, vector, rows, cols);
+    for (size_t i = 0; cols >= LONG_ROW && i < rows; i++)
+        product[i] = pzs_product_dot(table + i * cols, vector, cols);
+}
+
+void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
+                     const pzs_real *restrict table, const pzs_real *restrict vector, size_t rows,
+                     size_t cols)
+{
+    if (cols == 0)
+        memcpy(product, from, rows * sizeof *product);
+    multiply(product, from, 1, table, vector, rows, cols);
+}
+
+void pzs_product_sum_rows(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
+                          const pzs_real *restrict vector, size_t rows, size_t cols)
+{
+    sum_rows(product, table, stride, vector, rows, cols);
 }
 
 /* ---- of two vectors ------------------------------------------------------------- */

@@ -24,16 +24,16 @@ n=0
     --set 'hysteresis={range: [-300, 300], slopes: [0.368547, 0.426044, 0.437888, 0.503396], slack: [19.091, 47.0075, 79.6316, 115.746, 154.699, 196.076, 239.583, 285], above: [0.082997, 0.18585, 0.337765, 0.194578, 0.0411033, 0.0167373, 0.00482822, 0.0381532], below: [0.0661642, 0.149027, 0.290258, 0.153003, 0.00975122, 0, 0, 0.0376249], offset: -2.96617, creep_time: [0.1, 1, 10], creep: [0.0340785, 0.00622968, 0.136663]}' \
     --image control --prefix demo -o "$dir/count_hysteresis.h" >/dev/null || { echo 'not ok 1 - tables of a ceramic'; exit 1; }
 
-# row NAME BITS LEVEL MACHINE SCRIPT PROCESSOR...
+# row NAME BITS LEVEL MACHINE SCRIPT PROCESSOR...: $program with the tables $tables.h
 row() {
     n=$((n + 1))
     name=$1 bits=$2 level=$3 machine=$4 script=$5
     shift 5
     sources=$(echo "$rest" | sed "s/count_tick.c/$program.c/")
     # shellcheck disable=SC2086
-    $CC "$@" $flags -DPZS_REAL_BITS="$bits" "$level" -DDEMO_TABLES="\"$program.h\"" -nostartfiles -Lfirmware_demo/boards -T"firmware_demo/boards/$script.ld" \
+    $CC "$@" $flags -DPZS_REAL_BITS="$bits" "$level" -DDEMO_TABLES="\"$tables.h\"" -nostartfiles -Lfirmware_demo/boards -T"firmware_demo/boards/$script.ld" \
         -Wl,--gc-sections $sources firmware_demo/boards/start.c firmware_demo/boards/board_mps2.c -lm -o "$dir/tick.elf" &&
-        gcc $flags -DPZS_REAL_BITS="$bits" -O2 -DDEMO_TABLES="\"$program.h\"" $sources firmware_demo/boards/board_host.c -lm -o "$dir/tick" ||
+        gcc $flags -DPZS_REAL_BITS="$bits" -O2 -DDEMO_TABLES="\"$tables.h\"" $sources firmware_demo/boards/board_host.c -lm -o "$dir/tick" ||
         { echo "not ok $n - build"; return; }
     timeout 120 "${QEMU:-qemu-system-arm}" -M "$machine" -icount shift=10 -kernel "$dir/tick.elf" -nographic -monitor none \
         -serial stdio -semihosting-config enable=on,target=native </dev/null 2>/dev/null | tr -d '\r' >"$dir/out"
@@ -67,12 +67,15 @@ pair() {
 }
 
 program=count_tick
+tables=count_tick
 row Cortex-M4F 32 -Os mps2-an386 mps2_an386 -mthumb -mfloat-abi=hard -mcpu=cortex-m4 -mfpu=fpv4-sp-d16
 row Cortex-M7 64 -O2 mps2-an500 mps2_an500 -mthumb -mfloat-abi=hard -mcpu=cortex-m7 -mfpu=fpv5-d16
-program=count_damped
+# The loop of a scene block by block.
+program=count_blocks
+tables=count_damped
 row 'Cortex-M4F, damped' 32 -Os mps2-an386 mps2_an386 -mthumb -mfloat-abi=hard -mcpu=cortex-m4 -mfpu=fpv4-sp-d16
 row 'Cortex-M7, damped' 64 -O2 mps2-an500 mps2_an500 -mthumb -mfloat-abi=hard -mcpu=cortex-m7 -mfpu=fpv5-d16
-program=count_hysteresis
+tables=count_hysteresis
 row 'Cortex-M4F, compensated' 32 -Os mps2-an386 mps2_an386 -mthumb -mfloat-abi=hard -mcpu=cortex-m4 -mfpu=fpv4-sp-d16
 row 'Cortex-M7, compensated' 64 -O2 mps2-an500 mps2_an500 -mthumb -mfloat-abi=hard -mcpu=cortex-m7 -mfpu=fpv5-d16
 for blocks in 1 5; do

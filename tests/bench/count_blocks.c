@@ -1,0 +1,234 @@
+/*
+ * Instructions of each block of a control loop on a Cortex-M under QEMU, or on the host to compare
+ * the bits. The loop is the list of blocks in the generated header DEMO_TABLES, whatever blocks it
+ * holds, so that one program counts every loop.
+ *
+ * The plant responds more weakly than the tables say, and vibrates in the modes of the tables. In
+ * the calm ticks the target moves slowly; the last hundred of them are the warm ticks. The
+ * following SEARCHED ticks search for the longest tick: targets jump between the shapes of random
+ * voltages, sensors fall silent, ticks are missed, and amplifiers are held and released.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
+#include "pzs.h"
+#include "../../firmware_demo/boards/board.h"
+#include "../../firmware_demo/demos/print.h"
+#include "../../lib/core/guard.h"
+#include DEMO_TABLES
+
+#ifndef SEARCHED
+#define SEARCHED 2000
+#endif
+#ifndef DEMO_MODES
+#define DEMO_MODES 0
+#endif
+
+#define GAIN PZS_R(0.9) /* response of the plant to a voltage, divided by that of the tables */
+#define MODE_COUNT (DEMO_MODES + 1) /* number of modes plus 1, because an array needs an entry */
+
+enum { CALM = 300, WARM = 200, EPISODE = 64 };
+
+/* Numbers of instructions: sums over all ticks and over the warm ticks, and the most of a tick. */
+typedef struct cost {
+    uint32_t total, warm, most;
+} cost;
+
+static cost block_cost[DEMO_BLOCKS], rest_cost, loop_cost;
+static pzs_block_type counted_type[DEMO_BLOCKS];
+static pzs_block counted[DEMO_BLOCKS];
+static uint32_t next_block; /* first block of the list that has not run yet in this tick */
+static uint32_t in_blocks;  /* number of instructions of the blocks in this tick */
+static int tick_number;
+
+static uint64_t loop_work[DEMO_LOOP_BYTES / sizeof(uint64_t) + 2u];
+static pzs_real wanted[DEMO_OUTPUTS], readings[DEMO_READINGS];
+static pzs_real position[MODE_COUNT], velocity[MODE_COUNT], deviation[MODE_COUNT];
+static pzs_loop loop;
+static uint32_t seed = 1;
+
+/* Random number from 0 to 1. */
+static pzs_real uniform(void)
+{
+    seed = seed * 1664525u + 1013904223u;
+    return (pzs_real)(seed >> 8) / PZS_R(16777216.0);
+}
+
+/* ---- counting ---------------------------------------------------------- */
+
+static void add(cost *sum, uint32_t spent)
+{
+    const bool is_warm = tick_number >= WARM && tick_number < CALM;
+    sum->total += spent;
+    sum->warm += is_warm ? spent : 0;
+    sum->most = spent > sum->most ? spent : sum->most;
+}
+
+/*
+ * Run and count a block of the list: the first one that has not run yet in this tick and whose
+ * tables are those of the running block.
+ */
+static pzs_status counted_tick(void *self, pzs_loop_signals *signals)
+{
+    while (demo_blocks[next_block].tables != signals->tables)
+        next_block++;
+    const uint32_t block = next_block++;
+    const uint32_t from = board_count();
+    const pzs_status status = demo_blocks[block].type->block_tick(self, signals);
+    const uint32_t spent = board_instructions(from, board_count());
+    add(&block_cost[block], spent);
+    in_blocks += spent;
+    return status;
+}
+
+static void wrap_blocks(void)
+{
+    for (uint32_t k = 0; k < DEMO_BLOCKS; k++) {
+        counted_type[k] = *demo_blocks[k].type;
+        counted_type[k].block_tick = counted_tick;
+        counted[k] = (pzs_block){&counted_type[k], demo_blocks[k].tables};
+    }
+}
+
+static void print_cost(const char *name, const cost *sum)
+{
+    print_text("count ");
+    print_text(name);
+    print_count("mean", sum->total / (CALM + SEARCHED));
+    print_count("worst", sum->most);
+    print_count("warm", sum->warm / (CALM - WARM));
+    print_text("\n");
+}
+
+/* ---- plant ------------------------------------------------------------- */
+
+/* Shape, or readings of a few sensors, per voltage and per mode. */
+#ifdef DEMO_SENSORS
+#define READING_PER_VOLT demo_direct
+#define READING_PER_MODE demo_mode_reading
+#else
+#define READING_PER_VOLT demo_influence
+#define READING_PER_MODE demo_mode_shape
+#endif
+
+/* Move the modes of the plant by one tick under the present voltages. */
+static void vibrate(const pzs_real *voltage)
+{
+#if DEMO_MODES > 0
+    for (int k = 0; k < DEMO_MODES; k++) {
+        pzs_real rest = 0;
+        for (int j = 0; j < DEMO_INPUTS; j++)
+            rest += GAIN * demo_modal[k * DEMO_INPUTS + j] * voltage[j];
+        const pzs_real d = position[k] - rest, speed = velocity[k];
+        deviation[k] = demo_turn[k] * d + demo_turn[DEMO_MODES + k] * speed;
+        position[k] = rest + deviation[k];
+        velocity[k] = demo_turn[2 * DEMO_MODES + k] * d + demo_turn[3 * DEMO_MODES + k] * speed;
+    }
+#endif
+    for (int i = 0; i < DEMO_READINGS; i++) {
+        readings[i] = 0;
+        for (int j = 0; j < DEMO_INPUTS; j++)
+            readings[i] += GAIN * READING_PER_VOLT[i * DEMO_INPUTS + j] * voltage[j];
+#if DEMO_MODES > 0
+        for (int k = 0; k < DEMO_MODES; k++)
+            readings[i] += READING_PER_MODE[i * DEMO_MODES + k] * deviation[k];
+#endif
+    }
+}
+
+/* Let the target be the shape of random voltages up to `size` times the limits. */
+static void jump(pzs_real size)
+{
+    for (int i = 0; i < DEMO_OUTPUTS; i++)
+        wanted[i] = 0;
+    for (int j = 0; j < DEMO_INPUTS; j++) {
+        const pzs_real voltage = size * demo_upper[j] * (2 * uniform() - 1);
+        for (int i = 0; i < DEMO_OUTPUTS; i++)
+            wanted[i] += voltage * demo_influence[i * DEMO_INPUTS + j];
+    }
+}
+
+/* ---- search for the longest tick ---------------------------------------- */
+
+/* Hold or release a random amplifier. */
+static void hold_some(void)
+{
+    const uint16_t input = (uint16_t)(uniform() * DEMO_INPUTS) % DEMO_INPUTS;
+    if (uniform() < PZS_R(0.5))
+        (void)pzs_hold(loop.info.control, input, (2 * uniform() - 1) * demo_upper[input]);
+    else
+        (void)pzs_release(loop.info.control, input);
+}
+
+/* Let readings of some sensors be missing. */
+static void silence(void)
+{
+    const pzs_real part = uniform();
+    for (int i = 0; i < DEMO_READINGS; i++)
+        readings[i] = uniform() < part ? (pzs_real)NAN : readings[i];
+}
+
+/* Targets and disturbances of one tick of the search; each episode has its own kinds of them. */
+static void disturb(int tick)
+{
+    static int hold;
+    static pzs_real size;
+    static bool is_silent, is_late;
+    if (tick % EPISODE == 0) {
+        hold = 1 << 2 * (int)(uniform() * 4);
+        size = PZS_R(0.2) + PZS_R(1.8) * uniform();
+        is_silent = uniform() < PZS_R(0.2);
+        is_late = uniform() < PZS_R(0.2);
+    }
+    if (tick % hold == 0)
+        jump(size);
+    if (is_silent && tick % 4 == 0)
+        silence();
+    if (is_late && tick % 8 == 0)
+        (void)pzs_loop_skip(&loop, 1u + (uint32_t)(uniform() * 3));
+    if (tick % EPISODE == EPISODE / 2)
+        hold_some();
+}
+
+static pzs_status run(int tick)
+{
+    tick_number = tick;
+    vibrate(loop.info.voltage);
+    if (tick >= CALM)
+        disturb(tick - CALM);
+    for (int i = 0; tick < CALM && i < DEMO_OUTPUTS; i++)
+        wanted[i] = (1 - PZS_R(0.001) * (pzs_real)tick) * demo_target[i];
+    next_block = 0;
+    in_blocks = 0;
+    const uint32_t from = board_count();
+    const pzs_status status = pzs_loop_tick(&loop, wanted, readings);
+    const uint32_t spent = board_instructions(from, board_count());
+    add(&loop_cost, spent);
+    add(&rest_cost, spent - in_blocks);
+    return status;
+}
+
+int main(void)
+{
+    uint32_t crc = GUARD_CRC_START;
+    board_start();
+    wrap_blocks();
+    pzs_status worst =
+        pzs_loop_init(&loop, counted, DEMO_BLOCKS, NULL, loop_work, sizeof loop_work);
+    for (int tick = 0; tick < CALM + SEARCHED && !PZS_IS_ERROR(worst); tick++) {
+        const pzs_status status = run(tick);
+        worst = status > worst ? status : worst;
+        crc = pzs_guard_crc(crc, loop.info.voltage, DEMO_INPUTS * sizeof(pzs_real));
+    }
+    for (uint32_t k = 0; k < DEMO_BLOCKS; k++)
+        print_cost(demo_blocks[k].type->name, &block_cost[k]);
+    print_cost("loop", &rest_cost);
+    print_cost("all", &loop_cost);
+    print_text("count bytes");
+    print_count("loop", sizeof loop_work);
+    print_count("stack", board_stack_used());
+    print_text("\nbits");
+    print_hex("voltages", ~crc);
+    print_count("status", worst);
+    print_text("\n");
+    return PZS_IS_ERROR(worst);
+}
