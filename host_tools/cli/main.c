@@ -214,9 +214,9 @@ static int write_vtu(const analysis *analysis, const double *displacement,
         return status;
     }
     report_displacement(mesh, displacement, vector);
-    const report_field field = {"displacement", vector};
+    const report_array array = {"displacement", 3, false, vector};
     const int failed = stress ? report_stress_vtu(output.file, stress, vector)
-                              : report_vtu(output.file, mesh, &field, 1);
+                              : report_vtu(output.file, mesh, NULL, &array, 1);
     free(vector);
     return outfile_end(&output, failed);
 }
@@ -570,23 +570,20 @@ static int write_modes(const vibration *vibration, const mesh *mesh, const char 
 {
     const size_t length = 3 * (size_t)mesh->nodes, count = (size_t)vibration->count;
     double *vector = calloc(length * count, sizeof *vector);
-    report_field *field = calloc(count, sizeof *field);
-    char(*name)[32] = calloc(count, sizeof *name);
+    report_array *array = calloc(count, sizeof *array);
     outfile output;
-    int status =
-        vector && field && name ? outfile_begin(&output, path) : complain("out of memory", 1);
+    int status = vector && array ? outfile_begin(&output, path) : complain("out of memory", 1);
     if (status == 0) {
         for (size_t i = 0; i < count; i++) {
-            snprintf(name[i], sizeof name[i], "mode_%zu", i + 1);
+            array[i] = (report_array){.components = 3, .value = vector + i * length};
+            snprintf(array[i].name, sizeof array[i].name, "mode_%zu", i + 1);
             report_displacement(mesh, vibration->shape + i * (size_t)mesh->free_dof,
-                                vector + i * length);
-            field[i] = (report_field){name[i], vector + i * length};
+                                array[i].value);
         }
-        status = outfile_end(&output, report_vtu(output.file, mesh, field, vibration->count));
+        status = outfile_end(&output, report_vtu(output.file, mesh, NULL, array, vibration->count));
     }
     free(vector);
-    free(field);
-    free(name);
+    free(array);
     return status;
 }
 

@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include "../model/modes.h"
-#include "../model/stress.h"
+#include "../model/stress_points.h"
 #include "../simulate/simulate_record.h"
 
 /*
@@ -47,15 +47,6 @@ int report_shape(const report_job *job, const analysis *analysis, const voltages
 int report_simulate(const report_job *job, const simulation *simulation,
                     const simulate_record *record);
 
-/* A named displacement field u [nodes][3] of the middle surface, in Cartesian components. */
-typedef struct report_field {
-    const char *name;
-    const double *displacement;
-} report_field;
-
-/* Write a VTK file for ParaView: the mesh, with each of the fields as a vector at the nodes. */
-int report_vtu(FILE *file, const mesh *mesh, const report_field *field, int fields);
-
 /* An array of values at the points or in the cells of a VTK file. */
 typedef struct report_array {
     char name[256];
@@ -65,12 +56,12 @@ typedef struct report_array {
 } report_array;
 
 /*
- * Write a VTK file whose points are nodes of a mesh, and whose cells are its elements.
- *   node   [points]    in  node of each point
- *   corner [elements]  in  points of the corners of each element
+ * Write a VTK file for ParaView, with arrays of values at its points and in its cells, which are
+ * the elements of the mesh.
+ *   points  in  points of the file and the corners of its cells; NULL: the nodes of the mesh
  */
-int report_vtu_arrays(FILE *file, const mesh *mesh, const int *node, int points, int (*corner)[4],
-                      const report_array *array, int arrays);
+int report_vtu(FILE *file, const mesh *mesh, const stress_points *points, const report_array *array,
+               int arrays);
 
 /*
  * Write a VTK file with the displacement and the recovered stresses: for each layer and height

@@ -36,12 +36,6 @@ void draw_step(FILE *file, bool *is_drawing, const double at[2])
     *is_drawing = is_place(at);
 }
 
-void draw_line(FILE *file, const double from[2], const double to[2])
-{
-    if (is_place(from) && is_place(to))
-        put(file, "M%f %fL%f %f", from[0], from[1], to[0], to[1]);
-}
-
 void draw_polygon(FILE *file, const double (*at)[2], int count)
 {
     bool is_drawing = false;
@@ -50,7 +44,7 @@ void draw_polygon(FILE *file, const double (*at)[2], int count)
             return;
     for (int k = 0; k < count; k++)
         draw_step(file, &is_drawing, at[k]);
-    fputc('z', file);
+    fputs(count > 2 ? "z" : "", file);
 }
 
 void draw_path_end(FILE *file)
@@ -65,9 +59,10 @@ void draw_disc(FILE *file, const char *style, const double at[2], double radius)
             radius);
 }
 
-void draw_extend(draw_scale *scale, double value)
+void draw_extend(draw_scale *scale, const double *value, int count)
 {
-    scale->most = fmax(scale->most, fabs(value));
+    for (int i = 0; i < count; i++)
+        scale->most = fmax(scale->most, fabs(value[i]));
 }
 
 int draw_level(const draw_scale *scale, double value)
@@ -140,12 +135,11 @@ double draw_on(const draw_axis *axis, double value)
 
 void draw_widen(draw_axis *axis, const double *value, int count)
 {
-    for (int i = 0; i < count; i++) {
-        if (axis->is_log && !(value[i] > 0))
-            continue;
-        axis->low = fmin(axis->low, value[i]);
-        axis->high = fmax(axis->high, value[i]);
-    }
+    for (int i = 0; i < count; i++)
+        if (!axis->is_log || value[i] > 0) {
+            axis->low = fmin(axis->low, value[i]);
+            axis->high = fmax(axis->high, value[i]);
+        }
 }
 
 void draw_curve(FILE *file, const char *style, const draw_axis *x, const double *along,

@@ -30,12 +30,12 @@ void draw_page_style(FILE *file);
 void draw_picture_style(FILE *file);
 
 /*
- * Begin and end an SVG path with a style class. Between both calls, draw_step, draw_line and
- * draw_polygon append to the path, and leave out points whose coordinates are not finite.
+ * Begin and end an SVG path with a style class. Between both calls, draw_step appends a point to a
+ * line unless its coordinates are not finite, and draw_polygon a polygon, or a straight line
+ * through 2 points, unless any of its points is not finite.
  */
 void draw_path(FILE *file, const char *style);
 void draw_step(FILE *file, bool *is_drawing, const double at[2]);
-void draw_line(FILE *file, const double from[2], const double to[2]);
 void draw_polygon(FILE *file, const double (*at)[2], int count);
 void draw_path_end(FILE *file);
 
@@ -43,24 +43,21 @@ void draw_path_end(FILE *file);
 void draw_disc(FILE *file, const char *style, const double at[2], double radius);
 
 /*
- * Number of colours of a scale, and width of the legend of a scale in pixels. The style classes of
- * the colours are s0 to s32 on a signed scale (blue, neutral, orange), and v0 to v32 on a scale
- * from zero (viridis).
+ * Number of colours of a scale, and width of its legend in pixels. The style classes of the colours
+ * are s0 to s32 on a signed scale (blue, neutral, orange), v0 to v32 on a scale from zero
+ * (viridis).
  */
 enum { DRAW_LEVELS = 33, DRAW_LEGEND_WIDTH = 330 };
 
-/*
- * A colour scale in the given unit. Its values range from -most to most if is_signed is true, else
- * from 0 to most.
- */
+/* A colour scale for values from -most to most (is_signed), or from 0 to most, in a unit. */
 typedef struct draw_scale {
     bool is_signed;
     double most;
     const char *unit;
 } draw_scale;
 
-/* Extend the range of a colour scale to contain a value. */
-void draw_extend(draw_scale *scale, double value);
+/* Extend the range of a colour scale to contain values. */
+void draw_extend(draw_scale *scale, const double *value, int count);
 
 /*
  * draw_level returns the index of the colour of a value, or -1 if the value is not finite.
@@ -95,10 +92,7 @@ typedef struct draw_axis {
 /* Pixel coordinate of a value on an axis. */
 double draw_on(const draw_axis *axis, double value);
 
-/*
- * Widen the range of an axis to contain values; a logarithmic axis ignores those that are not
- * positive.
- */
+/* Widen the range of an axis to contain values, on a logarithmic axis those that are positive. */
 void draw_widen(draw_axis *axis, const double *value, int count);
 
 /*

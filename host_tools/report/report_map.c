@@ -5,7 +5,6 @@
 #include <string.h>
 #include "../mesh/mesh_spot.h"
 #include "../scene/outline_pieces.h"
-#include "../text/words.h"
 #include "report_shell.h"
 
 /* Height of the lines of text below a map, in pixels. */
@@ -19,24 +18,21 @@ static void write_ranges(const shell *map)
 {
     static const char *const names[2][2] = {{"x to the right", "y upwards"},
                                             {"θ₁ downwards", "θ₂ to the right"}};
-    const design *design = map->design;
     const bool has_parameters = view_has_parameters(map->mesh);
-    const double *normal = map->view.axis[2];
+    const double *normal = map->view.axis[2], foot = map->view.height + 5;
     if (map->mesh->quads)
         put(map->file, "<text class=\"value\" x=\"160\" y=\"%f\">seen along (%n, %n, %n)</text>\n",
-            map->view.height + 5, normal[0], normal[1], normal[2]);
+            foot, normal[0], normal[1], normal[2]);
     for (int a = 0; a < 2 && !map->mesh->quads; a++) {
-        const scene_line *line = &design->mesh.line[a];
+        const scene_line *line = &map->mesh->line[a];
+        const bool is_angle = has_parameters && map->mesh->is_angle[a];
         const double low = has_parameters ? line->point[0] : map->view.low[a];
         const double high = has_parameters ? line->point[line->elements] : map->view.high[a];
-        char text[WORDS_UNIT];
-        words_unit(&design->units,
-                   has_parameters && map->mesh->is_angle[a] ? QUANTITY_ANGLE : QUANTITY_LENGTH,
-                   text);
-        const put_unit unit = put_unit_of(fmax(fabs(low), fabs(high)), text);
+        const put_unit unit =
+            put_unit_of(fmax(fabs(low), fabs(high)), is_angle ? "rad" : map->design->units.length);
         put(map->file, "<text class=\"value\" x=\"160\" y=\"%f\">%s from %n to %n%u</text>\n",
-            map->view.height + 5 + 14 * a, names[has_parameters][a], low * unit.factor,
-            high * unit.factor, unit.name);
+            foot + 14 * a, names[has_parameters][a], low * unit.factor, high * unit.factor,
+            unit.name);
     }
 }
 
@@ -72,9 +68,10 @@ static bool do_overlap(const design *design, const scene_actuator *one, const sc
     return false;
 }
 
-void shell_find_plans(const design *design, int *plan)
+int shell_find_plans(const design *design, int *plan)
 {
     const scene_actuator *actuator = design->actuator;
+    int plans = 0;
     for (int k = 0; k < design->actuators; k++) {
         plan[k] = actuator[k].drives > 0 || actuator[k].stacks ? 0 : -1;
         for (int other = 0; other < k; other++)
@@ -82,7 +79,9 @@ void shell_find_plans(const design *design, int *plan)
                 plan[k]++;
                 other = -1;
             }
+        plans = plan[k] >= plans ? plan[k] + 1 : plans;
     }
+    return plans;
 }
 
 /*
@@ -90,8 +89,7 @@ void shell_find_plans(const design *design, int *plan)
  * outline.
  */
 typedef struct electrode {
-    const shell *map;
-    shell part; /* copy of the map with only the elements of a patch */
+    shell part; /* copy of the map, for a patch of whole elements with only its elements */
     const scene_patches *patches;
     int index;                    /* number of the electrode in `patches` */
     double low[2], high[2], area; /* bounding box (pixels) and area (pixels squared) in the picture,
@@ -111,7 +109,7 @@ static void draw_piece(void *context, int element, const double (*natural)[2], s
     for (size_t k = 0; k <= count; k++) {
         const double *point = natural[k % count];
         const double share[2] = {(point[0] + 1) / 2, (point[1] + 1) / 2};
-        shell_inside(electrode->map, element, share, at);
+        shell_inside(&electrode->part, element, share, at);
         twice += k > 0 ? before[0] * at[1] - before[1] * at[0] : 0;
         for (int i = 0; i < 2; i++) {
             electrode->low[i] = fmin(electrode->low[i], at[i]);
@@ -119,62 +117,44 @@ static void draw_piece(void *context, int element, const double (*natural)[2], s
             before[i] = at[i];
         }
         if (k < count)
-            draw_step(electrode->map->file, &is_drawing, at);
+            draw_step(electrode->part.file, &is_drawing, at);
     }
-    fputs(count > 2 ? "z" : "", electrode->map->file);
+    fputs(count > 2 ? "z" : "", electrode->part.file);
     electrode->area += fabs(twice) / 2;
 }
 
-/*
- * Prepare the drawing of an electrode: find the elements of a patch that consists of whole
- * elements. An electrode of arbitrary outline gets no list of elements.
- */
+/* Prepare the drawing of an electrode: find the elements of a patch of whole elements. */
 static electrode open_electrode(const shell *map, const scene_patches *patches, int index)
 {
-    electrode electrode = {.map = map, .part = *map, .patches = patches, .index = index};
+    electrode electrode = {*map, patches, index, {HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}, 0};
     design_part found;
+    if (patches->outlines)
+        return electrode;
     electrode.part.cell = map->cell + map->cells;
     electrode.part.cells = 0;
-    for (int i = 0; i < 2; i++) {
-        electrode.low[i] = HUGE_VAL;
-        electrode.high[i] = -HUGE_VAL;
-    }
-    for (int e = 0; e < map->cells && !patches->outlines; e++)
+    for (int e = 0; e < map->cells; e++)
         if (design_patches_in(map->mesh, e, patches, &found) > 0 && found.patch == index)
             memcpy(electrode.part.cell[electrode.part.cells++], map->cell[e], sizeof *map->cell);
     return electrode;
 }
 
-/* Draw the area of an electrode in a style. */
-static void draw_area(electrode *electrode, const char *style)
+/* Draw the area or the border of an electrode in a style. */
+static void draw_pieces(electrode *electrode, bool is_border, const char *style)
 {
     static const double square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-    const mesh *mesh = electrode->map->mesh;
-    design_part found;
-    draw_path(electrode->map->file, style);
-    for (int e = 0; e < mesh->elements; e++)
-        if (electrode->patches->outlines)
-            design_pieces(electrode->map->design, electrode->patches, electrode->index, e, false,
-                          draw_piece, electrode);
-        else if (design_patches_in(mesh, e, electrode->patches, &found) > 0 &&
-                 found.patch == electrode->index)
-            draw_piece(electrode, e, square, 4);
-    draw_path_end(electrode->map->file);
-}
-
-/* Draw the border of an electrode in a style. */
-static void draw_border(electrode *electrode, const char *style)
-{
-    const mesh *mesh = electrode->map->mesh;
-    if (!electrode->patches->outlines) {
-        shell_edges(&electrode->part, style);
+    const shell *part = &electrode->part;
+    if (is_border && !electrode->patches->outlines) {
+        shell_edges(part, style);
         return;
     }
-    draw_path(electrode->map->file, style);
-    for (int e = 0; e < mesh->elements; e++)
-        design_pieces(electrode->map->design, electrode->patches, electrode->index, e, true,
-                      draw_piece, electrode);
-    draw_path_end(electrode->map->file);
+    draw_path(part->file, style);
+    for (int k = 0; k < part->cells; k++)
+        if (electrode->patches->outlines)
+            design_pieces(part->design, electrode->patches, electrode->index, k, is_border,
+                          draw_piece, electrode);
+        else
+            draw_piece(electrode, k, square, 4);
+    draw_path_end(part->file);
 }
 
 /* Space for the text of a voltage in the picture: middle, width and height in pixels. */
@@ -192,45 +172,28 @@ static text_room room_of(const electrode *electrode)
     static const double half[2] = {0.5, 0.5};
     const double *low = electrode->low, *high = electrode->high;
     const double width = high[0] - low[0], height = high[1] - low[1];
-    const double centre[2] = {low[0] + width / 2, low[1] + height / 2};
-    text_room room = {{centre[0], centre[1]}, electrode->area / height, electrode->area / width};
-    double at[2], nearest[2] = {0, 0}, least = HUGE_VAL;
-    for (int k = 0; k < electrode->part.cells; k++) {
+    const int cells = electrode->patches->outlines ? 0 : electrode->part.cells;
+    const text_room room = {{low[0] + width / 2, low[1] + height / 2},
+                            electrode->area / height,
+                            electrode->area / width};
+    text_room nearest = room;
+    double least = HUGE_VAL;
+    for (int k = 0; k < cells; k++) {
+        double at[2];
         shell_inside(&electrode->part, k, half, at);
-        const double distance = hypot(at[0] - centre[0], at[1] - centre[1]);
+        const double distance = hypot(at[0] - room.middle[0], at[1] - room.middle[1]);
         if (distance < least)
-            memcpy(nearest, at, sizeof at);
+            memcpy(nearest.middle, at, sizeof at);
         least = fmin(least, distance);
     }
-    if (electrode->part.cells > 0 && least > sqrt(electrode->area / electrode->part.cells))
-        memcpy(room.middle, nearest, sizeof nearest);
-    return room;
+    return cells > 0 && least > sqrt(electrode->area / cells) ? nearest : room;
 }
 
 /*
- * Write a voltage in the largest font that fits into its space. A voltage at a limit is written in
- * any case, another one only if its font is large enough to be read.
+ * Style class of the outline that marks a voltage, for each value of shell_mark: no mark, limit
+ * active, beyond the limits.
  */
-static void write_voltage(FILE *file, const draw_scale *scale, const text_room *room,
-                          double voltage, bool is_marked)
-{
-    const double digit = 0.6; /* width of a digit relative to the font size */
-    const double smallest = 4.5, readable = 9, largest = 14; /* font sizes: smallest one used,
-                                                                smallest readable one, largest one
-                                                                used (pixels) */
-    const int decimals = (scale->most < 100) + (scale->most < 10);
-    char text[40];
-    snprintf(text, sizeof text, "%.*f", decimals, voltage);
-    double size = fmin(room->height * 0.5, (room->width - 6) / (digit * (double)strlen(text)));
-    const bool is_over = is_marked && size < smallest;
-    const char *tone = is_over ? "tag" : draw_tone(scale, voltage);
-    const char *sign = strtod(text, NULL) < 0 ? "−" : "";
-    size = is_over ? readable : fmin(size, largest);
-    if (size >= smallest)
-        put(file, "<text class=\"value %s\" style=\"font-size:%fpx\" x=\"%f\" y=\"%f\">%s%s</text>",
-            tone, size, room->middle[0], room->middle[1] + size * 0.36, sign,
-            text + (*text == '-'));
-}
+static const char *const mark_style[] = {"patch", "limit", "beyond"};
 
 /* Begin the group of an amplifier, with a title that says its voltage. */
 static void begin_amplifier(FILE *file, const design *design, const shell_voltage_set *set,
@@ -242,10 +205,29 @@ static void begin_amplifier(FILE *file, const design *design, const shell_voltag
 }
 
 /*
- * Style class of the outline that marks a voltage, for each value of shell_mark: no mark, limit
- * active, beyond the limits.
+ * Write the voltage of an amplifier in the largest font that fits into its space, and end the group
+ * of the amplifier. A voltage at a limit is written in any case, another one only if its font is
+ * large enough to be read.
  */
-static const char *const mark_style[] = {"patch", "limit", "beyond"};
+static void end_amplifier(FILE *file, const shell_voltage_set *set, int amplifier,
+                          const text_room *room)
+{
+    const double digit = 0.6; /* width of a digit relative to the font size */
+    const double smallest = 4.5, readable = 9, largest = 14; /* font sizes (pixels) */
+    const double voltage = set->voltage[amplifier], most = set->scale->most;
+    char text[40];
+    snprintf(text, sizeof text, "%.*f", (most < 100) + (most < 10), voltage);
+    double size = fmin(room->height * 0.5, (room->width - 6) / (digit * (double)strlen(text)));
+    const bool is_over = set->mark[amplifier] != SHELL_FREE && size < smallest;
+    const char *tone = is_over ? "tag" : draw_tone(set->scale, voltage);
+    const char *sign = strtod(text, NULL) < 0 ? "−" : "";
+    size = is_over ? readable : fmin(size, largest);
+    if (size >= smallest && isfinite(voltage))
+        put(file, "<text class=\"value %s\" style=\"font-size:%fpx\" x=\"%f\" y=\"%f\">%s%s</text>",
+            tone, size, room->middle[0], room->middle[1] + size * 0.36, sign,
+            text + (*text == '-'));
+    fputs("</g>\n", file);
+}
 
 /*
  * Draw an electrode with the voltage of its amplifier, and with a second outline inside its border
@@ -253,24 +235,21 @@ static const char *const mark_style[] = {"patch", "limit", "beyond"};
  */
 static void draw_electrode(electrode *electrode, const shell_voltage_set *set, int amplifier)
 {
-    FILE *file = electrode->map->file;
+    FILE *file = electrode->part.file;
     const double voltage = set->voltage[amplifier], rest = 1 - 0.86;
-    const bool is_marked = set->mark[amplifier] != SHELL_FREE;
-    begin_amplifier(file, electrode->map->design, set, amplifier);
-    draw_area(electrode, draw_colour(set->scale, voltage));
+    begin_amplifier(file, electrode->part.design, set, amplifier);
+    draw_pieces(electrode, false, draw_colour(set->scale, voltage));
     const text_room room = room_of(electrode);
-    draw_border(electrode, electrode->patches->outlines ? "frame" : "patch");
-    if (is_marked) {
+    draw_pieces(electrode, true, electrode->patches->outlines ? "frame" : "patch");
+    if (set->mark[amplifier] != SHELL_FREE) {
         put(file, "<g class=\"%s %s\" transform=\"translate(%f %f) scale(.86)\">",
             mark_style[set->mark[amplifier]], draw_tone(set->scale, voltage),
             rest * (electrode->low[0] + electrode->high[0]) / 2,
             rest * (electrode->low[1] + electrode->high[1]) / 2);
-        draw_border(electrode, "");
+        draw_pieces(electrode, true, "");
         fputs("</g>", file);
     }
-    if (isfinite(voltage))
-        write_voltage(file, set->scale, &room, voltage, is_marked);
-    fputs("</g>\n", file);
+    end_amplifier(file, set, amplifier, &room);
 }
 
 /* Draw all electrodes of an actuator with their voltages. */
@@ -285,17 +264,17 @@ static void draw_actuator(const shell *map, const scene_actuator *actuator,
     }
 }
 
-/* Pixel coordinates of stack k of an actuator. Returns 0, or -1 without memory. */
-static int stack_at(const shell *map, const scene_actuator *actuator, int k, double at[2])
+/* Compute the pixel coordinates of stack k of an actuator; NAN if memory runs out. */
+static void stack_at(const shell *map, const scene_actuator *actuator, int k, double at[2])
 {
     mesh_spot spot;
     double place[3] = {0, 0, 0};
+    at[0] = at[1] = (double)NAN;
     if (mesh_spot_of_spring(map->mesh, actuator->stacks, k, &spot, place) < 0)
-        return -1;
+        return;
     if (!view_has_parameters(map->mesh))
         mesh_spot_place(map->mesh, &spot, place);
     view_project(&map->view, place, at);
-    return 0;
 }
 
 /* Radius of the discs of an actuator's stacks, which do not touch one another (pixels). */
@@ -304,9 +283,11 @@ static double stack_radius(const shell *map, const scene_actuator *actuator)
     const double largest = 16, share = 0.45;
     double radius = largest, own[2], other[2];
     for (int k = 0; k < actuator->grid[0]; k++)
-        for (int i = 0; i < k; i++)
-            if (stack_at(map, actuator, k, own) == 0 && stack_at(map, actuator, i, other) == 0)
-                radius = fmin(radius, share * hypot(own[0] - other[0], own[1] - other[1]));
+        for (int i = 0; i < k; i++) {
+            stack_at(map, actuator, k, own);
+            stack_at(map, actuator, i, other);
+            radius = fmin(radius, share * hypot(own[0] - other[0], own[1] - other[1]));
+        }
     return radius;
 }
 
@@ -317,18 +298,13 @@ static void draw_stacks(const shell *map, const scene_actuator *actuator,
     const double radius = stack_radius(map, actuator);
     for (int k = 0; k < actuator->grid[0]; k++) {
         const int amplifier = actuator->first + k;
-        const double voltage = set->voltage[amplifier];
-        const bool is_marked = set->mark[amplifier] != SHELL_FREE;
         text_room room = {.width = 1.8 * radius, .height = 1.8 * radius};
-        if (stack_at(map, actuator, k, room.middle) < 0)
-            continue;
+        stack_at(map, actuator, k, room.middle);
         begin_amplifier(map->file, map->design, set, amplifier);
-        draw_disc(map->file, draw_colour(set->scale, voltage), room.middle, radius);
-        if (is_marked)
+        draw_disc(map->file, draw_colour(set->scale, set->voltage[amplifier]), room.middle, radius);
+        if (set->mark[amplifier] != SHELL_FREE)
             draw_disc(map->file, mark_style[set->mark[amplifier]], room.middle, radius - 1);
-        if (isfinite(voltage))
-            write_voltage(map->file, set->scale, &room, voltage, is_marked);
-        fputs("</g>\n", map->file);
+        end_amplifier(map->file, set, amplifier, &room);
     }
 }
 

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../quads/vector.h"
-#include "../text/words.h"
 
 #define PROGRAM "piezoshape " PZS_VERSION_TEXT
 #define FACT(name, value) "<div><dt>" name "</dt><dd>" value "</dd></div>\n"
@@ -19,13 +18,17 @@ int page_open(page *page, const report_job *job, const analysis *analysis)
     page->analysis = analysis;
     page->design = &analysis->design;
     page->mesh = mesh;
-    page->vector = calloc(7 * (size_t)mesh->nodes, sizeof *page->vector);
+    words_unit(&page->design->units, QUANTITY_PRESSURE, page->pressure);
+    page->vector =
+        calloc(7 * (size_t)mesh->nodes + (size_t)page->design->targets, sizeof *page->vector);
     if (shell_open(&page->space, job->file, page->design, false) < 0 ||
         shell_open(&page->map, job->file, page->design, true) < 0 || !page->vector)
         return -1;
     page->wanted = page->vector + 3 * mesh->nodes;
     page->value = page->wanted + 3 * mesh->nodes;
+    page->row = page->value + mesh->nodes;
     page->space.vector = page->vector;
+    page->space.factor = 1;
     return 0;
 }
 
@@ -233,17 +236,18 @@ void page_shape(page *page, const double *u, const double *reached, const double
 {
     const design *design = page->design;
     page_displace(page, u);
+    (void)design_misfit(design, reached, target, page->row);
     page->misfit = 0;
     for (int i = 0; i < 3 * page->mesh->nodes; i++)
         page->value[i / 3] = page->wanted[i] = (double)NAN;
     for (int t = 0; t < design->targets; t++) {
         const int node = design->target_node[t];
         double along[3];
-        shell_component(&page->mesh->point[node], page->design->goal.what.component, along);
-        page->value[node] = reached[t] - target[t];
-        page->misfit = fmax(page->misfit, fabs(page->value[node]));
+        shell_component(&page->mesh->point[node], design->goal.what.component, along);
+        page->value[node] = page->row[t];
+        page->misfit = fmax(page->misfit, fabs(page->row[t]));
         for (int i = 0; i < 3; i++)
-            page->wanted[3 * node + i] = page->vector[3 * node + i] - page->value[node] * along[i];
+            page->wanted[3 * node + i] = page->vector[3 * node + i] - page->row[t] * along[i];
     }
 }
 

@@ -3,6 +3,7 @@
 #ifndef REPORT_PAGE_H
 #define REPORT_PAGE_H
 
+#include "../text/words.h"
 #include "report.h"
 #include "report_shell.h"
 
@@ -18,16 +19,16 @@ typedef struct page {
     const mesh *mesh;
     const design *design;
     shell space, map;
-    draw_scale scale; /* colour scale of the values on the surface, common to all pictures in space
-                         of the page */
-    double *vector; /* [nodes][3] displacement of the nodes in the shape that is drawn at present */
-    double *wanted; /* [nodes][3] displacement of the drawn shape in which the component that the
-                       target prescribes has its target value; NAN at nodes outside the target */
-    double *value;  /* [nodes] values that are shown in colours; for a reached shape its misfit,
-                       which is the reached minus the target value of the target's displacement
-                       component, NAN outside the target */
-    double largest; /* largest absolute value of the displacement */
-    double misfit;  /* largest absolute value of the misfit */
+    char pressure[WORDS_UNIT]; /* unit of pressures and stresses; empty if the scene file names none */
+    draw_scale scale; /* colour scale of the values on the surface in all pictures in space */
+    double *vector;   /* [nodes][3] displacement of the nodes */
+    double *wanted;   /* [nodes][3] displacement in which the component that the target prescribes
+                         has its target value; NAN at nodes outside the target */
+    double *value;    /* [nodes] values that are shown in colours; for a reached shape its misfit,
+                         reached minus target value, NAN outside the target */
+    double *row;      /* [targets] work: misfit of each target row */
+    double largest;   /* largest length of the displacement of a node */
+    double misfit;    /* largest absolute value of the misfit */
 } page;
 
 /*
@@ -59,19 +60,16 @@ void page_caption(const page *page, const draw_scale *scale, const char *format,
 void page_map(const page *page, const double *value, const draw_scale *scale, const char *title,
               const char *format, ...);
 
-/* Write the tables of the layers and materials, and the text of the scene file. */
-void page_structure(const page *page);
-
-/* Write the section of the recovered stresses: a map and tables; nothing where field is NULL. */
-void page_stress(const page *page, const stress_field *field);
-
-/* Write the table of the voltages: a row for each amplifier, a column for each result. */
-void page_voltages(const page *page, const voltages *result, int results);
-
 /*
- * Write a section for each pair of voltage limits with the shape error of every mode of the target;
- * nothing is written if the scene has no such modes.
+ * Parts of pages: page_structure writes the tables of the layers and materials and the text of the
+ * scene file; page_stress the section of the recovered stresses, a map and tables, nothing where
+ * field is NULL; page_voltages the table of the voltages, a row for each amplifier and a column for
+ * each result; page_modes for each pair of voltage limits a section with the shape error of every
+ * mode of the target, nothing if the scene has no such modes.
  */
+void page_structure(const page *page);
+void page_stress(const page *page, const stress_field *field);
+void page_voltages(const page *page, const voltages *result, int results);
 void page_modes(const page *page, const modes *modes);
 
 /*

@@ -6,18 +6,17 @@
 
 /*
  * Page of `pzs shape`. All results of the page have the same colour scale of the misfit,
- * page.scale.
+ * page.scale, and of the voltages.
  */
 typedef struct shape_page {
     page page;
     const voltages *result; /* [results] sets of voltages */
     int results;
-    int *plan; /* [actuators] number of the plan (map with voltages) on which each actuator is
-                  drawn, from shell_find_plans */
+    int *plan; /* [actuators] plan on which each actuator is drawn, from shell_find_plans */
     int plans; /* number of plans: maps on which no patches overlap */
-    draw_scale voltage; /* colours of the voltages, the same for all results */
-    shell_mark *mark; /* [amplifiers] marks (limit active, beyond the limits, none) of the voltages
-                         in the result that is drawn at present */
+    draw_scale voltage;
+    shell_mark *mark; /* [amplifiers] marks of the voltages of the result that is drawn at present
+                       */
     double *limit;    /* [2][amplifiers] lowest and highest voltages of this result */
 } shape_page;
 
@@ -40,10 +39,9 @@ static bool is_beyond(const shape_page *shape, const voltages *result, int k)
 /* Largest absolute voltage of a result. */
 static double largest_voltage(const voltages *result)
 {
-    double largest = 0;
-    for (int k = 0; k < result->amplifiers; k++)
-        largest = fmax(largest, fabs(result->voltage[k]));
-    return largest;
+    draw_scale scale = {.most = 0};
+    draw_extend(&scale, result->voltage, result->amplifiers);
+    return scale.most;
 }
 
 /*
@@ -67,21 +65,16 @@ static void find_marks(const shape_page *shape, const voltages *result)
     }
 }
 
-/* Make the shape of a result, with its misfit, the shape that the page draws. */
-static void take_shape(shape_page *shape, const voltages *result)
-{
-    page_shape(&shape->page, result->displacement, result->shape, result->aligned_target);
-}
-
 /*
- * Make a result, with its shape and its marks, the one that the page draws. Returns the colour
+ * Make a result, with its shape, misfit and marks, the one that the page draws. Returns the colour
  * scale of its misfit.
  */
 static draw_scale take_result(shape_page *shape, const voltages *result)
 {
-    take_shape(shape, result);
+    page *page = &shape->page;
+    page_shape(page, result->displacement, result->shape, page->design->target);
     find_marks(shape, result);
-    return (draw_scale){true, shape->page.misfit, shape->page.design->units.length};
+    return (draw_scale){true, page->misfit, page->design->units.length};
 }
 
 /*
@@ -91,21 +84,20 @@ static draw_scale take_result(shape_page *shape, const voltages *result)
 static void fit_page(shape_page *shape)
 {
     page *page = &shape->page;
-    double most = 0;
+    draw_scale displacement = {.most = 0};
     page->scale = (draw_scale){true, 0, page->design->units.length};
     shape->voltage = (draw_scale){true, 0, page->design->units.voltage};
-    for (int t = 0; t < page->design->targets; t++)
-        most = fmax(most, fabs(page->design->target[t]));
+    draw_extend(&displacement, page->design->target, page->design->targets);
     for (int k = 0; k < shape->results; k++) {
-        take_shape(shape, &shape->result[k]);
-        most = fmax(most, page->largest);
-        draw_extend(&page->scale, page->misfit);
-        draw_extend(&shape->voltage, largest_voltage(&shape->result[k]));
+        const draw_scale misfit = take_result(shape, &shape->result[k]);
+        draw_extend(&displacement, &page->largest, 1);
+        draw_extend(&page->scale, &misfit.most, 1);
+        draw_extend(&shape->voltage, shape->result[k].voltage, page->design->amplifiers);
     }
-    page->space.factor =
-        page->analysis->is_nonlinear ? 1 : view_magnification(page->mesh, most, 0.2);
+    if (!page->analysis->is_nonlinear)
+        page->space.factor = view_magnification(page->mesh, displacement.most, 0.2);
     for (int k = 0; k < shape->results; k++) {
-        take_shape(shape, &shape->result[k]);
+        (void)take_result(shape, &shape->result[k]);
         shell_include(&page->space);
         page->space.vector = page->wanted;
         shell_include(&page->space);
@@ -201,10 +193,8 @@ static void write_notes(const shape_page *shape)
 static void draw_levels(const page *page, const voltages *result)
 {
     draw_scale scale = {true, 0, page->design->units.length};
-    for (int t = 0; t < page->design->targets; t++) {
-        draw_extend(&scale, result->aligned_target[t]);
-        draw_extend(&scale, result->shape[t]);
-    }
+    draw_extend(&scale, result->aligned_target, page->design->targets);
+    draw_extend(&scale, result->shape, page->design->targets);
     page_map(page, result->aligned_target, &scale, "Target", "Target, on one scale with reached:");
     page_map(page, result->shape, &scale, "Reached", "Reached, on one scale with target:");
 }
@@ -306,32 +296,24 @@ static void write_picture(shape_page *shape)
     page_end_picture(page, width, height);
 }
 
-/* Prepare the page. Returns 0, or -1: out of memory. */
-static int open_page(shape_page *shape, const report_job *job, const analysis *analysis)
-{
-    const size_t amplifiers = (size_t)analysis->design.amplifiers;
-    const int actuators = analysis->design.actuators;
-    shape->plan = calloc((size_t)actuators + 1, sizeof *shape->plan);
-    shape->mark = calloc(amplifiers + 1, sizeof *shape->mark);
-    shape->limit = calloc(2 * amplifiers + 1, sizeof *shape->limit);
-    if (page_open(&shape->page, job, analysis) < 0 || !shape->plan || !shape->mark || !shape->limit)
-        return -1;
-    shell_find_plans(shape->page.design, shape->plan);
-    for (int k = 0; k < actuators; k++)
-        shape->plans = shape->plan[k] >= shape->plans ? shape->plan[k] + 1 : shape->plans;
-    fit_page(shape);
-    return 0;
-}
-
 int report_shape(const report_job *job, const analysis *analysis, const voltages *result,
                  int results, const modes *modes)
 {
+    const size_t amplifiers = (size_t)analysis->design.amplifiers;
     shape_page shape = {.result = result, .results = results};
-    const bool failed = open_page(&shape, job, analysis) < 0;
-    if (!failed && job->is_svg)
-        write_picture(&shape);
-    else if (!failed)
-        write_page(&shape, modes);
+    shape.plan = calloc((size_t)analysis->design.actuators + 1, sizeof *shape.plan);
+    shape.mark = calloc(amplifiers + 1, sizeof *shape.mark);
+    shape.limit = calloc(2 * amplifiers + 1, sizeof *shape.limit);
+    const bool failed =
+        page_open(&shape.page, job, analysis) < 0 || !shape.plan || !shape.mark || !shape.limit;
+    if (!failed) {
+        shape.plans = shell_find_plans(&analysis->design, shape.plan);
+        fit_page(&shape);
+        if (job->is_svg)
+            write_picture(&shape);
+        else
+            write_page(&shape, modes);
+    }
     free(shape.plan);
     free(shape.mark);
     free(shape.limit);

@@ -158,7 +158,8 @@ static void draw_part(const shell *shell, int cell, const double from[2], const 
     draw_polygon(shell->file, (const double(*)[2])at, 4);
 }
 
-void shell_cells(const shell *shell, const char *style)
+/* Draw all cells as one path in a style, except cells where a displacement is NaN. */
+static void draw_cells(const shell *shell, const char *style)
 {
     static const double first[2] = {0, 0}, last[2] = {1, 1};
     draw_path(shell->file, style);
@@ -169,7 +170,7 @@ void shell_cells(const shell *shell, const char *style)
 
 void shell_lines(const shell *shell, const char *style)
 {
-    (shell->mesh->elements > FINE ? shell_edges : shell_cells)(shell, style);
+    (shell->mesh->elements > FINE ? shell_edges : draw_cells)(shell, style);
 }
 
 void shell_edges(const shell *shell, const char *style)
@@ -184,13 +185,13 @@ void shell_edges(const shell *shell, const char *style)
     qsort(side, (size_t)sides, sizeof *side, quad_side_compare);
     draw_path(shell->file, style);
     for (int k = 0; k < sides; k++) {
-        double from[2], to[2];
+        double ends[2][2];
         if ((k > 0 && quad_side_is_same(&side[k], &side[k - 1])) ||
             (k + 1 < sides && quad_side_is_same(&side[k], &side[k + 1])))
             continue;
-        shell_at(shell, (int)side[k].low, from);
-        shell_at(shell, (int)side[k].high, to);
-        draw_line(shell->file, from, to);
+        shell_at(shell, (int)side[k].low, ends[0]);
+        shell_at(shell, (int)side[k].high, ends[1]);
+        draw_polygon(shell->file, (const double(*)[2])ends, 2);
     }
     draw_path_end(shell->file);
 }
@@ -217,17 +218,6 @@ static void sort_cells(const shell *shell)
     qsort(shell->order, (size_t)shell->cells, sizeof *shell->order, farther_first);
 }
 
-/*
- * Read the values [nodes] at the four corners of a cell (own [4] out). Returns whether all of them
- * are finite.
- */
-static bool corner_values(const shell *shell, int cell, const double *value, double own[4])
-{
-    for (int r = 0; r < 4; r++)
-        own[r] = value[shell->node[shell->cell[cell][r]]];
-    return isfinite(own[0] + own[1] + own[2] + own[3]);
-}
-
 /* Index of the colour at a point inside a cell with the values `own` at its corners. */
 static int level_inside(const double own[4], const draw_scale *scale, double first, double second)
 {
@@ -241,13 +231,16 @@ static int level_inside(const double own[4], const draw_scale *scale, double fir
 
 /*
  * Draw a cell in pieces, each in the colour of the value at its middle; neighbouring pieces in one
- * row with the same colour are drawn as one.
+ * row with the same colour are drawn as one. Returns whether the cell has values at all corners.
  */
-static void paint_cell(const shell *shell, int cell, const double *value, const draw_scale *scale,
+static bool paint_cell(const shell *shell, int cell, const double *value, const draw_scale *scale,
                        int pieces)
 {
     double own[4];
-    const int parts = corner_values(shell, cell, value, own) ? pieces : 1;
+    for (int r = 0; r < 4; r++)
+        own[r] = value[shell->node[shell->cell[cell][r]]];
+    const bool has_values = isfinite(own[0] + own[1] + own[2] + own[3]);
+    const int parts = has_values ? pieces : 1;
     const double size = 1.0 / parts;
     for (int j = 0; j < parts; j++)
         for (int i = 0, end; i < parts; i = end) {
@@ -260,6 +253,7 @@ static void paint_cell(const shell *shell, int cell, const double *value, const 
             draw_part(shell, cell, from, to);
             fputs("\"/>", shell->file);
         }
+    return has_values;
 }
 
 /* Draw the outline and the supported corners of a cell in space. */
@@ -269,7 +263,7 @@ static void draw_frame(const shell *shell, int cell)
     single.cell = shell->cell + cell;
     single.cells = 1;
     if (shell->mesh->elements <= FINE)
-        shell_cells(&single, "edge");
+        draw_cells(&single, "edge");
     for (int r = 0; r < 4; r++)
         if (shell->is_held[single.cell[0][r]])
             shell_node(shell, single.cell[0][r], "pin", 2.5);
@@ -295,19 +289,18 @@ static void draw_points(const shell *shell, const double *value, const draw_scal
 void shell_surface(const shell *shell, const double *value, const draw_scale *scale)
 {
     const int most = shell->is_map ? MAP_PIECES : SPACE_PIECES;
-    int pieces = 1, coloured = 0;
-    double own[4];
+    int pieces = 1;
+    bool has_values = false;
     while (pieces < SIDE_PIECES && (pieces + 1) * (pieces + 1) * shell->cells <= most)
         pieces++;
     sort_cells(shell);
     fputs("<g class=\"cells\">\n", shell->file);
     for (int k = 0; k < shell->cells; k++) {
-        paint_cell(shell, shell->order[k].cell, value, scale, pieces);
-        coloured += corner_values(shell, k, value, own);
+        has_values |= paint_cell(shell, shell->order[k].cell, value, scale, pieces);
         if (!shell->is_map)
             draw_frame(shell, shell->order[k].cell);
     }
-    if (coloured == 0)
+    if (!has_values)
         draw_points(shell, value, scale);
     fputs("</g>\n", shell->file);
 }

@@ -6,22 +6,53 @@
 #include "../model/analysis.h"
 #include "../quads/quad_side.h"
 #include "report_draw.h"
-#include "report_view.h"
 
 /* Width of a map in pixels. */
 enum { SHELL_MAP_WIDTH = 320 };
 
 /*
- * A cell (quadrilateral of a picture) with its depth, by which cells are sorted: the sum of its
- * four corners' coordinates towards the viewer.
+ * A parallel projection, scaled so that all included points fit into the picture. Points have three
+ * coordinates: x, y, z in space, or theta1, theta2 and 0 on a parameter plane.
  */
+typedef struct view {
+    double axis[3][3];      /* directions to the right, up and towards the viewer */
+    double low[2], high[2]; /* range of the included points, to the right and up */
+    double zoom;            /* pixels per length unit */
+    double width, height;   /* size of the picture in pixels */
+} view;
+
+/*
+ * Begin a view that includes no points yet: a view in space of the outer side of a shell, or a map.
+ * The map of a mesh along lines of curvature is its parameter plane (view_has_parameters), with
+ * theta1 downwards and theta2 to the right, as the rows and columns of a printed table of voltages
+ * are. A polar plate and a mesh of points are seen with x to the right and y upwards. A mesh from a
+ * file is seen along its mean normal; a closed surface, which has no mean normal, from above.
+ */
+void view_begin(view *view, const mesh *mesh, bool is_map);
+bool view_has_parameters(const mesh *mesh);
+
+/*
+ * view_include makes a point visible; view_fit fits the included points into a picture of a size in
+ * pixels, at least `least` pixels high; view_project computes the pixel coordinates of a point.
+ */
+void view_include(view *view, const double point[3]);
+void view_fit(view *view, double width, double height, double least);
+void view_project(const view *view, const double point[3], double at[2]);
+
+/*
+ * Magnification, a round number, with which the displacement `most` is drawn as about the fraction
+ * `share` of the largest dimension of the mesh.
+ */
+double view_magnification(const mesh *mesh, double most, double share);
+
+/* A cell with the sum of its four corners' coordinates towards the viewer. */
 typedef struct shell_depth {
     double depth;
     int cell;
 } shell_depth;
 
 /*
- * A mesh as it is drawn: points, and quadrilateral cells between them. Points and cells are the
+ * A mesh as it is drawn: points, and cells (quadrilaterals) between them. Points and cells are the
  * nodes and elements of the mesh, but on the parameter plane of a closed surface the first and the
  * last mesh line are separate points of the same nodes. A part of a mesh is a copy with fewer
  * cells.
@@ -33,11 +64,10 @@ typedef struct shell {
     view view;
     bool is_map;
     int points, cells;
-    int *node;          /* [points] mesh node of each point */
-    double (*place)[3]; /* [points] coordinates of the undeformed mesh, as the view takes them */
-    int (*cell)[4]; /* [cells] points at the corners of each cell, in order around the cell; memory
-                       for as many cells follows, for a part of the mesh */
-    bool *is_held;  /* [nodes] whether a support includes the node; in space only */
+    int *node;            /* [points] mesh node of each point */
+    double (*place)[3];   /* [points] coordinates of the undeformed mesh, as the view takes them */
+    int (*cell)[4];       /* [2 cells] corners of each cell, in order; memory for a part follows */
+    bool *is_held;        /* [nodes] whether a support includes the node; in space only */
     shell_depth *order;   /* [cells] work: cells sorted by depth */
     quad_side *side;      /* [cells][4] work: sides of the cells */
     const double *vector; /* [nodes][3] displacement in space, or NULL: none */
@@ -53,10 +83,13 @@ void shell_close(shell *shell);
 
 /*
  * Coordinates, and pixel coordinates, of a point with its displacement. In space the points are the
- * nodes of the mesh.
+ * nodes of the mesh. shell_inside computes the pixel coordinates of a point inside a cell.
+ *   share [2]  in  from 0 to 1; the first increases from corner 0 to corner 1, the second from
+ *                  corner 0 to corner 3
  */
 void shell_place(const shell *shell, int point, double place[3]);
 void shell_at(const shell *shell, int point, double at[2]);
+void shell_inside(const shell *shell, int cell, const double share[2], double at[2]);
 
 /* Include the undeformed mesh and the displaced mesh in the view in space. */
 void shell_include(shell *shell);
@@ -69,20 +102,12 @@ void shell_include(shell *shell);
 void shell_surface(const shell *shell, const double *value, const draw_scale *scale);
 
 /*
- * shell_cells draws all cells as one path in a style, except cells where a displacement is NaN.
- * shell_lines draws the sides of the cells; of a very fine mesh only its edges.
- * shell_edges draws only the sides that belong to a single cell.
+ * Draw lines in a style: shell_lines the sides of all cells, of a very fine mesh only its edges;
+ * shell_edges only the sides that belong to a single cell. Cells whose displacement is NaN are left
+ * out.
  */
-void shell_cells(const shell *shell, const char *style);
 void shell_lines(const shell *shell, const char *style);
 void shell_edges(const shell *shell, const char *style);
-
-/*
- * Pixel coordinates of a point inside a cell.
- *   share [2]  in  from 0 to 1; the first increases from corner 0 to corner 1, the second from
- *                  corner 0 to corner 3
- */
-void shell_inside(const shell *shell, int cell, const double share[2], double at[2]);
 
 /* Draw a disc with a radius in pixels at a displaced node. */
 void shell_node(const shell *shell, int node, const char *style, double radius);
@@ -109,10 +134,7 @@ typedef struct shell_body {
 /* Find the rigid body in its position at the last equilibrium, and include it in the view. */
 void shell_find_body(shell_body *body, const analysis *analysis, shell *shell);
 
-/*
- * Draw the rigid body of a contact if it lies on the given side of the shell: in front of the shell
- * for is_in_front, behind it otherwise.
- */
+/* Draw the rigid body of a contact if it lies in front of the shell (is_in_front), or behind it. */
 void shell_draw_body(const shell *shell, const shell_body *body, bool is_in_front);
 
 /* Draw a whole picture: the map of value [nodes] with frame, mesh lines and ranges. */
@@ -123,8 +145,7 @@ typedef enum shell_mark { SHELL_FREE, SHELL_AT_LIMIT, SHELL_BEYOND } shell_mark;
 /* Voltages of all amplifiers, as pictures show them. */
 typedef struct shell_voltage_set {
     const double *voltage;  /* [amplifiers] voltages (in the voltage unit of the scene) */
-    const shell_mark *mark; /* [amplifiers] whether the voltage is at an active limit, beyond the
-                               limits, or neither */
+    const shell_mark *mark; /* [amplifiers] active limit, beyond the limits, or neither */
     const draw_scale *scale;
 } shell_voltage_set;
 
@@ -132,8 +153,9 @@ typedef struct shell_voltage_set {
  * Distribute the actuators over several plans, maps on which no patches overlap. An actuator
  * without patches and stacks, such as the temperature of the whole shell, gets plan -1.
  *   plan [actuators]  out  index of the plan of each actuator
+ * Returns the number of plans.
  */
-void shell_find_plans(const design *design, int *plan);
+int shell_find_plans(const design *design, int *plan);
 
 /* Draw one plan: the voltages in the patches of the actuators with plan[actuator] == which. */
 void shell_voltages(const shell *map, const int *plan, int which, const shell_voltage_set *set);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Report page of `pzs simulate` (report.h). */
 #include <math.h>
-#include <stdlib.h>
 #include "../simulate/imperfections_scene.h"
 #include "../simulate/simulate_words.h"
 #include "report_page.h"
@@ -10,8 +9,6 @@ typedef struct simulate_page {
     page page;
     const simulation *simulation;
     const simulate_record *record;
-    double *aim;         /* [targets] target values of the last shape, corrected by the free
-                            functions of the target */
     draw_axis time, bin; /* horizontal axes of the diagrams over time: in ticks of the control loop,
                             and in bins (equal time intervals) of the record */
 } simulate_page;
@@ -28,10 +25,10 @@ static void write_verdict(const simulate_page *self)
     for (int k = 0; k < self->simulation->phases; k++) {
         const simulate_phase *phase = &self->simulation->phase[k];
         const double here = phase->course[LAW_CONTROLLER].steady / phase->optimum - 1;
-        if (!(here > above))
-            continue;
-        worst = phase;
-        above = here;
+        if (here > above) {
+            worst = phase;
+            above = here;
+        }
     }
     simulate_words_phase(self->simulation, worst, name);
     put(self->page.file,
@@ -240,8 +237,7 @@ static void write_voltages(const simulate_page *self)
     const int rows = self->record->amplifiers;
     const double height = fmax(4, fmin(14, 420.0 / rows)), bottom = TOP + height * rows;
     draw_scale scale = {true, 0, self->page.design->units.voltage};
-    for (int i = 0; i < self->record->bins * rows; i++)
-        draw_extend(&scale, self->record->voltage[i]);
+    draw_extend(&scale, self->record->voltage, self->record->bins * rows);
     fputs("<figure>\n", file);
     draw_begin(file, DRAW_CHART, RIGHT + 10, bottom + FOOT, "Voltages of the amplifiers over time",
                "A row for each amplifier, with a line where a limit is active");
@@ -261,14 +257,10 @@ static void write_voltages(const simulate_page *self)
 }
 
 /* Draw the shape at the end of the last phase under the controller, with its misfit. */
-static void write_shape(simulate_page *self, const simulate_phase *last)
+static void write_shape(page *page, const simulate_phase *last)
 {
-    page *page = &self->page;
     const simulate_course *course = &last->course[LAW_CONTROLLER];
-    (void)design_misfit(page->design, course->shape, last->target, self->aim);
-    for (int t = 0; t < page->design->targets; t++)
-        self->aim[t] = course->shape[t] - self->aim[t];
-    page_shape(page, course->displacement, course->shape, self->aim);
+    page_shape(page, course->displacement, course->shape, last->target);
     page->scale = (draw_scale){true, page->misfit, page->design->units.length};
     page->space.factor = view_magnification(page->mesh, page->largest, 0.3);
     shell_include(&page->space);
@@ -300,7 +292,7 @@ static void write_page(simulate_page *self)
     write_phases(self);
     write_counts(self);
     fputs("</section>\n<section>\n<h2>Shape</h2>\n", page->file);
-    write_shape(self, last);
+    write_shape(&self->page, last);
     fputs("</section>\n", page->file);
     page_structure(page);
     page_end(page);
@@ -323,10 +315,8 @@ int report_simulate(const report_job *job, const simulation *simulation,
                           .record = record,
                           .time = {0, record->ticks, LEFT, RIGHT, false, "%n", {1, ""}},
                           .bin = {0, record->bins, LEFT, RIGHT, false, "%n", {1, ""}}};
-    self.aim = calloc((size_t)simulation->nominal->design.targets + 1, sizeof *self.aim);
-    const bool failed = page_open(&self.page, job, simulation->nominal) < 0 || !self.aim;
+    const bool failed = page_open(&self.page, job, simulation->nominal) < 0;
     if (!failed)
         (job->is_svg ? write_picture : write_page)(&self);
-    free(self.aim);
     return page_close(&self.page, failed);
 }

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Report page of `pzs solve` (report.h). */
 #include <math.h>
-#include <stdlib.h>
 #include "../quads/vector.h"
-#include "../text/words.h"
 #include "report_page.h"
 
 /*
@@ -87,8 +85,7 @@ static int list_values(const solve_page *solve, int k, int along, double *theta,
     const scene_output *output = &solve->page.design->output[k];
     const int count = analysis_outputs(analysis, k);
     const double *first = NULL;
-    if (output->electric != ELECTRIC_NONE || output->contact != CONTACT_NONE ||
-        output->recovered != RECOVERED_NONE || count < 2)
+    if (words_of_output(output) != QUANTITY_LENGTH || count < 2)
         return 0;
     for (int i = 0; i < count; i++) {
         const double *place = solve->page.mesh->theta[analysis_output_node(analysis, k, i)];
@@ -109,14 +106,12 @@ static void draw_lines(const solve_page *solve, int along)
     const scene_line *line = &design->mesh.line[along];
     draw_axis x = {line->point[0], line->point[line->elements], 84, 604, false, "%n", {1, ""}};
     draw_axis y = {0, 0, 240, 6, false, "%n", {1, ""}};
-    char unit[WORDS_UNIT];
     for (int k = 0; k < design->outputs; k++)
         draw_widen(&y, page->value, list_values(solve, k, along, page->wanted, page->value));
     if (!(y.high > y.low))
         return;
-    words_unit(&design->units, page->mesh->is_angle[along] ? QUANTITY_ANGLE : QUANTITY_LENGTH,
-               unit);
-    x.unit = put_unit_of(fmax(fabs(x.low), fabs(x.high)), unit);
+    x.unit = put_unit_of(fmax(fabs(x.low), fabs(x.high)),
+                         page->mesh->is_angle[along] ? "rad" : design->units.length);
     y.unit = put_unit_of(fmax(-y.low, y.high), design->units.length);
     put(page->file, "<section>\n<h2>Along lines of %s</h2>\n<figure class=\"chart\">\n",
         along ? "θ₂" : "θ₁");
@@ -148,7 +143,6 @@ static void fit_deformed(solve_page *solve)
 {
     page *page = &solve->page;
     page->scale = (draw_scale){false, page->largest, page->design->units.length};
-    page->space.factor = 1;
     if (!page->analysis->is_nonlinear)
         page->space.factor = view_magnification(page->mesh, page->scale.most, 0.1);
     shell_include(&page->space);
@@ -199,10 +193,9 @@ static void write_components(const page *page)
           page->file);
     for (int a = 0; a < 3; a++) {
         draw_scale scale = {true, 0, page->scale.unit};
-        for (int n = 0; n < page->mesh->nodes; n++) {
+        for (int n = 0; n < page->mesh->nodes; n++)
             page->value[n] = vector_dot(page->mesh->point[n].triad[a], page->vector + 3 * n);
-            draw_extend(&scale, page->value[n]);
-        }
+        draw_extend(&scale, page->value, page->mesh->nodes);
         const bool is_negligible = scale.most < 1e-9 * page->scale.most;
         scale.most = is_negligible ? 0 : scale.most;
         page_map(page, page->value, &scale, name[a], "<b>%s</b>%s", name[a],
@@ -215,15 +208,13 @@ static void write_components(const page *page)
 static void write_contact_map(const page *page)
 {
     const pzs_contact_info *info = &page->analysis->equilibrium.contact.info;
-    char unit[WORDS_UNIT];
-    draw_scale scale = {false, 0, words_unit(&page->design->units, QUANTITY_PRESSURE, unit)};
-    for (int n = 0; n < page->mesh->nodes; n++)
-        draw_extend(&scale, info->pressure[n]);
+    draw_scale scale = {false, 0, page->pressure};
+    draw_extend(&scale, info->pressure, page->mesh->nodes);
     fputs("<section>\n<h2>Contact pressure</h2>\n", page->file);
     page_map(page, info->pressure, &scale, "Contact pressure",
              "%d nodes in contact, largest pressure %q, per undeformed area; the body is at most "
              "%q deep between nodes, which is the sag of the elements",
-             (int)info->nodes, scale.most, unit, info->sag, page->design->units.length);
+             (int)info->nodes, scale.most, scale.unit, info->sag, page->design->units.length);
     fputs("</section>\n", page->file);
 }
 

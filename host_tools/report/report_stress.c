@@ -38,8 +38,7 @@ static void write_load(const page *page, const stress_field *field)
     draw_scale scale = {
         false, 0, has_strength ? "" : words_unit(&page->design->units, QUANTITY_PRESSURE, unit)};
     average_load(field, load, page->value);
-    for (int node = 0; node < page->mesh->nodes; node++)
-        draw_extend(&scale, page->value[node]);
+    draw_extend(&scale, page->value, page->mesh->nodes);
     if (has_strength)
         page_map(
             page, page->value, &scale, "Use of the strength",
@@ -64,8 +63,6 @@ static void write_extreme(const page *page, const char *name, const char *compon
 
 static void write_components(const page *page, const stress_summary *summary)
 {
-    char unit[WORDS_UNIT];
-    words_unit(&page->design->units, QUANTITY_PRESSURE, unit);
     put_table(page->file,
               "Largest stresses and strains at element centres (larger at clamps and under "
               "point loads), in the axes of the materials",
@@ -76,7 +73,7 @@ static void write_components(const page *page, const stress_summary *summary)
         const stress_extreme *found = is_strain ? &summary->strain[i] : &summary->stress[i];
         if (found->element >= 0)
             write_extreme(page, is_strain ? "Strain" : "Stress", stress_component_name[i], found,
-                          is_strain ? "" : unit);
+                          is_strain ? "" : page->pressure);
     }
     put_table_end(page->file);
 }
@@ -89,15 +86,13 @@ static double value_of(const stress_extreme *found)
 
 static void write_layers(const page *page, const stress_summary *summary)
 {
-    char unit[WORDS_UNIT];
-    words_unit(&page->design->units, QUANTITY_PRESSURE, unit);
     put_table(page->file, "Layers: largest von Mises stress, least reserve factors",
               "Layer|<Material|Von Mises|Reserve, strength|Reserve, depolarisation");
     for (int layer = 0; layer < page->design->layers; layer++)
         put_row(page->file, "%d %t|<%t|%q|%n|%n", layer + 1, page->design->layer[layer].name,
                 page->design->material[page->design->layer[layer].material].name,
-                value_of(&summary->mises[layer]), unit, value_of(&summary->reserve[layer]),
-                value_of(&summary->field_reserve[layer]));
+                value_of(&summary->mises[layer]), page->pressure,
+                value_of(&summary->reserve[layer]), value_of(&summary->field_reserve[layer]));
     put_table_end(page->file);
 }
 

@@ -1,177 +1,158 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* VTK file of recovered stresses for ParaView (report.h). */
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../model/stress_points.h"
 #include "../model/stress_summary.h"
 #include "../text/words.h"
 #include "report.h"
+
+/*
+ * Arrays of values in the cells of the VTK file for one layer: stresses at each height, strains at
+ * each height, presence of the layer, electric field, electric displacement, and the smallest
+ * reserve factor if the material has strengths.
+ */
+enum { STRAIN = STRESS_HEIGHTS, PRESENT = 2 * STRESS_HEIGHTS, FIELD, FLUX, RESERVE, LAYER_ARRAYS };
+
+/* Size of the text of a unit in parentheses, including its NUL (characters). */
+enum { UNIT_TEXT = 2 * WORDS_UNIT };
 
 /* Contents of a VTK file of stresses that is being made. */
 typedef struct stress_file {
     const stress_field *field;
     stress_points points;
-    report_array *array; /* [room] arrays of values that the VTK file will contain */
-    int arrays, room;
-    char unit[WORDS_UNIT]; /* unit of stresses, in parentheses after a blank; an empty text if the
-                              scene file names no units */
-    char field_unit[WORDS_UNIT], flux_unit[WORDS_UNIT]; /* units of electric fields and of electric
-                                                           displacements, in parentheses */
-    char line_unit[WORDS_UNIT]; /* units of the stress resultants: of forces, moments and transverse
-                                   shear forces */
-    bool is_full;               /* true after an allocation of memory has failed */
+    report_array *array; /* arrays of values that the VTK file will contain */
+    int arrays;
+    bool is_full; /* true after an allocation of memory has failed */
 } stress_file;
 
-/*
- * Begin an array of the VTK file. Its name consists of a text, the name of a layer and the name of
- * a height. Returns the memory for the values of the array, or NULL if memory runs out.
- */
-static double *add_array(stress_file *out, bool of_cells, int components, const char *text,
-                         int layer, const char *height, const char *unit)
+/* Begin an array of zeros, whose name is a text with values. Returns the array. */
+static report_array *add_array(stress_file *out, bool of_cells, int components, const char *format,
+                               ...)
 {
-    const design *design = out->field->state.design;
-    const size_t rows = (size_t)(of_cells ? out->field->elements : out->points.count);
-    report_array *array = &out->array[out->arrays];
-    char name[SCENE_NAME] = "";
-    if (layer >= 0 && design->layer[layer].name[0])
-        snprintf(name, sizeof name, " %.60s", design->layer[layer].name);
-    else if (layer >= 0)
-        snprintf(name, sizeof name, " layer %d", layer + 1);
-    array->value = calloc(rows * (size_t)components, sizeof *array->value);
-    out->is_full |= !array->value;
-    if (!array->value)
-        return NULL;
-    snprintf(array->name, sizeof array->name, "%s%s%s%s%s", text, name, *height ? " " : "", height,
-             unit);
+    const int rows = of_cells ? out->field->elements : out->points.count;
+    report_array *array = &out->array[out->arrays++];
+    va_list values;
+    va_start(values, format);
+    vsnprintf(array->name, sizeof array->name, format, values);
+    va_end(values);
     array->components = components;
     array->of_cells = of_cells;
-    out->arrays++;
-    return array->value;
+    array->value = calloc((size_t)(rows * components), sizeof *array->value);
+    out->is_full |= !array->value;
+    return array;
 }
 
-/*
- * Add an array of values at the points of the VTK file, which are averages of the given values of
- * its cells. The array has the same name as the last array of cell values.
- */
-static void add_average(stress_file *out, const double *of_cells)
+/* Store the values of an element in the arrays [LAYER_ARRAYS] of a layer. */
+static void fill_element(const report_array *array, const scene_strength *strength, int element,
+                         const stress_layer *result)
 {
-    const report_array cells = out->array[out->arrays - 1];
-    double *value = add_array(out, false, cells.components, cells.name, -1, "", "");
-    if (value)
-        stress_points_average(&out->points, out->field, of_cells, cells.components, value);
-}
-
-/*
- * Add the stresses or the strains at one height of a layer to the VTK file: as values of the cells,
- * and averaged at the points.
- */
-static void add_height(stress_file *out, int layer, int height, bool is_strain)
-{
-    const stress_field *field = out->field;
-    double *value = add_array(out, true, STRESS_COMPONENTS, is_strain ? "strain" : "stress", layer,
-                              stress_height_name[height], is_strain ? "" : out->unit);
-    for (int element = 0; value && element < field->elements; element++) {
-        stress_layer result;
-        if (!stress_is_present(field, element, layer))
-            continue;
-        stress_layer_of(field, element, layer, &result);
-        memcpy(value + element * STRESS_COMPONENTS,
-               is_strain ? result.at[height].strain : result.at[height].stress,
-               STRESS_COMPONENTS * sizeof *value);
+    double reserve = 1e9;
+    for (int height = 0; height < STRESS_HEIGHTS; height++) {
+        const stress_point *at = &result->at[height];
+        const int first = STRESS_COMPONENTS * element;
+        memcpy(array[height].value + first, at->stress, sizeof at->stress);
+        memcpy(array[STRAIN + height].value + first, at->strain, sizeof at->strain);
+        reserve = fmin(reserve, stress_reserve(strength, at->stress));
     }
-    if (value)
-        add_average(out, value);
+    array[PRESENT].value[element] = 1;
+    array[FIELD].value[element] = result->field;
+    array[FLUX].value[element] = result->displacement;
+    if (strength->given)
+        array[RESERVE].value[element] = reserve;
 }
 
-/*
- * Add four arrays for a layer to the VTK file: presence of the layer in each cell, electric field,
- * electric displacement and smallest reserve factor.
+/* Write the unit of a quantity in parentheses; an empty text if the scene file names none. */
+static const char *unit_text(const stress_file *out, words_quantity quantity, char text[UNIT_TEXT])
+{
+    const scene_unit_names *units = &out->field->state.design->units;
+    char unit[WORDS_UNIT];
+    text[0] = '\0';
+    if (*words_unit(units, quantity, unit) && quantity == QUANTITY_CHARGE)
+        snprintf(text, UNIT_TEXT, " (%s/%.60s2)", unit, units->length);
+    else if (*unit)
+        snprintf(text, UNIT_TEXT, " (%s)", unit);
+    return text;
+}
+
+/* Begin the arrays of a layer in the cells. Returns the first one. */
+static report_array *name_arrays(stress_file *out, int layer, bool has_strength)
+{
+    const char *given = out->field->state.design->layer[layer].name;
+    report_array *first = &out->array[out->arrays];
+    char name[SCENE_NAME], unit[UNIT_TEXT];
+    snprintf(name, sizeof name, " %.60s", given);
+    if (!*given)
+        snprintf(name, sizeof name, " layer %d", layer + 1);
+    unit_text(out, QUANTITY_PRESSURE, unit);
+    for (int height = 0; height < STRESS_HEIGHTS; height++)
+        add_array(out, true, STRESS_COMPONENTS, "stress%s %s%s", name, stress_height_name[height],
+                  unit);
+    for (int height = 0; height < STRESS_HEIGHTS; height++)
+        add_array(out, true, STRESS_COMPONENTS, "strain%s %s", name, stress_height_name[height]);
+    add_array(out, true, 1, "present%s", name);
+    add_array(out, true, 1, "electric field%s%s", name, unit_text(out, QUANTITY_FIELD, unit));
+    add_array(out, true, 1, "electric displacement%s%s", name,
+              unit_text(out, QUANTITY_CHARGE, unit));
+    if (has_strength)
+        add_array(out, true, 1, "reserve factor%s", name);
+    return first;
+}
+
+/* Add the arrays of a layer: values of the cells, and stresses and strains averaged at the points.
  */
 static void add_layer(stress_file *out, int layer)
 {
     const stress_field *field = out->field;
     const design *design = field->state.design;
     const scene_strength *strength = &design->material[design->layer[layer].material].strength;
-    double *present = add_array(out, true, 1, "present", layer, "", "");
-    double *electric = add_array(out, true, 1, "electric field", layer, "", out->field_unit);
-    double *displacement =
-        add_array(out, true, 1, "electric displacement", layer, "", out->flux_unit);
-    double *reserve =
-        strength->given ? add_array(out, true, 1, "reserve factor", layer, "", "") : NULL;
+    const report_array *own = name_arrays(out, layer, strength->given);
     for (int element = 0; !out->is_full && element < field->elements; element++) {
         stress_layer result;
-        present[element] = stress_is_present(field, element, layer);
-        if (present[element] == 0)
+        if (!stress_is_present(field, element, layer))
             continue;
         stress_layer_of(field, element, layer, &result);
-        electric[element] = result.field;
-        displacement[element] = result.displacement;
-        for (int height = 0; reserve && height < STRESS_HEIGHTS; height++) {
-            const double own = fmin(1e9, stress_reserve(strength, result.at[height].stress));
-            reserve[element] = height > 0 ? fmin(reserve[element], own) : own;
-        }
+        fill_element(own, strength, element, &result);
+    }
+    for (int k = 0; k < PRESENT; k++) {
+        const report_array *mean = add_array(out, false, STRESS_COMPONENTS, "%s", own[k].name);
+        if (!out->is_full)
+            stress_points_average(&out->points, field, own[k].value, STRESS_COMPONENTS,
+                                  mean->value);
     }
 }
 
-static void add_resultants(stress_file *out)
+/* Add the displacement of the middle surface (vector [nodes][3]) and the stress resultants. */
+static void add_structure(stress_file *out, const double *vector)
 {
-    double *value = add_array(out, true, STRESS_RESULTANTS,
-                              "resultants N11 N22 N12 M11 M22 M12 Q13 Q23", -1, "", out->line_unit);
-    for (int element = 0; value && element < out->field->elements; element++)
-        stress_resultants(out->field, element, value + element * STRESS_RESULTANTS);
-}
-
-static void add_displacement(stress_file *out, const double *vector)
-{
-    double *value = add_array(out, false, 3, "displacement", -1, "", "");
-    for (int k = 0; value && k < 3 * out->points.count; k++)
-        value[k] = vector[3 * out->points.node[k / 3] + k % 3];
-}
-
-static void add_all(stress_file *out, const double *vector)
-{
-    add_displacement(out, vector);
-    add_resultants(out);
-    for (int layer = 0; layer < out->field->layers; layer++) {
-        for (int k = 0; k < 2 * STRESS_HEIGHTS; k++)
-            add_height(out, layer, k % STRESS_HEIGHTS, k >= STRESS_HEIGHTS);
-        add_layer(out, layer);
-    }
-}
-
-/*
- * Make the texts of the units of the arrays from the units of the scene. The texts are empty if the
- * scene file names no units.
- */
-static void name_units(stress_file *out)
-{
-    const design *design = out->field->state.design;
-    const char *length = design->units.length, *force = design->units.force;
-    char unit[WORDS_UNIT], charge[WORDS_UNIT];
-    if (!*length || !*force || !*design->units.voltage)
-        return;
-    snprintf(out->unit, sizeof out->unit, " (%.150s)",
-             words_unit(&design->units, QUANTITY_PRESSURE, unit));
-    snprintf(out->field_unit, sizeof out->field_unit, " (%.60s/%.60s)", design->units.voltage,
-             length);
-    snprintf(out->flux_unit, sizeof out->flux_unit, " (%.100s/%.60s2)",
-             words_unit(&design->units, QUANTITY_CHARGE, charge), length);
-    snprintf(out->line_unit, sizeof out->line_unit, " (%.30s/%.30s, %.30s, %.30s/%.30s)", force,
-             length, force, force, length);
+    const scene_unit_names *units = &out->field->state.design->units;
+    const char *length = units->length, *force = units->force;
+    char unit[SCENE_ERROR] = "";
+    if (*length && *force)
+        snprintf(unit, sizeof unit, " (%.30s/%.30s, %.30s, %.30s/%.30s)", force, length, force,
+                 force, length);
+    const report_array *shape = add_array(out, false, 3, "displacement");
+    const report_array *resultants = add_array(
+        out, true, STRESS_RESULTANTS, "resultants N11 N22 N12 M11 M22 M12 Q13 Q23%s", unit);
+    for (int k = 0; !out->is_full && k < 3 * out->points.count; k++)
+        shape->value[k] = vector[3 * out->points.node[k / 3] + k % 3];
+    for (int element = 0; !out->is_full && element < out->field->elements; element++)
+        stress_resultants(out->field, element, resultants->value + element * STRESS_RESULTANTS);
 }
 
 int report_stress_vtu(FILE *file, const stress_field *field, const double *vector)
 {
-    stress_file out = {.field = field, .room = 2 + 20 * field->layers};
+    stress_file out = {.field = field};
     int status = -1;
-    name_units(&out);
-    out.array = calloc((size_t)out.room, sizeof *out.array);
+    out.array = calloc((size_t)(2 + 2 * LAYER_ARRAYS * field->layers), sizeof *out.array);
     if (out.array && stress_points_make(&out.points, field) == 0) {
-        add_all(&out, vector);
+        add_structure(&out, vector);
+        for (int layer = 0; layer < field->layers; layer++)
+            add_layer(&out, layer);
         if (!out.is_full)
-            status = report_vtu_arrays(file, &field->state.design->mesh, out.points.node,
-                                       out.points.count, out.points.corner, out.array, out.arrays);
+            status =
+                report_vtu(file, &field->state.design->mesh, &out.points, out.array, out.arrays);
     }
     for (int k = 0; k < out.arrays; k++)
         free(out.array[k].value);

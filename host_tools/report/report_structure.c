@@ -2,7 +2,6 @@
 /* Tables of layers, materials, voltages and modes, and the text of the scene (report_page.h). */
 #include <math.h>
 #include <string.h>
-#include "../text/words.h"
 #include "report_page.h"
 
 static void write_layers(const page *page)
@@ -24,13 +23,11 @@ static void write_layers(const page *page)
 static void write_materials(const page *page)
 {
     const design *design = page->design;
-    char unit[WORDS_UNIT];
-    words_unit(&design->units, QUANTITY_PRESSURE, unit);
     put_table(page->file, "Materials", "Material|E₁|E₂|ν₁₂|G₁₂|d₃₁|e₃₁");
     for (int k = 0; k < design->materials; k++) {
         const scene_material *material = &design->material[k];
-        put_row(page->file, "%t|%q|%q|%n|%q|%n|%n", material->name, material->e[0], unit,
-                material->e[1], unit, material->nu12, material->g12, unit,
+        put_row(page->file, "%t|%q|%q|%n|%q|%n|%n", material->name, material->e[0], page->pressure,
+                material->e[1], page->pressure, material->nu12, material->g12, page->pressure,
                 material->has_d ? material->d31 : (double)NAN,
                 material->has_e ? material->piezo_e[0] : (double)NAN);
     }

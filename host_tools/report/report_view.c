@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Parallel projections to a picture (report_view.h). */
-#include "report_view.h"
+/* Parallel projections to a picture (report_shell.h). */
+#include "report_shell.h"
 #include <float.h>
 #include <math.h>
 #include <string.h>
 #include "../quads/vector.h"
-#include "report_draw.h"
 
 /* Smallest distance of included points from the edges of a picture, in pixels. */
 enum { EDGE = 18 };

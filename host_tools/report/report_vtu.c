@@ -1,17 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* VTK file of displacements for ParaView (report.h). */
+/* VTK files for ParaView (report.h). */
 #include <math.h>
 #include <string.h>
 #include "report.h"
-
-/* Write the beginning of a VTK file, up to its points. */
-static void write_head(FILE *file, int points, int cells)
-{
-    fprintf(file,
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\">\n"
-            "<UnstructuredGrid>\n<Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">\n<Points>\n",
-            points, cells);
-}
 
 void report_displacement(const mesh *mesh, const double *u, double *vector)
 {
@@ -36,20 +27,42 @@ static void begin_array(FILE *file, const char *type, int components, const char
     fputs("\">\n", file);
 }
 
-/* Write an array of vectors [nodes][3]; NULL: the places of the nodes. */
-static void write_vectors(FILE *file, const mesh *mesh, const char *name, const double *vector)
+/* Write those arrays that belong to the cells, or those that belong to the points. */
+static void write_arrays(FILE *file, bool of_cells, int rows, const report_array *array, int arrays)
 {
-    begin_array(file, "Float64", 3, name);
-    for (int k = 0; k < 3 * mesh->nodes; k++) {
-        const double value = vector ? vector[k] : mesh->point[k / 3].position[k % 3];
-        fprintf(file, "%.9g%c", isfinite(value) ? value : 0, "  \n"[k % 3]);
+    for (int k = 0; k < arrays; k++) {
+        const int components = array[k].components;
+        if (array[k].of_cells != of_cells)
+            continue;
+        begin_array(file, "Float64", components, array[k].name);
+        for (int i = 0; i < components * rows; i++) {
+            const double value = array[k].value[i];
+            fprintf(file, "%.9g%c", isfinite(value) ? value : 0,
+                    i % components == components - 1 ? '\n' : ' ');
+        }
+        fputs("</DataArray>\n", file);
+    }
+}
+
+/* Write the places of the points. */
+static void write_places(FILE *file, const mesh *mesh, const stress_points *points, int count)
+{
+    begin_array(file, "Float64", 3, "place");
+    for (int k = 0; k < 3 * count; k++) {
+        const int node = points ? points->node[k / 3] : k / 3;
+        fprintf(file, "%.9g%c", mesh->point[node].position[k % 3], "  \n"[k % 3]);
     }
     fputs("</DataArray>\n", file);
 }
 
-/* Write the end of each element in the list of corners, and its cell type VTK_QUAD. */
-static void write_cell_types(FILE *file, const mesh *mesh)
+/* Write the corners of the cells, the end of each cell in that list, and the cell type VTK_QUAD. */
+static void write_cells(FILE *file, const mesh *mesh, const stress_points *points)
 {
+    begin_array(file, "Int32", 1, "connectivity");
+    for (int k = 0; k < 4 * mesh->elements; k++)
+        fprintf(file, "%d%c", points ? points->corner[k / 4][k % 4] : mesh->element[k / 4][k % 4],
+                "   \n"[k % 4]);
+    fputs("</DataArray>\n", file);
     begin_array(file, "Int32", 1, "offsets");
     for (int e = 0; e < mesh->elements; e++)
         fprintf(file, "%d\n", 4 * (e + 1));
@@ -60,63 +73,21 @@ static void write_cell_types(FILE *file, const mesh *mesh)
     fputs("</DataArray>\n", file);
 }
 
-static void write_cells(FILE *file, const mesh *mesh)
+int report_vtu(FILE *file, const mesh *mesh, const stress_points *points, const report_array *array,
+               int arrays)
 {
-    begin_array(file, "Int32", 1, "connectivity");
-    for (int k = 0; k < 4 * mesh->elements; k++)
-        fprintf(file, "%d%c", mesh->element[k / 4][k % 4], "   \n"[k % 4]);
-    fputs("</DataArray>\n", file);
-    write_cell_types(file, mesh);
-}
-
-/* Write those arrays that belong to the cells, or those that belong to the points. */
-static void write_arrays(FILE *file, const mesh *mesh, int points, bool of_cells,
-                         const report_array *array, int arrays)
-{
-    for (int k = 0; k < arrays; k++) {
-        const int components = array[k].components;
-        if (array[k].of_cells != of_cells)
-            continue;
-        begin_array(file, "Float64", components, array[k].name);
-        for (int i = 0; i < components * (of_cells ? mesh->elements : points); i++) {
-            const double value = array[k].value[i];
-            fprintf(file, "%.9g%c", isfinite(value) ? value : 0,
-                    i % components == components - 1 ? '\n' : ' ');
-        }
-        fputs("</DataArray>\n", file);
-    }
-}
-
-int report_vtu_arrays(FILE *file, const mesh *mesh, const int *node, int points, int (*corner)[4],
-                      const report_array *array, int arrays)
-{
-    write_head(file, points, mesh->elements);
-    begin_array(file, "Float64", 3, "place");
-    for (int k = 0; k < 3 * points; k++)
-        fprintf(file, "%.9g%c", mesh->point[node[k / 3]].position[k % 3], "  \n"[k % 3]);
-    fputs("</DataArray>\n</Points>\n<Cells>\n", file);
-    begin_array(file, "Int32", 1, "connectivity");
-    for (int k = 0; k < 4 * mesh->elements; k++)
-        fprintf(file, "%d%c", corner[k / 4][k % 4], "   \n"[k % 4]);
-    fputs("</DataArray>\n", file);
-    write_cell_types(file, mesh);
-    fputs("</Cells>\n<PointData>\n", file);
-    write_arrays(file, mesh, points, false, array, arrays);
-    fputs("</PointData>\n<CellData>\n", file);
-    write_arrays(file, mesh, points, true, array, arrays);
-    fputs("</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n", file);
-    return ferror(file) ? -1 : 0;
-}
-
-int report_vtu(FILE *file, const mesh *mesh, const report_field *field, int fields)
-{
-    write_head(file, mesh->nodes, mesh->elements);
-    write_vectors(file, mesh, "place", NULL);
+    const int count = points ? points->count : mesh->nodes;
+    fprintf(file,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\">\n"
+            "<UnstructuredGrid>\n<Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">\n<Points>\n",
+            count, mesh->elements);
+    write_places(file, mesh, points, count);
     fputs("</Points>\n<Cells>\n", file);
-    write_cells(file, mesh);
+    write_cells(file, mesh, points);
     fputs("</Cells>\n<PointData>\n", file);
-    for (int k = 0; k < fields; k++)
-        write_vectors(file, mesh, field[k].name, field[k].displacement);
-    fputs("</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n", file);
+    write_arrays(file, false, count, array, arrays);
+    fputs("</PointData>\n<CellData>\n", file);
+    write_arrays(file, true, mesh->elements, array, arrays);
+    fputs("</CellData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n", file);
     return ferror(file) ? -1 : 0;
 }
