@@ -14,10 +14,7 @@
 #include "../model/stress_points.h"
 #include "../simulate/simulate_record.h"
 
-/*
- * One report to write: the open file, whether it is a single SVG picture instead of an HTML page,
- * and the words of the command line that asked for it.
- */
+/* One report to write. */
 typedef struct report_job {
     FILE *file;
     bool is_svg;
@@ -56,8 +53,7 @@ typedef struct report_array {
 } report_array;
 
 /*
- * Write a VTK file for ParaView, with arrays of values at its points and in its cells, which are
- * the elements of the mesh.
+ * Write a VTK file for ParaView, with arrays of values at its points and in its cells.
  *   points  in  points of the file and the corners of its cells; NULL: the nodes of the mesh
  */
 int report_vtu(FILE *file, const mesh *mesh, const stress_points *points, const report_array *array,

@@ -178,10 +178,7 @@ static void draw_tick(FILE *file, const draw_axis *x, const draw_axis *y, bool i
     fputs("</text>\n", file);
 }
 
-/*
- * Return the value of tick number `index` on an axis; the first ticks may lie below the range of
- * the axis.
- */
+/* Value of tick number `index` of an axis; the first ticks may lie below the range of the axis. */
 static double tick_value(const draw_axis *axis, int index)
 {
     static const double number[3] = {1, 2, 5};

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Drawing layer of the report: SVG pictures with lines, discs, colour scales and axes. Coordinates
- * in a picture are in pixels, with y pointing down.
- */
+/* Drawing layer of the report: SVG pictures, with coordinates in pixels and y pointing down. */
 #ifndef REPORT_DRAW_H
 #define REPORT_DRAW_H
 
@@ -22,10 +19,7 @@ void draw_begin(FILE *file, draw_type type, double width, double height, const c
                 const char *description);
 void draw_end(FILE *file, draw_type type);
 
-/*
- * Write the style sheet of an HTML page, or of an SVG picture in a file of its own, for light and
- * for dark display.
- */
+/* Write the light and dark style sheet of an HTML page, or of an SVG picture in its own file. */
 void draw_page_style(FILE *file);
 void draw_picture_style(FILE *file);
 
@@ -43,9 +37,8 @@ void draw_path_end(FILE *file);
 void draw_disc(FILE *file, const char *style, const double at[2], double radius);
 
 /*
- * Number of colours of a scale, and width of its legend in pixels. The style classes of the colours
- * are s0 to s32 on a signed scale (blue, neutral, orange), v0 to v32 on a scale from zero
- * (viridis).
+ * Number of colours of a scale, and width of its legend in pixels. Style classes of the colours are
+ * s0 to s32 on a signed scale (blue, neutral, orange), v0 to v32 on a scale from zero (viridis).
  */
 enum { DRAW_LEVELS = 33, DRAW_LEGEND_WIDTH = 330 };
 
@@ -68,10 +61,7 @@ int draw_level(const draw_scale *scale, double value);
 const char *draw_class(const draw_scale *scale, int level);
 const char *draw_colour(const draw_scale *scale, double value);
 
-/*
- * Style class of a text that is written on the colour of a value: "strong" on the colours at the
- * ends of the scale, "mild" on the others.
- */
+/* Style class of a text on the colour of a value: "strong" near the ends of a scale, or "mild". */
 const char *draw_tone(const draw_scale *scale, double value);
 
 /*

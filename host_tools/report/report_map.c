@@ -10,10 +10,7 @@
 /* Height of the lines of text below a map, in pixels. */
 enum { FOOT = 25 };
 
-/*
- * Write the range of each coordinate below a map, or for a mesh from a file the direction from
- * which the map is seen.
- */
+/* Write below a map the ranges of its coordinates, or the direction from which it is seen. */
 static void write_ranges(const shell *map)
 {
     static const char *const names[2][2] = {{"x to the right", "y upwards"},
@@ -84,10 +81,7 @@ int shell_find_plans(const design *design, int *plan)
     return plans;
 }
 
-/*
- * An electrode on a map: a patch that consists of whole elements, or an electrode of arbitrary
- * outline.
- */
+/* An electrode on a map: a patch of whole elements, or an electrode of arbitrary outline. */
 typedef struct electrode {
     shell part; /* copy of the map, for a patch of whole elements with only its elements */
     const scene_patches *patches;
@@ -189,10 +183,7 @@ static text_room room_of(const electrode *electrode)
     return cells > 0 && least > sqrt(electrode->area / cells) ? nearest : room;
 }
 
-/*
- * Style class of the outline that marks a voltage, for each value of shell_mark: no mark, limit
- * active, beyond the limits.
- */
+/* Style class of the outline that marks a voltage, for each value of shell_mark. */
 static const char *const mark_style[] = {"patch", "limit", "beyond"};
 
 /* Begin the group of an amplifier, with a title that says its voltage. */
@@ -229,10 +220,7 @@ static void end_amplifier(FILE *file, const shell_voltage_set *set, int amplifie
     fputs("</g>\n", file);
 }
 
-/*
- * Draw an electrode with the voltage of its amplifier, and with a second outline inside its border
- * if the voltage is at or beyond a limit.
- */
+/* Draw an electrode and its voltage, with a second outline at or beyond a limit of the voltage. */
 static void draw_electrode(electrode *electrode, const shell_voltage_set *set, int amplifier)
 {
     FILE *file = electrode->part.file;

@@ -52,10 +52,7 @@ static void write_command(const report_job *job)
     }
 }
 
-/*
- * Result of a numerical check for display. A negative value means that the check was not made, and
- * becomes NAN.
- */
+/* Result of a numerical check for display: NAN for a negative value, a check that was not made. */
 static double checked(double value)
 {
     return value < 0 ? (double)NAN : value;
@@ -112,10 +109,7 @@ static void write_facts(const page *page, double residual)
     put(page->file, FACT("Scene", "%s") "</dl>\n", hash);
 }
 
-/*
- * Write the warnings on implausible numbers of the scene, and the warning that the shell lies
- * behind the rigid body at the last load step, if there is one.
- */
+/* Write the warnings on implausible numbers, and on a shell that lies behind the rigid body. */
 static void write_warnings(const page *page)
 {
     static const char *const item = "<li><b class=\"warn\">%t</b>: %t</li>\n";

@@ -39,8 +39,7 @@ int page_open(page *page, const report_job *job, const analysis *analysis);
 int page_close(page *page, bool has_failed);
 
 /*
- * Begin and end an HTML page. The beginning contains the name and the purpose of the scene, mesh
- * size, numerical checks and warnings.
+ * Begin and end an HTML page, which begins with the scene's name and purpose, checks and warnings.
  *   residual  in  largest relative residual of the solves shown on this page
  */
 void page_begin(const page *page, const char *kind, double residual);
@@ -50,10 +49,7 @@ void page_end(const page *page);
 void page_begin_picture(const page *page, const char *title, double width, double height);
 void page_end_picture(const page *page, double width, double height);
 
-/*
- * End a figure with a caption, whose text has the format of the function put, and with the legend
- * of a colour scale unless scale is NULL.
- */
+/* End a figure with a caption in the format of put, and with the legend of scale, if not NULL. */
 void page_caption(const page *page, const draw_scale *scale, const char *format, ...);
 
 /* Draw a figure with the map of value [nodes], and a caption as page_caption writes it. */
@@ -72,18 +68,13 @@ void page_stress(const page *page, const stress_field *field);
 void page_voltages(const page *page, const voltages *result, int results);
 void page_modes(const page *page, const modes *modes);
 
-/*
- * Make the displacement vector u [dof] the shape that the page draws, coloured by the length of the
- * displacement at each node.
- */
+/* Draw the displacement vector u [dof] from now on, coloured by the displacement of each node. */
 void page_displace(page *page, const double *u);
 
 /*
- * Make a shape that the voltages reach for a target the shape that the page draws, coloured by its
- * misfit.
- *   u       [dof]      in  displacement vector
- *   reached [targets]  in  reached values of the target's component
- *   target  [targets]  in  target values of the same component
+ * Draw a shape that the voltages reach for a target from now on, coloured by its misfit.
+ *   u               [dof]      in  displacement vector
+ *   reached, target [targets]  in  reached values and target values of the target's component
  */
 void page_shape(page *page, const double *u, const double *reached, const double *target);
 

@@ -19,15 +19,22 @@ static int character_bytes(const unsigned char *text)
     return (bytes == 1 && *text >= 0x80) || *text > 0xf4 ? 0 : bytes;
 }
 
-/* Write text, which may come from the user: escaped for XML, without control characters. */
-static void put_text(FILE *file, const char *text)
+static const char *const raised[10] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+
+/*
+ * Write text, which may come from the user: escaped for XML, without control characters, and with
+ * its digits as superscripts if raises_digits is true.
+ */
+static void put_text(FILE *file, const char *text, bool raises_digits)
 {
     static const char *const escaped[] = {['&'] = "&amp;",  ['<'] = "&lt;",   ['>'] = "&gt;",
                                           ['"'] = "&quot;", ['\''] = "&#39;", ['\n'] = " "};
     while (*text) {
         const unsigned char first = (unsigned char)*text;
         const int bytes = character_bytes((const unsigned char *)text);
-        if (first < sizeof escaped / sizeof *escaped && escaped[first])
+        if (raises_digits && first >= '0' && first <= '9')
+            fputs(raised[first - '0'], file);
+        else if (first < sizeof escaped / sizeof *escaped && escaped[first])
             fputs(escaped[first], file);
         else if (bytes == 0)
             fputc('?', file);
@@ -35,14 +42,6 @@ static void put_text(FILE *file, const char *text)
             fwrite(text, 1, (size_t)bytes, file);
         text += bytes > 0 ? bytes : 1;
     }
-}
-
-static const char *const raised[10] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-
-static void put_raised(FILE *file, const char *digits)
-{
-    for (; *digits; digits++)
-        fputs(*digits == '-' ? "⁻" : raised[*digits - '0'], file);
 }
 
 /* Write a number with some significant digits, far from 1 with a power of ten. */
@@ -56,15 +55,15 @@ static void put_number(FILE *file, double value, int digits)
         return;
     }
     snprintf(text, sizeof text, "%.*g", power == digits ? digits + 1 : digits, size);
-    char *exponent = strchr(text, 'e');
+    const char *exponent = strchr(text, 'e');
     const int written = exponent ? atoi(exponent + 1) : 0;
     text[strcspn(text, "e")] = '\0';
     put(file, "%s%s", value < 0 ? "−" : "", text);
-    if (exponent) {
-        snprintf(text, sizeof text, "%d", written);
-        fputs("×10", file);
-        put_raised(file, text);
-    }
+    if (!exponent)
+        return;
+    fputs(written < 0 ? "×10⁻" : "×10", file);
+    snprintf(text, sizeof text, "%d", abs(written));
+    put_text(file, text, true);
 }
 
 put_unit put_unit_of(double most, const char *unit)
@@ -86,20 +85,14 @@ put_unit put_unit_of(double most, const char *unit)
     return (put_unit){length[known].metres / length[best].metres, length[best].written};
 }
 
-/* Write a no-break space and the unit, with its digits as superscripts. */
+/* Write a no-break space and the unit. */
 static void put_unit_name(FILE *file, const char *unit)
 {
     fputs(*unit ? "\xc2\xa0" : "", file);
-    while (*unit) {
-        char run[64];
-        const bool is_power = *unit >= '0' && *unit <= '9';
-        const size_t length = is_power ? 1 : strcspn(unit, "0123456789");
-        snprintf(run, sizeof run, "%.*s", (int)length, unit);
-        (is_power ? put_raised : put_text)(file, run);
-        unit += length;
-    }
+    put_text(file, unit, true);
 }
 
+/* Write a quantity in the unit that is most readable for `most`. */
 static void put_quantity(FILE *file, double value, double most, const char *name)
 {
     const put_unit unit = put_unit_of(most, name);
@@ -109,9 +102,8 @@ static void put_quantity(FILE *file, double value, double most, const char *name
         put_unit_name(file, unit.name);
 }
 
-static void put_limits(FILE *file, const double limit[2], va_list *more)
+static void put_limits(FILE *file, const double limit[2], const char *unit)
 {
-    const char *unit = va_arg(*more, const char *);
     if (!isfinite(limit[0]) && !isfinite(limit[1]))
         fputs("–", file);
     else if (limit[0] == -limit[1])
@@ -120,51 +112,40 @@ static void put_limits(FILE *file, const double limit[2], va_list *more)
         put(file, "%n to %q", limit[0], limit[1], unit);
 }
 
-/* Write a fraction in percent, with a bar that is full at the fraction `full`. */
-static void put_bar(FILE *file, double fraction, double full)
-{
-    put(file, "%p<span class=\"bar\" aria-hidden=\"true\"><i style=\"width:%f%%\"></i></span>",
-        fraction, fmin(100 * fraction / full, 100));
-}
-
+/* Write the value of a directive that begins with a real number. */
 static void put_value(FILE *file, char directive, double value, va_list *more)
 {
-    double most = value;
-    if (directive == 'a' || directive == 'b')
-        most = va_arg(*more, double);
-    if (directive == 'a' || directive == 'q')
-        put_quantity(file, value, most, va_arg(*more, const char *));
-    else if (directive == 'b')
-        put_bar(file, value, most);
-    else if (directive == 'f')
-        fprintf(file, "%.1f", isfinite(value) ? value : 0);
-    else if (directive == 'n')
-        put_number(file, value, 4);
-    else if (directive == 'r')
-        put_number(file, value, 2);
-    else
-        put_number(file, 100 * value, 3);
-    if (directive == 'p' && !isnan(value))
-        fputs("\xc2\xa0%", file);
+    const bool has_most = directive == 'a' || directive == 'b';
+    const double most = has_most ? va_arg(*more, double) : value;
+    switch (directive) {
+    case 'a':
+    case 'q': put_quantity(file, value, most, va_arg(*more, const char *)); break;
+    case 'b':
+        put(file, "%p<span class=\"bar\" aria-hidden=\"true\"><i style=\"width:%f%%\"></i></span>",
+            value, fmin(100 * value / most, 100));
+        break;
+    case 'f': fprintf(file, "%.1f", isfinite(value) ? value : 0); break;
+    case 'n': put_number(file, value, 4); break;
+    case 'r': put_number(file, value, 2); break;
+    default: put_number(file, 100 * value, 3); fputs(isnan(value) ? "" : "\xc2\xa0%", file);
+    }
 }
 
 static void put_directive(FILE *file, char directive, va_list *more)
 {
+    const double *limit = directive == 'l' ? va_arg(*more, const double *) : NULL;
     switch (directive) {
-    case 't': put_text(file, va_arg(*more, const char *)); break;
+    case 't': put_text(file, va_arg(*more, const char *), false); break;
     case 's': fputs(va_arg(*more, const char *), file); break;
     case 'd': fprintf(file, "%d", va_arg(*more, int)); break;
-    case 'l': put_limits(file, va_arg(*more, const double *), more); break;
+    case 'l': put_limits(file, limit, va_arg(*more, const char *)); break;
     case 'u': put_unit_name(file, va_arg(*more, const char *)); break;
     case '%': fputc('%', file); break;
     default: put_value(file, directive, va_arg(*more, double), more);
     }
 }
 
-/*
- * Write the opening tag of a table cell, whose text `at` may begin with a character for alignment
- * ('<' or '~'). Returns the text behind that character.
- */
+/* Write the opening tag of a table cell. Returns its text behind a character for alignment. */
 static const char *open_cell(FILE *file, const char *tag, const char *at)
 {
     static const char *const style[] = {"", " class=\"word\"", " class=\"note\""};
@@ -173,6 +154,9 @@ static const char *open_cell(FILE *file, const char *tag, const char *at)
     return at + (aligned > 0);
 }
 
+/* Tag of the heading cells of a table, which are followed by their like; others by cells td. */
+static const char *const head_cell = "th scope=\"col\"";
+
 void put_list(FILE *file, const char *format, const char *cell, va_list *more)
 {
     while (*format) {
@@ -180,8 +164,8 @@ void put_list(FILE *file, const char *format, const char *cell, va_list *more)
         if (c == '%') {
             put_directive(file, *format++, more);
         } else if (c == '|' && cell) {
-            fprintf(file, "</%s>", cell);
-            cell = "td";
+            fprintf(file, "</%.2s>", cell);
+            cell = strcmp(cell, head_cell) == 0 ? head_cell : "td";
             format = open_cell(file, cell, format);
         } else {
             fputc(c, file);
@@ -213,11 +197,9 @@ void put_table(FILE *file, const char *caption, const char *head)
         "<figure class=\"table\"><figcaption>%s</figcaption><div class=\"wide\" "
         "tabindex=\"0\"><table><thead><tr>",
         caption);
-    while (*head) {
-        head = open_cell(file, "th scope=\"col\"", head);
-        const size_t length = strcspn(head, "|");
-        fprintf(file, "%.*s</th>", (int)length, head);
-        head += length + (head[length] == '|');
+    if (*head) {
+        put_list(file, open_cell(file, head_cell, head), head_cell, NULL);
+        fputs("</th>", file);
     }
     fputs("</tr></thead><tbody>\n", file);
 }

@@ -27,7 +27,7 @@ void put(FILE *file, const char *format, ...);
 
 /*
  * Write a text with values, whose format has the directives of put.
- *   cell  in  HTML tag (td or th) of the table cells that '|' separates, or NULL: no cells
+ *   cell  in  HTML tag of the first of the table cells that '|' separates, or NULL: no cells
  */
 void put_list(FILE *file, const char *format, const char *cell, va_list *more);
 

@@ -4,10 +4,7 @@
 #include <stdlib.h>
 #include "report_page.h"
 
-/*
- * Page of `pzs shape`. All results of the page have the same colour scale of the misfit,
- * page.scale, and of the voltages.
- */
+/* Page of `pzs shape`. All results have the same colour scale of the misfit, page.scale. */
 typedef struct shape_page {
     page page;
     const voltages *result; /* [results] sets of voltages */
@@ -44,10 +41,7 @@ static double largest_voltage(const voltages *result)
     return scale.most;
 }
 
-/*
- * Mark the amplifiers whose voltage is at an active limit or beyond the scene's limits; held
- * amplifiers do not count as at a limit.
- */
+/* Mark voltages at an active limit or beyond the scene's limits; held amplifiers have no limit. */
 static void find_marks(const shape_page *shape, const voltages *result)
 {
     const design *design = shape->page.design;
@@ -65,10 +59,7 @@ static void find_marks(const shape_page *shape, const voltages *result)
     }
 }
 
-/*
- * Make a result, with its shape, misfit and marks, the one that the page draws. Returns the colour
- * scale of its misfit.
- */
+/* Draw a result, with its misfit and marks, from now on. Returns the colour scale of its misfit. */
 static draw_scale take_result(shape_page *shape, const voltages *result)
 {
     page *page = &shape->page;
@@ -77,10 +68,7 @@ static draw_scale take_result(shape_page *shape, const voltages *result)
     return (draw_scale){true, page->misfit, page->design->units.length};
 }
 
-/*
- * Choose the colour scales, the magnification of displacements and the view in space, which are the
- * same for all results.
- */
+/* Choose the colour scales, the magnification and the view in space, common to all results. */
 static void fit_page(shape_page *shape)
 {
     page *page = &shape->page;
@@ -106,10 +94,7 @@ static void fit_page(shape_page *shape)
     view_fit(&page->space.view, 420, 420, 180);
 }
 
-/*
- * Return the result that the page shows first: the first one with voltage limits, or the first one
- * if none has limits.
- */
+/* Result that the page shows first: the first one with voltage limits, or the first one of all. */
 static const voltages *main_result(const shape_page *shape)
 {
     for (int k = 0; k < shape->results; k++)
@@ -165,10 +150,7 @@ static void write_table(const shape_page *shape)
     put_table_end(shape->page.file);
 }
 
-/*
- * Write notes on amplifiers with narrower limits, on target rows that no voltage moves, and on the
- * free functions of the target (shapes that may be added to the target at no cost).
- */
+/* Write notes on narrower limits, on target rows that no voltage moves, and on free functions. */
 static void write_notes(const shape_page *shape)
 {
     FILE *file = shape->page.file;

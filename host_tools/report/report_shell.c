@@ -7,10 +7,8 @@
 #include "../quads/vector.h"
 
 /*
- * Largest numbers of pieces in a picture. FINE: largest number of cells (quadrilaterals) whose
- * sides are drawn. SPACE_PIECES and MAP_PIECES: largest number of differently coloured pieces of
- * all cells together, in space and on a map. SIDE_PIECES: largest number of such pieces along a
- * side of a cell.
+ * Largest number of cells (quadrilaterals) whose sides are drawn (FINE), and of pieces in different
+ * colours: of all cells in space and on a map, and along a side of a cell (SIDE_PIECES).
  */
 enum { FINE = 3000, SPACE_PIECES = 3000, MAP_PIECES = 6000, SIDE_PIECES = 12 };
 
@@ -43,10 +41,7 @@ static void fill_from_parameters(shell *shell)
     }
 }
 
-/*
- * Mark the supported nodes, except those of a support that includes all nodes.
- *   node [nodes] work
- */
+/* Mark the nodes (node [nodes] work) of all supports but those that include all nodes. */
 static void find_supports(shell *shell, int *node)
 {
     const design *design = shell->design;
@@ -144,10 +139,7 @@ void shell_inside(const shell *shell, int cell, const double share[2], double at
     }
 }
 
-/*
- * Append a rectangular part of a cell to the SVG path; `from` and `to` are opposite corners of the
- * part, from 0 to 1 along the sides of the cell.
- */
+/* Append the part of a cell between two of its points to the SVG path (from, to: 0 to 1). */
 static void draw_part(const shell *shell, int cell, const double from[2], const double to[2])
 {
     const double share[4][2] = {
@@ -269,10 +261,7 @@ static void draw_frame(const shell *shell, int cell)
             shell_node(shell, single.cell[0][r], "pin", 2.5);
 }
 
-/*
- * Draw the values at the points as coloured discs; if there are more than about 2500 points, only
- * at some of them.
- */
+/* Draw the values at the points as coloured discs; of very many points, only at some. */
 static void draw_points(const shell *shell, const double *value, const draw_scale *scale)
 {
     enum { MOST_DOTS = 2500 };

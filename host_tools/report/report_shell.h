@@ -39,10 +39,7 @@ void view_include(view *view, const double point[3]);
 void view_fit(view *view, double width, double height, double least);
 void view_project(const view *view, const double point[3], double at[2]);
 
-/*
- * Magnification, a round number, with which the displacement `most` is drawn as about the fraction
- * `share` of the largest dimension of the mesh.
- */
+/* Round magnification that draws the displacement `most` as about `share` of the mesh's size. */
 double view_magnification(const mesh *mesh, double most, double share);
 
 /* A cell with the sum of its four corners' coordinates towards the viewer. */
@@ -52,10 +49,9 @@ typedef struct shell_depth {
 } shell_depth;
 
 /*
- * A mesh as it is drawn: points, and cells (quadrilaterals) between them. Points and cells are the
- * nodes and elements of the mesh, but on the parameter plane of a closed surface the first and the
- * last mesh line are separate points of the same nodes. A part of a mesh is a copy with fewer
- * cells.
+ * A mesh as it is drawn: points, and cells (quadrilaterals) between them. They are the nodes and
+ * elements of the mesh, but on the parameter plane of a closed surface its first and last mesh line
+ * are separate points of the same nodes. A part of a mesh is a copy with fewer cells.
  */
 typedef struct shell {
     FILE *file;
@@ -96,15 +92,13 @@ void shell_include(shell *shell);
 
 /*
  * Draw the surface coloured by value [nodes], or discs at the points if no cell has values at all
- * of its corners. In space, distant cells are drawn first, so that closer ones cover them, and
- * supports are included.
+ * corners. In space, closer cells cover distant ones, and supports are included.
  */
 void shell_surface(const shell *shell, const double *value, const draw_scale *scale);
 
 /*
  * Draw lines in a style: shell_lines the sides of all cells, of a very fine mesh only its edges;
- * shell_edges only the sides that belong to a single cell. Cells whose displacement is NaN are left
- * out.
+ * shell_edges only sides that belong to a single cell. Cells displaced by NaN are left out.
  */
 void shell_lines(const shell *shell, const char *style);
 void shell_edges(const shell *shell, const char *style);

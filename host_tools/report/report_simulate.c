@@ -13,10 +13,7 @@ typedef struct simulate_page {
                             and in bins (equal time intervals) of the record */
 } simulate_page;
 
-/*
- * Write by how much the error of the controller at the end of a phase exceeds that of the best
- * possible shape, for the phase with the largest excess.
- */
+/* Write the largest excess of the controller's error over the optimum at the end of a phase. */
 static void write_verdict(const simulate_page *self)
 {
     const simulate_phase *worst = self->simulation->phase;
@@ -105,10 +102,7 @@ static void write_plant(const simulate_page *self)
         simulate->at_target ? "nonlinear optimum of its model" : "undeformed shell");
 }
 
-/*
- * Write whether the plant has inertia, its first natural frequency, and the certificate of the
- * control loop with vibrations; without densities in the scene file, why vibrations are unknown.
- */
+/* Write whether the plant has inertia, its first natural frequency, and the loop's certificate. */
 static void write_certificate(const simulate_page *self)
 {
     FILE *file = self->page.file;
@@ -132,9 +126,7 @@ static void write_certificate(const simulate_page *self)
         put(file, "Vibration is not known: %t</p>\n", certificate->reason);
 }
 
-/*
- * Edges of the diagrams over time in their pictures, and height FOOT of the text below, in pixels.
- */
+/* Edges of the diagrams over time, and height FOOT of the text below, in pixels. */
 enum { TOP = 8, BOTTOM = 250, FOOT = 34, LEFT = 64, RIGHT = 1150 };
 
 /* Draw a frame with the time axis, and a vertical line at the beginning of each phase. */

@@ -4,10 +4,7 @@
 #include "../quads/vector.h"
 #include "report_page.h"
 
-/*
- * Page of `pzs solve`. The values that the page colours are first the length of the displacement,
- * later those of each map.
- */
+/* Page of `pzs solve`. */
 typedef struct solve_page {
     page page;
     const double *output;       /* [output rows] values of the outputs */
@@ -74,8 +71,7 @@ static void write_outputs(const solve_page *solve)
 }
 
 /*
- * List the values of an output of displacements whose nodes lie on one mesh line, along theta1
- * (along = 0) or theta2 (along = 1).
+ * List the values of a displacement output along one mesh line of theta1 (along = 0) or theta2 (1).
  *   theta, value [nodes]  out  parameter along the line, and value
  * Returns the number of values, 0 for other outputs.
  */
@@ -135,10 +131,7 @@ static void draw_lines(const solve_page *solve, int along)
     fputs("</section>\n", page->file);
 }
 
-/*
- * Choose the colour scale and the view of the deformed shape; a displacement from a nonlinear
- * analysis is not magnified.
- */
+/* Choose the colour scale and the view; displacements of a nonlinear analysis are not magnified. */
 static void fit_deformed(solve_page *solve)
 {
     page *page = &solve->page;

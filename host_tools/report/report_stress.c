@@ -6,12 +6,7 @@
 #include "../text/words.h"
 #include "report_page.h"
 
-/*
- * Compute values at nodes as the mean of the values of the elements at each node, weighted with the
- * areas of the elements.
- *   load  [elements] in   values of the elements
- *   value [nodes]    out  values at the nodes
- */
+/* Average load [elements] at the nodes (value [nodes] out), weighted with the elements' areas. */
 static void average_load(const stress_field *field, const double *load, double *value)
 {
     const mesh *mesh = &field->state.design->mesh;

@@ -9,9 +9,8 @@
 #include "report.h"
 
 /*
- * Arrays of values in the cells of the VTK file for one layer: stresses at each height, strains at
- * each height, presence of the layer, electric field, electric displacement, and the smallest
- * reserve factor if the material has strengths.
+ * Arrays in the cells of the VTK file for one layer: stresses and strains at each height, presence
+ * of the layer, electric field, electric displacement, and, if it has strengths, reserve factor.
  */
 enum { STRAIN = STRESS_HEIGHTS, PRESENT = 2 * STRESS_HEIGHTS, FIELD, FLUX, RESERVE, LAYER_ARRAYS };
 
