@@ -30,6 +30,18 @@ int mesh_node(const mesh *mesh, int i, int j)
     return i % mesh->lines[0] * mesh->lines[1] + j % mesh->lines[1];
 }
 
+void mesh_extent(const mesh *mesh, double extent[3])
+{
+    for (int i = 0; i < 3; i++) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (int node = 0; node < mesh->nodes; node++) {
+            low = fmin(low, mesh->point[node].position[i]);
+            high = fmax(high, mesh->point[node].position[i]);
+        }
+        extent[i] = high - low;
+    }
+}
+
 expr_point mesh_place(const mesh *mesh, int node)
 {
     const double *position = mesh->point[node].position, *theta = mesh->theta[node];

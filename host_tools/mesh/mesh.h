@@ -128,6 +128,9 @@ int mesh_points(mesh *mesh, const scene *scene, char *error);
  */
 int mesh_node(const mesh *mesh, int i, int j);
 
+/* Compute the extent of the nodes along x, y and z (length unit of the scene). */
+void mesh_extent(const mesh *mesh, double extent[3]);
+
 /* Return the coordinates of a node as the variables of a formula. */
 expr_point mesh_place(const mesh *mesh, int node);
 

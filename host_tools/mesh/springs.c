@@ -65,12 +65,8 @@ static void add_entry(const mesh *mesh, int node, int i, double value, spring_ro
     row->value[k] += value;
 }
 
-/*
- * Compute the unit vector of a direction in space; a direction along an axis of the local triad is
- * taken at the given surface point.
- */
-static void direction_at(const surface_point *point, const scene_direction *direction,
-                         double vector[3])
+void springs_direction(const surface_point *point, const scene_direction *direction,
+                       double vector[3])
 {
     const bool is_vector = vector_length(direction->vector) > 0;
     for (int i = 0; i < 3; i++) {
@@ -109,7 +105,7 @@ static void add_node(const spring_builder *builder, int node, double factor, con
 int springs_rotation(const surface_point *point, const scene_direction *axis, double weight[7])
 {
     double along[3], lever[3];
-    direction_at(point, axis, along);
+    springs_direction(point, axis, along);
     vector_cross(along, point->triad[2], lever);
     memset(weight, 0, 7 * sizeof *weight);
     for (int component = 0; component < 3; component++)
@@ -148,7 +144,7 @@ static int add_other_end(const spring_builder *builder, const mesh_spot *spot, d
         return scene_fault(item->at, builder->error,
                            "both ends of the spring are at %s; name two places",
                            mesh_node_text(mesh, other).text);
-    direction_at(&mesh->point[spot->node[0]], &item->along, vector);
+    springs_direction(&mesh->point[spot->node[0]], &item->along, vector);
     for (int i = 0; i < 3 && !item->along.given; i++)
         vector[i] = line[i] / length;
     add_node(builder, other, -1, vector, row);
@@ -186,7 +182,7 @@ static int fill_row(const spring_builder *builder, const mesh_spot *spot, spring
             continue;
         }
         if (item->along.given)
-            direction_at(point, &item->along, vector);
+            springs_direction(point, &item->along, vector);
         add_node(builder, spot->node[corner], spot->weight[corner], vector, row);
     }
     return 0;

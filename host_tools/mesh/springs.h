@@ -14,6 +14,13 @@
 #include "mesh.h"
 
 /*
+ * Compute the unit vector of a direction in space; a direction along an axis of the local triad is
+ * taken at the given surface point.
+ */
+void springs_direction(const surface_point *point, const scene_direction *direction,
+                       double vector[3]);
+
+/*
  * Compute the rotation of a node about an axis as weights of its dof. With the normal D and with
  * beta the difference of the displacements of both faces over the thickness, the rotation vector in
  * the surface is D x beta.

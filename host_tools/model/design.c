@@ -92,6 +92,19 @@ void design_output_weights(const mesh *mesh, int node, scene_component component
         weight[6] = mesh->laminate.thickness * unit[2];
 }
 
+double design_displacement(const mesh *mesh, const double *displacement, int node,
+                           scene_component component, scene_face face)
+{
+    double weight[7], sum = 0;
+    design_output_weights(mesh, node, component, face, weight);
+    for (unsigned k = 0; k < mesh->dof_per_node; k++) {
+        const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + k];
+        if (dof != PZS_CONSTRAINED)
+            sum += weight[k] * displacement[dof];
+    }
+    return sum;
+}
+
 static void append_output(const mesh *mesh, const scene_output *output, int node, row_builder *rows,
                           double *dense)
 {

@@ -322,4 +322,11 @@ void design_release(const void *table);
 void design_output_weights(const mesh *mesh, int node, scene_component component, scene_face face,
                            double weight[7]);
 
+/*
+ * Displacement of a node in one component of one face.
+ *   displacement [free_dof] in  displacement vector of the structure
+ */
+double design_displacement(const mesh *mesh, const double *displacement, int node,
+                           scene_component component, scene_face face);
+
 #endif

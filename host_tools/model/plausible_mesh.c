@@ -73,14 +73,7 @@ int measure_narrow(const subject *of, int k, measured *found)
 static double shorter_side(const mesh *mesh)
 {
     double extent[3];
-    for (int i = 0; i < 3; i++) {
-        double low = HUGE_VAL, high = -HUGE_VAL;
-        for (int node = 0; node < mesh->nodes; node++) {
-            low = fmin(low, mesh->point[node].position[i]);
-            high = fmax(high, mesh->point[node].position[i]);
-        }
-        extent[i] = high - low;
-    }
+    mesh_extent(mesh, extent);
     const double largest = fmax(extent[0], fmax(extent[1], extent[2]));
     const double smallest = fmin(extent[0], fmin(extent[1], extent[2]));
     return extent[0] + extent[1] + extent[2] - largest - smallest;

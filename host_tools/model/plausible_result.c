@@ -34,23 +34,6 @@ int measure_found_field(const subject *of, int k, measured *found)
 
 /* ---- displacement and strain ------------------------------------------ */
 
-/*
- * Return the displacement of a node along one component, from the displacement vector of the
- * structure.
- */
-static double displacement_of(const mesh *mesh, const double *displacement, int node,
-                              scene_component component, scene_face face)
-{
-    double weight[7], sum = 0;
-    design_output_weights(mesh, node, component, face, weight);
-    for (unsigned k = 0; k < mesh->dof_per_node; k++) {
-        const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + k];
-        if (dof != PZS_CONSTRAINED)
-            sum += weight[k] * displacement[dof];
-    }
-    return sum;
-}
-
 int measure_displacement(const subject *of, int k, measured *found)
 {
     double most = 0;
@@ -59,7 +42,7 @@ int measure_displacement(const subject *of, int k, measured *found)
         return 0;
     for (int node = 0; of->is_linear && node < of->mesh->nodes; node++) {
         const double size =
-            fabs(displacement_of(of->mesh, of->displacement, node, COMPONENT_U3, FACE_MIDDLE));
+            fabs(design_displacement(of->mesh, of->displacement, node, COMPONENT_U3, FACE_MIDDLE));
         where = size > most ? node : where;
         most = fmax(most, size);
     }
@@ -91,7 +74,8 @@ static void face_points(const mesh *mesh, const double *displacement, double (*p
                 const scene_component axis = (scene_component)((int)COMPONENT_X + i);
                 point[node][face][i] = mesh->point[node].position[i] +
                                        mesh->laminate.z[face] * mesh->point[node].triad[2][i];
-                moved[node][face][i] = displacement_of(mesh, displacement, node, axis, faces[face]);
+                moved[node][face][i] =
+                    design_displacement(mesh, displacement, node, axis, faces[face]);
             }
 }
 

@@ -2,6 +2,7 @@
 /* Loads, outputs, directions and rigid bodies in a picture in space (report_shell.h). */
 #include <math.h>
 #include <string.h>
+#include "../mesh/springs.h"
 #include "../quads/vector.h"
 #include "report_shell.h"
 
@@ -12,24 +13,16 @@ void shell_node(const shell *shell, int node, const char *style, double radius)
     draw_disc(shell->file, style, at, radius);
 }
 
-void shell_component(const surface_point *point, scene_component component, double along[3])
-{
-    for (int i = 0; i < 3; i++) {
-        along[i] = (int)component - (int)COMPONENT_X == i;
-        if (component <= COMPONENT_U3)
-            along[i] = point->triad[component - COMPONENT_U1][i];
-    }
-}
-
 /* Draw a point load as an arrow to its node, or along the line of sight as a disc. */
 static void draw_load(const shell *shell, const scene_load *load)
 {
     const double degree = 0.017453292519943295, length = 46;
+    const scene_direction direction = {.component = load->component};
     const int node = mesh_point_node(shell->mesh, &load->where);
     const expr_point place = mesh_place(shell->mesh, node);
     const double sign = expr_value(load->value, &place) < 0 ? -1 : 1;
     double along[3], tip[2];
-    shell_component(&shell->mesh->point[node], load->component, along);
+    springs_direction(&shell->mesh->point[node], &direction, along);
     const double right = sign * vector_dot(shell->view.axis[0], along);
     const double up = sign * vector_dot(shell->view.axis[1], along);
     shell_at(shell, node, tip);

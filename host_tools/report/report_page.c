@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../mesh/springs.h"
 #include "../quads/vector.h"
 
 #define PROGRAM "piezoshape " PZS_VERSION_TEXT
@@ -11,22 +12,21 @@
 
 int page_open(page *page, const report_job *job, const analysis *analysis)
 {
-    const mesh *mesh = &analysis->design.mesh;
-    memset(page, 0, sizeof *page);
-    page->job = job;
-    page->file = job->file;
-    page->analysis = analysis;
-    page->design = &analysis->design;
-    page->mesh = mesh;
-    words_unit(&page->design->units, QUANTITY_PRESSURE, page->pressure);
-    page->vector =
-        calloc(7 * (size_t)mesh->nodes + (size_t)page->design->targets, sizeof *page->vector);
-    if (shell_open(&page->space, job->file, page->design, false) < 0 ||
-        shell_open(&page->map, job->file, page->design, true) < 0 || !page->vector)
+    const design *design = &analysis->design;
+    const size_t nodes = (size_t)design->mesh.nodes;
+    *page = (struct page){.job = job,
+                          .file = job->file,
+                          .analysis = analysis,
+                          .mesh = &design->mesh,
+                          .design = design};
+    words_unit(&design->units, QUANTITY_PRESSURE, page->pressure);
+    page->vector = calloc(7 * nodes + (size_t)design->targets, sizeof *page->vector);
+    if (shell_open(&page->space, job->file, design, false) < 0 ||
+        shell_open(&page->map, job->file, design, true) < 0 || !page->vector)
         return -1;
-    page->wanted = page->vector + 3 * mesh->nodes;
-    page->value = page->wanted + 3 * mesh->nodes;
-    page->row = page->value + mesh->nodes;
+    page->wanted = page->vector + 3 * nodes;
+    page->value = page->wanted + 3 * nodes;
+    page->row = page->value + nodes;
     page->space.vector = page->vector;
     page->space.factor = 1;
     return 0;
@@ -58,35 +58,28 @@ static double checked(double value)
     return value < 0 ? (double)NAN : value;
 }
 
-/* Write the number of load steps and linear solves, and whether the equilibrium is stable. */
-static void write_equilibrium(FILE *file, const pzs_solver_info *info)
-{
-    put(file,
-        FACT("Load steps", "%d, %d linear solves")
-            FACT("Equilibrium", "<b class=\"%s\">%s</b>, %d negative pivots")
-                FACT("Load factor reached", "%n"),
-        (int)info->load_steps, (int)info->linear_solves, info->negative_pivots ? "warn" : "",
-        info->negative_pivots ? "unstable" : "stable", (int)info->negative_pivots,
-        info->load_factor);
-}
-
 /* Write the size of the mesh and the checks of the solves. */
 static void write_structure_facts(const page *page, double residual)
 {
-    static const char *const kinematics[] = {"local", "Cartesian"};
-    static const char *const metric[] = {"flat", "exact"};
     const mesh *mesh = page->mesh;
-    const scene_element *element = &page->design->mesh.formulation;
+    const pzs_solver_info *info = &page->analysis->equilibrium.solver.info;
     put(page->file,
         FACT("Mesh", "%d elements (types: %d), %d nodes") FACT("Free dof", "%d, half bandwidth %d")
             FACT("Element", "%s kinematics, %s metric, %d dof per node") FACT("Thickness", "%q")
                 FACT("Condition number, scaled", "%r") FACT("Solver residual", "%r"),
         mesh->elements, mesh->types, mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh),
-        kinematics[element->cartesian], metric[element->metric], (int)mesh->dof_per_node,
+        mesh->formulation.cartesian ? "Cartesian" : "local",
+        mesh->formulation.metric ? "exact" : "flat", (int)mesh->dof_per_node,
         mesh->laminate.thickness, page->design->units.length,
         checked(page->analysis->model.info.condition), checked(residual));
     if (page->analysis->is_nonlinear)
-        write_equilibrium(page->file, &page->analysis->equilibrium.solver.info);
+        put(page->file,
+            FACT("Load steps", "%d, %d linear solves")
+                FACT("Equilibrium", "<b class=\"%s\">%s</b>, %d negative pivots")
+                    FACT("Load factor reached", "%n"),
+            (int)info->load_steps, (int)info->linear_solves, info->negative_pivots ? "warn" : "",
+            info->negative_pivots ? "unstable" : "stable", (int)info->negative_pivots,
+            info->load_factor);
     else
         put(page->file,
             FACT("Solver error estimate, energy norm; without the discretisation error", "%r"),
@@ -96,8 +89,6 @@ static void write_structure_facts(const page *page, double residual)
 static void write_facts(const page *page, double residual)
 {
     const design *design = page->design;
-    char hash[20];
-    snprintf(hash, sizeof hash, "%08lx", (unsigned long)design->structure.scene);
     fputs("<dl>\n", page->file);
     if (page->analysis->source->has_structure)
         write_structure_facts(page, residual);
@@ -106,7 +97,7 @@ static void write_facts(const page *page, double residual)
             design->measured.outputs, design->amplifiers, design->measured.file);
     if (design->goal.given)
         put(page->file, FACT("Target", "<code>%t</code>"), expr_text(design->goal.value));
-    put(page->file, FACT("Scene", "%s") "</dl>\n", hash);
+    fprintf(page->file, FACT("Scene", "%08lx") "</dl>\n", (unsigned long)design->structure.scene);
 }
 
 /* Write the warnings on implausible numbers, and on a shell that lies behind the rigid body. */
@@ -229,6 +220,7 @@ void page_displace(page *page, const double *u)
 void page_shape(page *page, const double *u, const double *reached, const double *target)
 {
     const design *design = page->design;
+    const scene_direction direction = {.component = design->goal.what.component};
     page_displace(page, u);
     (void)design_misfit(design, reached, target, page->row);
     page->misfit = 0;
@@ -237,7 +229,7 @@ void page_shape(page *page, const double *u, const double *reached, const double
     for (int t = 0; t < design->targets; t++) {
         const int node = design->target_node[t];
         double along[3];
-        shell_component(&page->mesh->point[node], design->goal.what.component, along);
+        springs_direction(&page->mesh->point[node], &direction, along);
         page->value[node] = page->row[t];
         page->misfit = fmax(page->misfit, fabs(page->row[t]));
         for (int i = 0; i < 3; i++)

@@ -114,9 +114,6 @@ void shell_loads(const shell *shell);
 void shell_outputs(const shell *shell);
 void shell_directions(const shell *shell);
 
-/* Cartesian unit vector of a displacement component at a point of the surface. */
-void shell_component(const surface_point *point, scene_component component, double along[3]);
-
 /* The part of the rigid body of a contact that is near the shell: a grid of points. */
 enum { SHELL_NET = 13 };
 typedef struct shell_body {

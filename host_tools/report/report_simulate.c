@@ -16,24 +16,23 @@ typedef struct simulate_page {
 /* Write the largest excess of the controller's error over the optimum at the end of a phase. */
 static void write_verdict(const simulate_page *self)
 {
-    const simulate_phase *worst = self->simulation->phase;
+    const simulation *simulation = self->simulation;
+    const simulate_phase *worst = simulation->phase;
     double above = -1;
     char name[SIMULATE_PHASE_TEXT];
-    for (int k = 0; k < self->simulation->phases; k++) {
-        const simulate_phase *phase = &self->simulation->phase[k];
+    for (int k = 0; k < simulation->phases; k++) {
+        const simulate_phase *phase = &simulation->phase[k];
         const double here = phase->course[LAW_CONTROLLER].steady / phase->optimum - 1;
-        if (here > above) {
-            worst = phase;
-            above = here;
-        }
+        worst = here > above ? phase : worst;
+        above = fmax(above, here);
     }
-    simulate_words_phase(self->simulation, worst, name);
+    simulate_words_phase(simulation, worst, name);
     put(self->page.file,
         "<p class=\"verdict\"><b>%d voltages beyond a limit or the step limit</b> in %d ticks; at "
         "the end of a phase the relative RMS error is at most %p above the optimum for that plant "
         "in the same limits (“%t”, from tick %d).</p>\n",
-        (int)self->simulation->count[LAW_CONTROLLER].beyond_limits, self->record->ticks,
-        fmax(above, 0), name, worst->from);
+        (int)simulation->count[LAW_CONTROLLER].beyond_limits, self->record->ticks, fmax(above, 0),
+        name, worst->from);
 }
 
 static void write_phases(const simulate_page *self)
@@ -81,21 +80,21 @@ static void write_counts(const simulate_page *self)
 /* Write in what the simulated plant differs from the model of the controller. */
 static void write_plant(const simulate_page *self)
 {
+    FILE *file = self->page.file;
     const design *design = self->page.design;
     const scene_simulate *simulate = &design->simulate;
     const simulation *simulation = self->simulation;
     char imperfections[400];
-    imperfections_text(self->page.design, imperfections, sizeof imperfections);
-    put(self->page.file,
-        "<p>A %s plant: ", simulation->plant.analysis.is_nonlinear ? "nonlinear" : "linear");
+    imperfections_text(design, imperfections, sizeof imperfections);
+    put(file, "<p>A %s plant: ", simulation->plant.analysis.is_nonlinear ? "nonlinear" : "linear");
     for (int i = 0; i < design->materials; i++)
-        put(self->page.file, "%t stiffness × %n, d × %n; ", design->material[i].name,
+        put(file, "%t stiffness × %n, d × %n; ", design->material[i].name,
             simulate->stiffness ? simulate->stiffness[i] : 1, simulate->d ? simulate->d[i] : 1);
-    put(self->page.file,
+    put(file,
         "imperfections: %t. Sensors: %d, noise %q, delay %d ticks. Amplifiers: steps of %q, dead "
         "band %q. The controller’s influence matrix is that of the %s.</p>\n",
         *imperfections ? imperfections : "none",
-        simulation->estimates ? simulation->estimator.sensors : self->page.design->targets,
+        simulation->estimates ? simulation->estimator.sensors : design->targets,
         simulation->estimates ? (double)NAN : simulate->noise, design->units.length,
         simulate->delay, simulate->step, design->units.voltage, simulate->dead_band,
         design->units.voltage,
@@ -120,10 +119,9 @@ static void write_certificate(const simulate_page *self)
     else
         put(file, "<p><b>Quasi-static plant: no inertia (%t).</b> ", plant->reason);
     if (certificate->has_modes)
-        put(file, "First natural frequency %q. %t</p>\n", certificate_first(certificate), "Hz",
-            text);
-    else
-        put(file, "Vibration is not known: %t</p>\n", certificate->reason);
+        put(file, "First natural frequency %q. ", certificate_first(certificate), "Hz");
+    put(file, certificate->has_modes ? "%t</p>\n" : "Vibration is not known: %t</p>\n",
+        certificate->has_modes ? text : certificate->reason);
 }
 
 /* Edges of the diagrams over time, and height FOOT of the text below, in pixels. */

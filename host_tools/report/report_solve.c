@@ -12,50 +12,36 @@ typedef struct solve_page {
     shell_body body;
 } solve_page;
 
-typedef struct spread {
-    double low, high, mean, most;
-    int count;
-    char unit[WORDS_UNIT];
-} spread;
-
 /* Value number i of output k of the scene. */
 static double value_of(const solve_page *solve, int k, int i)
 {
     return analysis_output(solve->page.analysis, k, i, solve->output);
 }
 
-/* Range, mean and unit of the values of output k, which has one value for each of its places. */
-static spread spread_of(const solve_page *solve, int k)
-{
-    const design *design = solve->page.design;
-    const double reference = design->output[k].reference;
-    spread spread = {HUGE_VAL, -HUGE_VAL, 0, 0, analysis_outputs(solve->page.analysis, k), ""};
-    for (int i = 0; i < spread.count; i++) {
-        const double value = value_of(solve, k, i);
-        spread.low = fmin(spread.low, value);
-        spread.high = fmax(spread.high, value);
-        spread.mean += value / spread.count;
-    }
-    spread.most = fmax(fabs(spread.low), fabs(spread.high));
-    if (isfinite(reference))
-        spread.most = fmax(spread.most, fabs(reference));
-    words_unit(&design->units, words_of_output(&design->output[k]), spread.unit);
-    return spread;
-}
-
+/* Write a row of the table of outputs: the value of an output, or the range of its values. */
 static void write_output(const solve_page *solve, int k)
 {
     const scene_output *output = &solve->page.design->output[k];
-    const spread all = spread_of(solve, k);
-    const double ratio = value_of(solve, k, 0) / output->reference;
-    if (all.count == 1)
-        put_row(solve->page.file, "%t|%a|%a|%n", output->name, all.mean, all.most, all.unit,
-                output->reference, all.most, all.unit, ratio);
+    const double reference = output->reference, ratio = value_of(solve, k, 0) / reference;
+    const int count = analysis_outputs(solve->page.analysis, k);
+    draw_axis range = {.low = HUGE_VAL, .high = -HUGE_VAL};
+    double mean = 0, most = isfinite(reference) ? fabs(reference) : 0;
+    char unit[WORDS_UNIT];
+    words_unit(&solve->page.design->units, words_of_output(output), unit);
+    for (int i = 0; i < count; i++) {
+        const double value = value_of(solve, k, i);
+        draw_widen(&range, &value, 1);
+        most = fmax(most, fabs(value));
+        mean += value / count;
+    }
+    if (count == 1)
+        put_row(solve->page.file, "%t|%a|%a|%n", output->name, mean, most, unit, reference, most,
+                unit, ratio);
     else
         put_row(solve->page.file,
                 "%t|%a to %a<br><span class=\"soft\">%d values, mean %a</span>|%a|%n", output->name,
-                all.low, all.most, all.unit, all.high, all.most, all.unit, all.count, all.mean,
-                all.most, all.unit, output->reference, all.most, all.unit, ratio);
+                range.low, most, unit, range.high, most, unit, count, mean, most, unit, reference,
+                most, unit, ratio);
 }
 
 static void write_outputs(const solve_page *solve)

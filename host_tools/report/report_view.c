@@ -122,15 +122,8 @@ void view_project(const view *view, const double point[3], double at[2])
 
 double view_magnification(const mesh *mesh, double most, double share)
 {
-    double size = 0;
-    for (int i = 0; i < 3; i++) {
-        double low = HUGE_VAL, high = -HUGE_VAL;
-        for (int n = 0; n < mesh->nodes; n++) {
-            low = fmin(low, mesh->point[n].position[i]);
-            high = fmax(high, mesh->point[n].position[i]);
-        }
-        size = fmax(size, high - low);
-    }
-    const double wanted = share * size / most;
+    double extent[3];
+    mesh_extent(mesh, extent);
+    const double wanted = share * fmax(extent[0], fmax(extent[1], extent[2])) / most;
     return most > 0 && isfinite(wanted) && wanted > 0 ? draw_round(wanted) : 1;
 }

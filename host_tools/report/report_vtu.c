@@ -7,13 +7,8 @@
 void report_displacement(const mesh *mesh, const double *u, double *vector)
 {
     for (int i = 0; i < 3 * mesh->nodes; i++) {
-        const uint16_t *dof = mesh->node_dof + (size_t)(i / 3) * mesh->dof_per_node;
-        double weight[7];
-        design_output_weights(mesh, i / 3, (scene_component)((int)COMPONENT_X + i % 3), FACE_MIDDLE,
-                              weight);
-        vector[i] = 0;
-        for (unsigned k = 0; k < mesh->dof_per_node; k++)
-            vector[i] += dof[k] == PZS_CONSTRAINED ? 0 : weight[k] * u[dof[k]];
+        const scene_component component = (scene_component)((int)COMPONENT_X + i % 3);
+        vector[i] = design_displacement(mesh, u, i / 3, component, FACE_MIDDLE);
     }
 }
 
