@@ -5,10 +5,10 @@
  */
 #include "certificate.h"
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../text/append.h"
 #include "eigen.h"
 #include "modal.h"
 
@@ -141,16 +141,6 @@ static void rate_text(const certificate *certificate, char text[SCENE_ERROR])
             certificate->rate, certificate->radius);
 }
 
-/* Append formatted text to the description of a certificate, as printf does. */
-static void append_text(char text[CERTIFICATE_TEXT], const char *format, ...)
-{
-    const size_t length = strlen(text);
-    va_list values;
-    va_start(values, format);
-    vsnprintf(text + length, CERTIFICATE_TEXT - length, format, values);
-    va_end(values);
-}
-
 static const char *plural(int count)
 {
     return count == 1 ? "" : "s";
@@ -163,13 +153,14 @@ static const char *plural(int count)
 static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     if (!loop->is_stable)
-        append_text(text, "The damped tick is not safe.");
+        text_append(text, CERTIFICATE_TEXT, "The damped tick is not safe.");
     else if (loop->observed > 0)
-        append_text(text, "The damped tick is stable and damps %d mode%s from %.4g to %.4g Hz.",
+        text_append(text, CERTIFICATE_TEXT,
+                    "The damped tick is stable and damps %d mode%s from %.4g to %.4g Hz.",
                     loop->observed, plural(loop->observed), loop->observed_from, loop->observed_to);
     else
-        append_text(
-            text,
+        text_append(
+            text, CERTIFICATE_TEXT,
             "The tick is stable and damps no mode, because each turns by more than 2 rad in a "
             "tick:\nit follows the static optimum so slowly that vibration decays by itself.");
 }
@@ -180,15 +171,15 @@ static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEX
  */
 static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
-    append_text(
-        text,
+    text_append(
+        text, CERTIFICATE_TEXT,
         "\nStorms (stress tests: targets jump faster than the voltages can follow, then the last "
         "one stands;\nin a third of them 5 %% of the ticks are missed):");
     if (loop->storms == 0) {
-        append_text(text, " none was run.");
+        text_append(text, CERTIFICATE_TEXT, " none was run.");
         return;
     }
-    append_text(text,
+    text_append(text, CERTIFICATE_TEXT,
                 "\n%d of %d storms settle; the worst ends %.3g of the target from the best shape "
                 "(allowed: %g).",
                 loop->storms - loop->failed, loop->storms, loop->worst, CERTIFICATE_TOLERANCE);
@@ -200,16 +191,18 @@ static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT]
  */
 static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
-    append_text(
-        text,
+    text_append(
+        text, CERTIFICATE_TEXT,
         "\nAge of the readings: every storm settles, too, with readings %d tick%s older%s than "
         "the scene says",
         loop->older, plural(loop->older), loop->ends_at_most ? " (more were not tried)" : "");
     if (loop->delay > 0)
-        append_text(text, ",\nand %d tick%s newer", loop->newer, plural(loop->newer));
-    append_text(text, ".");
+        text_append(text, CERTIFICATE_TEXT, ",\nand %d tick%s newer", loop->newer,
+                    plural(loop->newer));
+    text_append(text, CERTIFICATE_TEXT, ".");
     if (loop->older == 0)
-        append_text(text, "\nREADINGS ONE TICK OLDER CAN MAKE THE LOOP SWING WITHOUT END.");
+        text_append(text, CERTIFICATE_TEXT,
+                    "\nREADINGS ONE TICK OLDER CAN MAKE THE LOOP SWING WITHOUT END.");
 }
 
 /*
@@ -219,14 +212,14 @@ static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 static void margin_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     if (loop->has_margins)
-        append_text(
-            text,
+        text_append(
+            text, CERTIFICATE_TEXT,
             "\nMargins of the growth: gain x %.3g, frequencies x %.3g to x %.3g (tried: gain to "
             "x 10,\nfrequencies x 0.1 to x 5).",
             loop->margin_gain, loop->margin_slow, loop->margin_fast);
     if (loop->rate_to > 0)
-        append_text(
-            text,
+        text_append(
+            text, CERTIFICATE_TEXT,
             "\nTick rates that pass growth and two storms, with tables for each: %.6g to %.6g a "
             "second\n(tried: 1/32 to 32 times the scene's rate).",
             loop->rate_from, loop->rate_to);
@@ -236,8 +229,8 @@ static void margin_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT
 static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     verdict_text(loop, text);
-    append_text(
-        text,
+    text_append(
+        text, CERTIFICATE_TEXT,
         "\nTried on structures with %d modes whose response to voltages is 0.8 to 1.33 of the "
         "model's (gain)\nand whose frequencies are 0.9 to 1.1 of the model's.\n"
         "Growth (factor by which small vibrations change in a tick; they decay below 1): at most "

@@ -2,10 +2,10 @@
 /* Tables and texts of the self-test of amplifiers, cables and sensors (wiring_test.h). */
 #include "wiring_test.h"
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../text/append.h"
 
 /*
  * Duration of a test pulse: number of periods of the first vibration mode, and smallest and largest
@@ -164,16 +164,6 @@ uint32_t wiring_test_ticks(const wiring_test *test)
 
 /* ---- texts ------------------------------------------------------------ */
 
-/* Append formatted text to a text; what does not fit into the array is cut off. */
-static void append(char text[SCENE_ERROR], const char *format, ...)
-{
-    const size_t at = strlen(text);
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text + at, SCENE_ERROR - at, format, arguments);
-    va_end(arguments);
-}
-
 int wiring_test_tested(const wiring_test *test)
 {
     int tested = 0;
@@ -192,12 +182,12 @@ static void append_heights(const wiring_test *test, double amplitude, char text[
         highest = fmax(highest, height);
     }
     lowest = fmin(lowest, highest);
-    append(text, "pulses of %g", lowest);
+    text_append(text, SCENE_ERROR, "pulses of %g", lowest);
     if (highest > lowest)
-        append(text, " to %g", highest);
-    append(text, " V");
+        text_append(text, SCENE_ERROR, " to %g", highest);
+    text_append(text, SCENE_ERROR, " V");
     if (lowest < amplitude)
-        append(text, " (half the voltage range allows no %g V)", amplitude);
+        text_append(text, SCENE_ERROR, " (half the voltage range allows no %g V)", amplitude);
 }
 
 void wiring_test_text(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR])
@@ -205,11 +195,12 @@ void wiring_test_text(const wiring_test *test, const analysis *analysis, char te
     const double rate = analysis->design.control.rate;
     const uint32_t ticks = wiring_test_ticks(test);
     text[0] = '\0';
-    append(text, "self-test before the loop takes control: ");
+    text_append(text, SCENE_ERROR, "self-test before the loop takes control: ");
     append_heights(test, analysis->design.safety.amplitude, text);
-    append(text, ", %u ticks each, %lu ticks", test->tables.pulse_ticks, (unsigned long)ticks);
+    text_append(text, SCENE_ERROR, ", %u ticks each, %lu ticks", test->tables.pulse_ticks,
+                (unsigned long)ticks);
     if (rate > 0)
-        append(text, " (%.3g s)", ticks / rate);
+        text_append(text, SCENE_ERROR, " (%.3g s)", ticks / rate);
 }
 
 /*
@@ -259,11 +250,11 @@ static void append_cure(const wiring_test *test, const design *design, const dou
         most = fmin(most, margin * (design->upper[j] - design->lower[j]) / 2);
     }
     if (amplitude <= most)
-        append(text, "; amplitude: %.3g suffices", 1.01 * amplitude);
+        text_append(text, SCENE_ERROR, "; amplitude: %.3g suffices", 1.01 * amplitude);
     if (ticks <= most_ticks)
-        append(text, "; pulse_ticks: %.0f suffices", ticks);
+        text_append(text, SCENE_ERROR, "; pulse_ticks: %.0f suffices", ticks);
     if (amplitude > most && ticks > most_ticks)
-        append(text, "; no pulse suffices, only less noise");
+        text_append(text, SCENE_ERROR, "; no pulse suffices, only less noise");
 }
 
 void wiring_test_remarks(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR])
@@ -281,8 +272,8 @@ void wiring_test_remarks(const wiring_test *test, const analysis *analysis, char
             if ((int)doubt_about(test, direct, (size_t)k) != doubt)
                 continue;
             if (count == 0)
-                append(text, "%s%s", *text ? "; " : "", words[doubt]);
-            append(text, "%s %s", count ? "," : "", design->amplifier_name[k]);
+                text_append(text, SCENE_ERROR, "%s%s", *text ? "; " : "", words[doubt]);
+            text_append(text, SCENE_ERROR, "%s %s", count ? "," : "", design->amplifier_name[k]);
             count++;
         }
         if (doubt == DOUBT_HIDDEN && count > 0)
@@ -301,11 +292,11 @@ static void append_finding(char text[SCENE_ERROR], const char *name, const pzs_w
         [PZS_WIRING_SILENT] = "does not respond",        [PZS_WIRING_REVERSED] = "is reversed",
         [PZS_WIRING_SWAPPED] = "is swapped with",        [PZS_WIRING_GAIN] = "has the gain",
         [PZS_WIRING_UNKNOWN] = "responds like no other", [PZS_WIRING_NOISY] = "is too noisy"};
-    append(text, "%s%s %s", *text ? "; " : "", name, word[finding->state]);
+    text_append(text, SCENE_ERROR, "%s%s %s", *text ? "; " : "", name, word[finding->state]);
     if (finding->state == PZS_WIRING_SWAPPED)
-        append(text, " %s", other);
+        text_append(text, SCENE_ERROR, " %s", other);
     if (finding->state == PZS_WIRING_GAIN)
-        append(text, " %.3g", finding->gain);
+        text_append(text, SCENE_ERROR, " %.3g", finding->gain);
 }
 
 /* Append the names of all amplifiers in one state to a text, separated by commas. */
@@ -316,7 +307,7 @@ static void append_names(const pzs_selftest *selftest, const design *design, pzs
     for (int k = 0; k < design->amplifiers; k++) {
         if (selftest->info.amplifier[k].state != state)
             continue;
-        append(text, "%s%s", separator, design->amplifier_name[k]);
+        text_append(text, SCENE_ERROR, "%s%s", separator, design->amplifier_name[k]);
         separator = ", ";
     }
 }
@@ -349,7 +340,7 @@ void wiring_test_findings(const pzs_selftest *selftest, const analysis *analysis
             append_finding(text, name, finding, other);
     }
     if (selftest->info.verdict == PZS_SELFTEST_DISTURBED) {
-        append(text, "vibration or noise hides the response of");
+        text_append(text, SCENE_ERROR, "vibration or noise hides the response of");
         append_names(selftest, &analysis->design, PZS_WIRING_UNOBSERVABLE, text);
     }
 }

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
+#include "../rigs/damage_block.h"
 #include "gate_plate.h"
 
 #ifdef __SANITIZE_ADDRESS__
@@ -51,12 +52,6 @@ static pzs_supervision supervision = {.inputs = PLATE_INPUTS,
                                       .noise = PZS_R(1e-7),
                                       .load = PZS_R(1e-4)};
 
-/* A bit to flip inside a tick, in the memory of the controller. */
-typedef struct blow {
-    bool is_due;
-    size_t bit;
-} blow;
-
 static uint64_t seed = 1;
 
 static uint64_t draw(void)
@@ -67,44 +62,10 @@ static uint64_t draw(void)
     return z ^ (z >> 31);
 }
 
-static void flip(void *memory, size_t bit)
-{
-    ((uint8_t *)memory)[bit / 8] ^= (uint8_t)(1u << bit % 8);
-}
-
-/* ---- a block that damages the arrays of the controller between step and gate */
-
-static size_t blow_bytes(const void *tables, const pzs_problem *problem)
-{
-    (void)tables;
-    (void)problem;
-    return 0;
-}
-
-static pzs_status blow_init(void *self, const void *tables, pzs_loop_signals *signals)
-{
-    (void)self;
-    (void)tables;
-    (void)signals;
-    return PZS_OK;
-}
-
-static pzs_status blow_tick(void *self, pzs_loop_signals *signals)
-{
-    const blow *b = signals->tables;
-    (void)self;
-    if (b->is_due)
-        flip(signals->control->state.work, b->bit % (8 * PZS_CONTROL_BYTES(N, M)));
-    return PZS_OK;
-}
-
-static const pzs_block_type blow_block = {"blow",    PZS_PHASE_VOLTAGE, blow_bytes,
-                                          blow_init, blow_tick,         NULL};
-
 /* ---- rig ----------------------------------------------------------------- */
 
 typedef struct rig {
-    blow blow;
+    flip_damage damage;
     pzs_block block[BLOCKS];
     pzs_loop loop;
     void *work;
@@ -115,7 +76,7 @@ typedef struct rig {
 
 static void init(rig *r)
 {
-    r->blow.is_due = false;
+    r->damage = (flip_damage){.bytes = PZS_CONTROL_BYTES(N, M)};
     assert_int_equal(pzs_loop_init(&r->loop, r->block, BLOCKS, NULL, r->work, r->bytes), PZS_OK);
     assert_int_equal(pzs_loop_know(&r->loop, &r->load, &r->load), PZS_OK);
 }
@@ -128,7 +89,7 @@ static void open_rig(rig *r)
     r->block[1] = (pzs_block){&pzs_estimator_block, &plate_estimator};
     r->block[2] = (pzs_block){&pzs_step_block, &plate_problem};
     r->block[3] = (pzs_block){&pzs_amplifier_block, &amplifier};
-    r->block[4] = (pzs_block){&blow_block, &r->blow};
+    r->block[4] = (pzs_block){&flip_block, &r->damage};
     r->block[5] = (pzs_block){&pzs_fault_detector_block, &detection};
     r->block[6] = (pzs_block){&pzs_supervisor_block, &supervision};
     supervision.scene = plate_problem.scene;
@@ -200,9 +161,9 @@ static int take(rig *r)
 static void damage(rig *r)
 {
     const size_t bytes = sizeof r->loop + r->bytes, bit = (size_t)(draw() % (8 * bytes));
-    r->blow.is_due = draw() % 4 == 0;
-    r->blow.bit = bit;
-    if (r->blow.is_due)
+    r->damage.is_due = draw() % 4 == 0;
+    r->damage.bit = bit;
+    if (r->damage.is_due)
         return;
     if (bit < 8 * sizeof r->loop)
         flip(&r->loop, bit);
@@ -223,7 +184,7 @@ static void test_limits(void **state)
         damage(&r);
         for (int after = 0; after < 2; after++) {
             const pzs_status status = tick(&r, wave((int)(2 * k + after)));
-            r.blow.is_due = false;
+            r.damage.is_due = false;
             bad += take(&r);
             warned += status == PZS_W_OUTPUT;
             failed += PZS_IS_ERROR(status);
@@ -276,7 +237,7 @@ static void test_harmless(void **state)
                 damage(&r);
             const pzs_real factor = wave(t < SETTLED ? t : SETTLED);
             const pzs_status status = tick(&r, factor), expected = tick(&healthy, factor);
-            r.blow.is_due = false;
+            r.damage.is_due = false;
             is_told |= status != expected;
             assert_int_equal(take(&r) + take(&healthy), 0);
         }

@@ -17,6 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../rigs/control_bench.h"
+#include "../rigs/damage_block.h"
 #include "../../lib/control/limit_rows.h"
 
 #ifndef RANDOM_PROBLEMS
@@ -497,42 +498,6 @@ static void test_refusals(void **state)
 
 /* ---- the loop ----------------------------------------------------------------- */
 
-/* A block that damages memory between the control step and the last gate. */
-typedef struct blow {
-    const rig *of;
-    uint64_t seed;
-    bool is_due;
-} blow;
-
-static size_t blow_bytes(const void *tables, const pzs_problem *problem)
-{
-    (void)tables;
-    (void)problem;
-    return 0;
-}
-
-static pzs_status blow_init(void *self, const void *tables, pzs_loop_signals *signals)
-{
-    (void)self;
-    (void)tables;
-    (void)signals;
-    return PZS_OK;
-}
-
-static pzs_status blow_tick(void *self, pzs_loop_signals *signals)
-{
-    const blow *b = signals->tables;
-    (void)self;
-    const size_t bytes = pzs_control_bytes(&b->of->b.problem) - 16;
-    const uint64_t bit = b->seed % (8 * bytes);
-    if (b->is_due)
-        ((uint8_t *)signals->control->state.work)[bit / 8] ^= (uint8_t)(1u << bit % 8);
-    return PZS_OK;
-}
-
-static const pzs_block_type blow_block = {"blow",    PZS_PHASE_VOLTAGE, blow_bytes,
-                                          blow_init, blow_tick,         NULL};
-
 /*
  * Law: through the last gate no voltages leave that violate a limit row or a step limit, whatever
  * bit of the workspace flips between control step and gate, with and without converter steps; and
@@ -543,16 +508,16 @@ static void test_gate(void **state)
     (void)state;
     static double work[30000];
     static pzs_loop loop;
-    static blow damage;
+    static flip_damage damage;
     const pzs_amplifier amplifier = {.step = 0.75, .dead_band = 0.125};
     for (unsigned kind = 0; kind < 2; kind++) {
         open_chain(&one, 9 + kind, 30, 10);
         assert_int_equal(open_rig(&one), PZS_OK);
         const pzs_block blocks[] = {{&pzs_step_block, &one.b.problem},
                                     {&pzs_amplifier_block, &amplifier},
-                                    {&blow_block, &damage}};
+                                    {&flip_block, &damage}};
         const pzs_block plain[] = {blocks[0], blocks[2]};
-        damage = (blow){.of = &one};
+        damage = (flip_damage){.bytes = pzs_control_bytes(&one.b.problem) - 16};
         assert_int_equal(
             pzs_loop_init(&loop, kind ? blocks : plain, kind ? 3 : 2, NULL, work, sizeof work),
             PZS_OK);
@@ -563,7 +528,7 @@ static void test_gate(void **state)
                 for (unsigned i = 0; i < 12; i++)
                     one.b.error[i] = (pzs_real)uniform(&one.b, -3, 3);
             damage.is_due = t % 16 == 3 && t + 32 < FLIPS;
-            damage.seed = bits(&one.b);
+            damage.bit = bits(&one.b);
             const pzs_status status = pzs_loop_tick(&loop, one.b.error, NULL);
             warned += status == PZS_W_OUTPUT;
             assert_true(t + 16 < FLIPS || status == PZS_OK);

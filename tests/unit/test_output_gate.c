@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
+#include "../rigs/damage_block.h"
 #include "../../lib/control/scrub.h"
 #include "../../lib/core/guard.h"
 #include "../rigs/uniform.h"
@@ -38,21 +39,6 @@ typedef struct rig {
     double work[2000];
 } rig;
 
-static size_t no_bytes(const void *tables, const pzs_problem *problem)
-{
-    (void)tables;
-    (void)problem;
-    return 0;
-}
-
-static pzs_status no_init(void *self, const void *tables, pzs_loop_signals *signals)
-{
-    (void)self;
-    (void)tables;
-    (void)signals;
-    return PZS_OK;
-}
-
 static pzs_status do_damage(void *self, pzs_loop_signals *signals)
 {
     const damage *d = signals->tables;
@@ -62,8 +48,8 @@ static pzs_status do_damage(void *self, pzs_loop_signals *signals)
     return PZS_OK;
 }
 
-static const pzs_block_type damage_block = {"damage", PZS_PHASE_VOLTAGE, no_bytes,
-                                            no_init,  do_damage,         NULL};
+static const pzs_block_type damage_block = {"damage",    PZS_PHASE_VOLTAGE, damage_bytes,
+                                            damage_init, do_damage,         NULL};
 
 static void open_rig(rig *r, unsigned seed)
 {
