@@ -1040,7 +1040,11 @@ static int run_line(int argc, char **argv)
         return 0;
     }
     const int wrong = options_read(&options, id, argc, argv);
-    return wrong ? wrong : run_command(id, &options);
+    if (wrong)
+        return wrong;
+    if (options.uses_stdout && outfile_take_stdout() != 0)
+        return 1;
+    return run_command(id, &options);
 }
 
 int main(int argc, char **argv)

@@ -329,6 +329,12 @@ static int same_file(const char *first, const char *second)
            first_status.st_ino == second_status.st_ino;
 }
 
+/* Whether the path of an output file, which may be NULL, stands for standard output. */
+static bool is_stdout(const char *path)
+{
+    return path && strcmp(path, "-") == 0;
+}
+
 /* Refuse output files that would overwrite each other or the scene. Returns 0, or an exit code. */
 static int check_files(const options *options)
 {
@@ -347,6 +353,28 @@ static int check_files(const options *options)
     return 0;
 }
 
+/*
+ * Find out whether an output file is "-", standard output. Binary files and folders cannot be
+ * written there, and a second text would be mixed with it. Returns 0, or an exit code.
+ */
+static int check_stdout(options *options)
+{
+    const char *const text[] = {options->report, options->svg, options->vtu, options->csv,
+                                options->output};
+    const bool is_fmu = options->command == COMMAND_FMU;
+    if (is_stdout(options->npz) || (is_fmu && is_stdout(options->output)))
+        return options_refuse("a binary file does not go to standard output; name a file, not",
+                              "-");
+    if (is_stdout(options->csv_folder))
+        return options_refuse("several files do not go to standard output; name a folder, not",
+                              "-");
+    for (size_t k = 0; k < sizeof text / sizeof *text; k++)
+        options->uses_stdout |= is_stdout(text[k]);
+    if (options->uses_stdout && options->as_json)
+        return options_refuse("--json goes to standard output, too; name a file, not", "-");
+    return 0;
+}
+
 int options_read(options *options, command_id command, int argc, char **argv)
 {
     memset(options, 0, sizeof *options);
@@ -358,5 +386,5 @@ int options_read(options *options, command_id command, int argc, char **argv)
         wrong = check_words(options);
     if (!wrong && (options->scene || options->command == COMMAND_CALIBRATE))
         wrong = check_files(options);
-    return wrong;
+    return wrong ? wrong : check_stdout(options);
 }

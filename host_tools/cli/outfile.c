@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "outfile.h"
 #include <errno.h>
+#include <stdbool.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -14,10 +15,22 @@ static int cannot_write(const char *path, const char *why)
     return 1;
 }
 
+/* File descriptor of standard output for the output file "-"; -1 before outfile_take_stdout. */
+static int standard_output = -1;
+
+int outfile_take_stdout(void)
+{
+    standard_output = dup(STDOUT_FILENO);
+    if (standard_output < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0)
+        return cannot_write("-", strerror(errno));
+    return 0;
+}
+
 int outfile_begin(outfile *output, const char *path)
 {
     struct stat there;
-    const int is_direct = stat(path, &there) == 0 && !S_ISREG(there.st_mode);
+    const bool is_stdout = standard_output >= 0 && strcmp(path, "-") == 0;
+    const bool is_direct = is_stdout || (stat(path, &there) == 0 && !S_ISREG(there.st_mode));
     output->path = path;
     output->slot = -1;
     output->temporary[0] = '\0';
@@ -28,7 +41,8 @@ int outfile_begin(outfile *output, const char *path)
             return cannot_write(path, "path too long");
         output->slot = interrupt_file(output->temporary);
     }
-    output->file = fopen(is_direct ? path : output->temporary, "w");
+    output->file =
+        is_stdout ? fdopen(standard_output, "w") : fopen(is_direct ? path : output->temporary, "w");
     if (output->file)
         return 0;
     interrupt_forget_file(output->slot);

@@ -14,15 +14,21 @@ enum { OUTFILE_PATH = 4096 };
 typedef struct outfile {
     FILE *file;
     const char *path;
-    char temporary[OUTFILE_PATH]; /* path of the temporary file; empty for a device or a pipe, which
-                                     is written directly */
+    char temporary[OUTFILE_PATH]; /* path of the temporary file; empty for a device, a pipe or
+                                     standard output, which are written directly */
     int slot; /* index of the temporary file in the list of files that interrupt.h removes after a
                  signal */
 } outfile;
 
 /*
- * Open an output file for writing. The path must outlive `output`. Returns 0, or 1 after printing
- * an error message on standard error.
+ * Keep standard output for the output file "-". All that the program prints otherwise on standard
+ * output goes to standard error from now on. Returns 0, or 1 after printing an error message.
+ */
+int outfile_take_stdout(void);
+
+/*
+ * Open an output file for writing; the path "-" is standard output, after outfile_take_stdout. The
+ * path must outlive `output`. Returns 0, or 1 after printing an error message on standard error.
  */
 int outfile_begin(outfile *output, const char *path);
 

@@ -272,6 +272,11 @@ check 'shape: an output of an edge has all its nodes' $?
 run 0 tables plate-50-patches --prefix a -o "$dir/one.h" && run 0 tables plate-50-patches --prefix a -o "$dir/two.h" && cmp -s "$dir/one.h" "$dir/two.h"
 check 'the same scene gives the same tables' $?
 run 2 tables plate-50-patches && says '-o FILE'; check 'tables without -o' $?
+run 0 tables plate-50-patches --prefix a -o - && cmp -s "$dir/out" "$dir/one.h" && grep -q 'control image' "$dir/err" && [ ! -e - ]; check 'tables on standard output, the summary beside them' $?
+run 0 solve scordelis-lo --vtu "$dir/a.vtu" && run 0 solve scordelis-lo --vtu - && cmp -s "$dir/out" "$dir/a.vtu"; check 'a VTU file on standard output' $?
+run 2 solve scordelis-lo --npz - && says 'binary file' && run 2 fmu plate-50-patches --plant -o - && says 'binary file' && run 2 solve scordelis-lo --csv-dir - && says 'several files' &&
+    run 2 solve scordelis-lo --json --vtu - && says '--json goes to standard output' && run 2 solve scordelis-lo --svg - --vtu - && says 'one name'
+check 'what standard output cannot take is refused by name' $?
 run 1 tables plate-50-patches -o "$dir/none/x.h" && says 'cannot write'; check 'tables into no folder' $?
 run 0 solve scordelis-lo --report "$dir/r.html" --vtu "$dir/r.vtu" && [ -s "$dir/r.html" ] && [ -s "$dir/r.vtu" ] && ! ls "$dir"/*.part >/dev/null 2>&1
 check 'report and VTU file are whole' $?
