@@ -19,7 +19,8 @@ typedef struct page {
     const mesh *mesh;
     const design *design;
     shell space, map;
-    char pressure[WORDS_UNIT]; /* unit of pressures and stresses; empty if the scene file names none */
+    char pressure[WORDS_UNIT]; /* unit of pressures and stresses; empty if the scene file names none
+                                */
     draw_scale scale; /* colour scale of the values on the surface in all pictures in space */
     double *vector;   /* [nodes][3] displacement of the nodes */
     double *wanted;   /* [nodes][3] displacement in which the component that the target prescribes
