@@ -172,6 +172,7 @@ $(call for_variants,late,64 32 san64 san32,)
 DAMPED := @tests/rigs/damped_loop.o @tests/rigs/testdata.o @host_tools/model/damper_gains.o @host_tools/model/propagator.o @bridge64.o
 $(call for_variants,vibration_block,64 32 san64 san32,$(DAMPED))
 $(call for_variants,selftest,64 32 san64 san32,@bridge64.o)
+$(call for_variants,recursive,64 32 san64 san32,@bridge64.o)
 $(foreach t,flips supervisor output_gate hysteresis,$(call for_variants,$(t),64 32 san64 san32,))
 $(call for_variants,estimator,64 san64,@tests/rigs/scene_run.o @host.a)
 $(call for_variants,shell,64 san64,@tests/rigs/testdata.o @host.a)
@@ -287,6 +288,9 @@ check-long: setup-test
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DRUNS=100 -DHEALTHY_RUNS=340 $(INCLUDE) \
 	    tests/unit/test_selftest.c $(B)/$$bits/bridge64.o $(B)/$$bits/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-selftest \
 	    && $(B)/long-selftest || exit 1; done
+	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DRECORDS=1000000 $(INCLUDE) \
+	    tests/unit/test_recursive.c $(B)/$$bits/bridge64.o $(B)/$$bits/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-recursive \
+	    && $(B)/long-recursive || exit 1; done
 	@$(MAKE) --no-print-directory -s $(B)/test/detector-64
 	$(B)/test/detector-64 112000
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DFAULT_TICKS=1000000 $(FOLDERS) $(INCLUDE) \

@@ -4,6 +4,7 @@
  *
  *   pzs_control.h    control image: from an influence matrix to voltages inside limits
  *   pzs_loop.h       the control loop as a list of blocks
+ *   pzs_calibrate.h  the influence matrix from voltages and readings, on the device
  *   pzs_model.h      linear image: from element matrices to the influence matrix, on the device
  *   pzs_nonlinear.h  nonlinear image (PZS_NONLINEAR=1): equilibrium at large rotation
  *
@@ -12,6 +13,7 @@
 #ifndef PZS_H
 #define PZS_H
 
+#include "pzs_calibrate.h"
 #include "pzs_control.h"
 #include "pzs_loop.h"
 #include "pzs_model.h"

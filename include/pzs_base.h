@@ -121,6 +121,8 @@ typedef enum pzs_status {
      * voltages of the limit rows in several steps, or stay if that way is not allowed either
      */
     PZS_W_LIMIT_ROWS,
+    PZS_W_UNOBSERVABLE, /* the records of a calibration do not determine the effect of input
+                           info.where; its column of the influence matrix is kept */
 
     /* Errors have values from 64 on: the outputs of the function are untouched. */
     PZS_E_ARGUMENT = 64, /* Error: a pointer is NULL, or a size, an index or a setting is out of

@@ -515,6 +515,28 @@ typedef struct pzs_selftest_state {
                        weight of the tick, symmetric in time (1) */
 } pzs_selftest_state;
 
+typedef struct pzs_calibration_state {
+    const struct pzs_problem *problem;
+    const pzs_real *influence; /* [outputs][inputs] influence matrix for inputs that the records do
+                                  not determine (m/V) */
+    pzs_real *factor; /* [inputs + 1][inputs + outputs] triangular factor of the sum of the squared
+                         voltages (V) and, beside it, the readings in its basis (m); last row: the
+                         record that is being added */
+    pzs_real *direction; /* [inputs] work vector: factor times the voltages of a record (V2) */
+    pzs_real *noise;     /* [outputs] variance of the noise of each output's readings (m2) */
+    pzs_real *centre;    /* [inputs] voltages around which the test voltages lie (V) */
+    pzs_real *proposal;  /* [inputs] test voltages before they are inside all limits (V), or work
+                            vector: reciprocals of the pivots of the factor (1/V) */
+    pzs_real *free;  /* [inputs] NaN for each input: a calibration holds none at a fixed voltage */
+    pzs_real *least; /* [inputs] size below which a pivot of the factor counts as zero (V) */
+    pzs_real *last[3];  /* [inputs] three copies of the test voltages (V) */
+    uint32_t limit_sum; /* checksum of the voltage limits and the step limits */
+    uint32_t pattern;   /* number of the present test pattern, from 0 */
+    uint32_t rest;      /* number of ticks for which the test voltages have been constant */
+    uint32_t surplus;   /* number of records beyond those that determine the matrix */
+    uint8_t stage;
+} pzs_calibration_state;
+
 /*
  * Pointers and sizes from which a tick of the loop finds its blocks, arrays and tables; they stay
  * constant from tick to tick.

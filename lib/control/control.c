@@ -448,7 +448,8 @@ static int32_t bad_number(const pzs_problem *problem, const pzs_real *influence)
     return bad;
 }
 
-static pzs_status check(const pzs_problem *problem, const pzs_real *influence, int32_t *where)
+pzs_status pzs_control_check_problem(const pzs_problem *problem, const pzs_real *influence,
+                                     int32_t *where)
 {
     const int missing = problem->weight == NULL || problem->lower == NULL ||
                         problem->upper == NULL || problem->step_limit == NULL ||
@@ -597,7 +598,7 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
                              .info.where = -1,
                              .settings.work_limit =
                                  problem->work_limit > 0 ? problem->work_limit : work_limit};
-    const pzs_status status = check(problem, use, &control->info.where);
+    const pzs_status status = pzs_control_check_problem(problem, use, &control->info.where);
     if (status != PZS_OK)
         return status;
     const int32_t lacking = guard_missing_bytes(work, bytes, need);

@@ -12,6 +12,15 @@
  */
 uint32_t pzs_problem_crc(const pzs_problem *problem);
 
+/*
+ * Check the tables of a voltage problem.
+ *   influence [outputs][inputs] in   influence matrix that is used with them (m/V)
+ *   where                       out  index to which the status refers, or -1
+ * Returns PZS_OK or the errors of pzs_control_init.
+ */
+pzs_status pzs_control_check_problem(const pzs_problem *problem, const pzs_real *influence,
+                                     int32_t *where);
+
 /* Predict the shape of the present voltages if they have changed since the last tick. */
 void pzs_control_predict(pzs_control *control);
 

@@ -26,6 +26,8 @@ const char *pzs_status_text(pzs_status status)
     case PZS_W_SELFTEST: return "self-test of amplifiers and sensors: not yet in control";
     case PZS_W_LIMIT_ROWS:
         return "limits between inputs allow only a gradual way to the voltages that are held";
+    case PZS_W_UNOBSERVABLE:
+        return "the records do not determine the effect of an input: its column is kept";
     case PZS_E_ARGUMENT: return "null pointer, or a size or index out of range";
     case PZS_E_FORMAT: return "tables of another format or scene";
     case PZS_E_CRC: return "tables do not match their checksum";

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../host_tools/model/analysis.h"
+#include "../../host_tools/model/calibrate.h"
 #include "../../host_tools/model/mass.h"
 #include "../../host_tools/model/vibration.h"
 
@@ -154,4 +155,20 @@ void bridge_modes_close(bridge_modes *modes)
     free(modes->load);
     free(modes->load_shape);
     memset(modes, 0, sizeof *modes);
+}
+
+double bridge_calibrate(size_t count, size_t inputs, size_t outputs, const double *voltage,
+                        const double *shape, double *influence, double *spread)
+{
+    char error[SCENE_ERROR];
+    calibration result;
+    const pokes pokes = {count, inputs, outputs, voltage, shape};
+    double noise = (double)NAN;
+    if (calibrate(&result, &pokes, NULL, error) == 0) {
+        memcpy(influence, result.influence, outputs * inputs * sizeof *influence);
+        memcpy(spread, result.error, inputs * sizeof *spread);
+        noise = result.noise;
+    }
+    calibration_free(&result);
+    return noise;
 }

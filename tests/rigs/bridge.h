@@ -78,4 +78,16 @@ typedef struct bridge_modes {
 int bridge_modes_open(bridge_modes *mode_tables, const bridge *tables, int modes, char *error);
 void bridge_modes_close(bridge_modes *modes);
 
+/*
+ * Least squares of `pzs calibrate` without a model: influence matrix, standard errors of its
+ * columns and noise, from records of voltages and shapes.
+ *   voltage   [count][inputs]   in
+ *   shape     [count][outputs]  in
+ *   influence [outputs][inputs] out
+ *   spread    [inputs]          out
+ * Returns the standard deviation of the noise, or NAN on failure.
+ */
+double bridge_calibrate(size_t count, size_t inputs, size_t outputs, const double *voltage,
+                        const double *shape, double *influence, double *spread);
+
 #endif

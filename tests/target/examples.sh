@@ -37,6 +37,7 @@ if tap_needs "$ARM_CC" 'examples' && tap_needs "$QEMU" 'examples'; then
     example linear ok
     example nonlinear ok
     example measured ok
+    example calibrate ok
     example missed-ticks 'damped, 100 ticks missed'
     holds control pzs_step_block && ! holds control pzs_estimator_block && ! holds control pzs_feed_forward_block &&
         ! holds control pzs_amplifier_block && ! holds control pzs_fault_detector_block

@@ -1,0 +1,118 @@
+/*
+ * Calibration on the device: the influence matrix from voltages and readings of the running
+ * hardware, by recursive least squares. SPDX-License-Identifier: BSD-2-Clause
+ *
+ *     pzs_calibration_init(&calibration, &mirror_problem, NULL, NULL, work, sizeof work);
+ *     for (uint32_t tick = 0; tick < 100000 && calibration.info.records < 200; tick++) {
+ *         read_sensors(readings); // [outputs] m
+ *         if (calibration.info.is_settled)
+ *             pzs_calibration_record(&calibration, calibration.info.voltage, readings);
+ *         pzs_calibration_excite(&calibration);
+ *         write_amplifiers(calibration.info.voltage); // [inputs] V, inside every limit, always
+ *     }
+ *     pzs_calibration_solve(&calibration, influence, spread);
+ *     pzs_control_init(&control, &mirror_problem, influence, control_work, sizeof control_work);
+ */
+#ifndef PZS_CALIBRATE_H
+#define PZS_CALIBRATE_H
+
+#include "pzs_control.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Settings of a calibration that a program may change after pzs_calibration_init. */
+typedef struct pzs_calibration_settings {
+    pzs_real memory;    /* number of records in one direction of the voltages after which older
+                           records in that direction are forgotten, at least 2; default infinity (1)
+                         */
+    pzs_real amplitude; /* amplitude of the test voltages relative to half of the voltage range of
+                           each input, above 0 and at most 1; default 0.25 (1) */
+    uint32_t settle;    /* number of ticks for which the test voltages stay constant before their
+                           readings count, at least 1; default 8 */
+    pzs_real reading_limit; /* largest plausible size of a reading; a record with a larger one is
+                               ignored; default infinity (m) */
+    const uint8_t *ignored; /* [outputs] 1 for an output whose readings are not used, 0 for all
+                               others; NULL: all readings are used (default) */
+} pzs_calibration_settings;
+
+/* Results of a calibration that a program may read. */
+typedef struct pzs_calibration_info {
+    const pzs_real *voltage; /* [inputs] test voltages to apply, finite and inside the limits (V) */
+    const pzs_real *noise;   /* [outputs] estimated variance of the noise of each output's readings,
+                                0 until there are more records than inputs (m2) */
+    uint32_t records;        /* number of records used so far */
+    uint32_t period; /* number of test patterns in a period; over a period, the changes of the
+                        voltages of any two inputs are orthogonal, and their sums are 0 */
+    int32_t where;   /* index to which the last status refers, or -1 */
+    bool is_settled; /* true if the test voltages have been constant for settings.settle ticks, so
+                        that readings taken before the next pzs_calibration_excite belong to them */
+} pzs_calibration_info;
+
+typedef struct pzs_calibration {
+    pzs_calibration_settings settings;
+    pzs_calibration_info info;
+    pzs_calibration_state state;
+} pzs_calibration;
+
+/* Size of the workspace of a calibration (bytes). */
+#define PZS_CALIBRATION_BYTES(inputs, outputs)                                                     \
+    (sizeof(pzs_real) * (((size_t)(inputs) + 1u) * ((size_t)(inputs) + (size_t)(outputs)) +        \
+                         8u * (size_t)(inputs) + (size_t)(outputs)))
+
+/*
+ * Start a calibration without any record.
+ *   problem                     in  voltage problem with the limits; must outlive the calibration
+ *   influence [outputs][inputs] in  matrix for inputs that the records do not determine (m/V), must
+ *                                   outlive the calibration; NULL: that of the voltage problem
+ *   voltage   [inputs]          in  voltages that the amplifiers give, around which the test
+ *                                   voltages lie after clamping to the limits (V); NULL: the
+ *                                   reference voltages of the problem
+ *   work                        in  memory of the caller, aligned for pzs_real
+ *   bytes                       in  size of the workspace, at least PZS_CALIBRATION_BYTES
+ * Errors: PZS_E_ARGUMENT, PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE, PZS_E_LIMITS, PZS_E_NONFINITE.
+ */
+pzs_status pzs_calibration_init(pzs_calibration *calibration, const pzs_problem *problem,
+                                const pzs_real *influence, const pzs_real *voltage, void *work,
+                                size_t bytes);
+
+/*
+ * Move the test voltages, info.voltage, by one tick towards the present test pattern, within
+ * voltage limits, step limits and limit rows (limits of sums of voltages); once they have settled,
+ * the next pattern begins. In a pattern every input is at plus or minus its amplitude. Errors:
+ * PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_LIMITS (input info.where has no finite voltage range),
+ * PZS_E_CRC (the limits are damaged; the voltages stay).
+ */
+pzs_status pzs_calibration_excite(pzs_calibration *calibration);
+
+/*
+ * Add one record, in equilibrium: voltages, and the readings measured under them. Any voltages may
+ * be recorded, also those of a running controller. Readings with an unknown offset are to be passed
+ * as differences from those at reference voltages, and the voltages as differences from these.
+ *   voltage [inputs]  in  (V)
+ *   reading [outputs] in  (m)
+ * PZS_W_SENSOR: reading info.where is not finite or too large, and the record is ignored. Errors:
+ * PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE (a voltage is not finite, or squares overflow).
+ */
+pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *voltage,
+                                  const pzs_real *reading);
+
+/*
+ * Compute the influence matrix that fits the records best, for pzs_control_init or pzs_loop_init,
+ * which compute the Hessian from it anew.
+ *   influence [outputs][inputs] out  influence matrix (m/V)
+ *   spread    [inputs]          out  the standard error of entry (i, k) of the matrix is spread[k]
+ *                                    times the square root of info.noise[i] (1/V); with a finite
+ *                                    memory it is an upper bound
+ * PZS_W_UNOBSERVABLE: the records do not determine the effect of input info.where; its column is
+ * that of the matrix passed to pzs_calibration_init, and its spread is infinite, as are those of
+ * inputs that always moved with it. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.
+ */
+pzs_status pzs_calibration_solve(pzs_calibration *calibration, pzs_real *influence,
+                                 pzs_real *spread);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,537 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Calibration on the device: recursive least squares for the influence matrix (pzs_calibrate.h).
+ *
+ * With the voltages v and the readings y of each record, the influence matrix B minimises the sum
+ * of |y - B v|^2. The state is the triangular factor T [inputs][inputs] of the information matrix
+ * I = T'T, which is the sum of v v', and the readings Z [inputs][outputs] in the same basis; then
+ * T B' = Z. Plane rotations of the rows of [T Z] add a record. They never square the condition
+ * number, and T'T is symmetric and not negative whatever the rounding errors are. What is left of
+ * the readings after the rotations is the residual of the record in units of its standard
+ * deviation; the mean of its squares is the variance of the noise.
+ *
+ * Forgetting is directional, so that a direction without new voltages loses nothing. The rows are
+ * rotated so that the first one is r = v'I/sqrt(v'Iv), all that T knows of the direction v, and
+ * this row is multiplied by sqrt(1 - f). The information matrix becomes
+ *
+ *   J = I - f (I v)(I v)'/(v'Iv) + v v'      with   f = min(1/memory, |v|^4/(v'Iv)).
+ *
+ * Both bounds of the covariance of B, which is the variance of the noise times the inverse of J,
+ * follow from the bound of f. Because |v|^4 <= (v'Iv)(v' I^-1 v), the determinant satisfies
+ * det J / det I = (1 - f)(1 + v' I^-1 v) + f |v|^4/(v'Iv) >= 1: it never decreases. No eigenvalue
+ * of J exceeds the larger one of the largest eigenvalue of I and V^2 memory, with the largest norm
+ * V of the voltages of a record. So no eigenvalue falls below det I/(V^2 memory)^(inputs - 1), and
+ * small voltages, such as those of a controller at rest, never replace the knowledge from large
+ * ones.
+ */
+#include <string.h>
+#include "pzs_calibrate.h"
+#include "control.h"
+#include "output_gate.h"
+#include "limit_rows.h"
+#include "../core/guard.h"
+#include "../core/numbers.h"
+
+/* Value of state.stage after a successful pzs_calibration_init. */
+#define READY 1u
+/*
+ * Factor by which the sum of the squares of a record must stay below the largest number, so that
+ * the sum over 2^32 records does not overflow.
+ */
+#define SUM_RESERVE PZS_R(4294967296.0)
+/*
+ * A test voltage counts as constant if it changes in a tick by at most this part of the voltage
+ * range of its input.
+ */
+#define AT_REST PZS_R(1e-4)
+/*
+ * A pivot of the factor counts as zero if it is below this multiple of its rounding error, which is
+ * about epsilon times the square root of the number of records, relative to the norm of its column.
+ */
+#define ROUNDING PZS_R(8)
+
+static pzs_status finish(pzs_calibration *calibration, pzs_status status, int32_t where)
+{
+    calibration->info.where = where;
+    return status;
+}
+
+static size_t width_of(const pzs_calibration *calibration)
+{
+    return (size_t)calibration->state.problem->inputs + calibration->state.problem->outputs;
+}
+
+/* Row `index` of the factor: inputs, then outputs. */
+static pzs_real *row_of(const pzs_calibration *calibration, size_t index)
+{
+    return calibration->state.factor + index * width_of(calibration);
+}
+
+static pzs_real square(pzs_real number)
+{
+    return number * number;
+}
+
+static pzs_real energy(const pzs_real *value, size_t count)
+{
+    pzs_real sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += square(value[i]);
+    return sum;
+}
+
+static bool is_used(const pzs_calibration *calibration, size_t output)
+{
+    const uint8_t *ignored = calibration->settings.ignored;
+    return ignored == NULL || ignored[output] == 0;
+}
+
+/* ---- initialisation ----------------------------------------------------- */
+
+static uint32_t period_of(uint32_t inputs)
+{
+    uint32_t period = 1;
+    while (period <= inputs)
+        period *= 2;
+    return period;
+}
+
+/* Let the arrays of the calibration point into its workspace. */
+static void place(pzs_calibration *calibration, pzs_real *next)
+{
+    pzs_calibration_state *state = &calibration->state;
+    const size_t inputs = state->problem->inputs;
+    state->factor = next, next += (inputs + 1) * width_of(calibration);
+    state->direction = next, next += inputs;
+    state->centre = next, next += inputs;
+    state->proposal = next, next += inputs;
+    state->free = next, next += inputs;
+    state->least = next, next += inputs;
+    for (int copy = 0; copy < 3; copy++)
+        state->last[copy] = next, next += inputs;
+    state->noise = next;
+    calibration->info.voltage = state->last[0];
+    calibration->info.noise = state->noise;
+}
+
+/*
+ * Set the test voltages to the voltages of the amplifiers, inside all limits.
+ *   voltage [inputs] in  (V)
+ */
+static void set_start(pzs_calibration *calibration, const pzs_real *voltage)
+{
+    pzs_calibration_state *state = &calibration->state;
+    const pzs_problem *problem = state->problem;
+    for (uint32_t i = 0; i < problem->inputs; i++) {
+        state->centre[i] = number_clamp(voltage[i], problem->lower[i], problem->upper[i]);
+        state->free[i] = (pzs_real)NAN;
+    }
+    if (problem->limit_rows != NULL)
+        (void)problem->limit_rows->call->scale_back(problem, problem->limit_rows->safe,
+                                                    state->centre);
+    for (int copy = 0; copy < 3; copy++)
+        memcpy(state->last[copy], state->centre, problem->inputs * sizeof *state->centre);
+}
+
+pzs_status pzs_calibration_init(pzs_calibration *calibration, const pzs_problem *problem,
+                                const pzs_real *influence, const pzs_real *voltage, void *work,
+                                size_t bytes)
+{
+    if (calibration == NULL)
+        return PZS_E_ARGUMENT;
+    calibration->state.stage = 0;
+    if (problem == NULL || work == NULL)
+        return PZS_E_ARGUMENT;
+    *calibration = (pzs_calibration){
+        .settings = {(pzs_real)INFINITY, PZS_R(0.25), 8, (pzs_real)INFINITY, NULL},
+        .info.where = -1,
+        .state.problem = problem,
+        .state.influence = influence != NULL ? influence : problem->influence};
+    int32_t where = -1;
+    const pzs_status status =
+        pzs_control_check_problem(problem, calibration->state.influence, &where);
+    if (status != PZS_OK)
+        return finish(calibration, status, where);
+    const pzs_real *start = voltage != NULL ? voltage : problem->reference_voltage;
+    where = pzs_guard_nonfinite(start, problem->inputs);
+    if (where >= 0)
+        return finish(calibration, PZS_E_NONFINITE, where);
+    const size_t need = PZS_CALIBRATION_BYTES(problem->inputs, problem->outputs);
+    where = guard_missing_bytes(work, bytes, need);
+    if (where >= 0)
+        return finish(calibration, PZS_E_WORKSPACE, where);
+    memset(work, 0, need);
+    place(calibration, work);
+    set_start(calibration, start);
+    calibration->state.limit_sum = pzs_output_limit_sum(problem);
+    calibration->info.period = period_of(problem->inputs);
+    calibration->state.stage = READY;
+    return PZS_OK;
+}
+
+static pzs_status check_ready(const pzs_calibration *calibration, const void *one,
+                              const void *other)
+{
+    if (calibration == NULL || one == NULL || other == NULL)
+        return PZS_E_ARGUMENT;
+    return calibration->state.stage == READY ? PZS_OK : PZS_E_STAGE;
+}
+
+/* ---- test voltages ------------------------------------------------------ */
+
+/*
+ * Sign of an input in a test pattern. It is a Walsh function, the parity of the bits that the
+ * pattern and the number of the input (counted from 1) have in common. So all inputs are orthogonal
+ * to each other and to a constant over a period.
+ */
+static pzs_real sign_of(uint32_t pattern, uint32_t input)
+{
+    uint32_t common = pattern & (input + 1u);
+    common ^= common >> 16;
+    common ^= common >> 8;
+    common ^= common >> 4;
+    common ^= common >> 2;
+    common ^= common >> 1;
+    return (common & 1u) != 0 ? PZS_R(-1) : PZS_R(1);
+}
+
+/* Half of the voltage range of an input (V), without overflow. */
+static pzs_real half_range(const pzs_problem *problem, uint32_t input)
+{
+    return problem->upper[input] / 2 - problem->lower[input] / 2;
+}
+
+/* Whether the test voltages before and after a tick are the same, up to a small part of the range.
+ */
+static bool have_settled(const pzs_calibration *calibration, const pzs_real *before)
+{
+    const pzs_calibration_state *state = &calibration->state;
+    for (uint32_t i = 0; i < state->problem->inputs; i++)
+        if (number_absolute(state->last[0][i] - before[i]) >
+            AT_REST * half_range(state->problem, i))
+            return false;
+    return true;
+}
+
+/* Return the first input without a finite voltage range, or -1. */
+static int32_t unbounded_input(const pzs_problem *problem)
+{
+    for (uint32_t i = 0; i < problem->inputs; i++)
+        if (!number_is_finite(half_range(problem, i)))
+            return (int32_t)i;
+    return -1;
+}
+
+pzs_status pzs_calibration_excite(pzs_calibration *calibration)
+{
+    const pzs_status status = check_ready(calibration, calibration, calibration);
+    if (status != PZS_OK)
+        return status;
+    pzs_calibration_state *state = &calibration->state;
+    const pzs_problem *problem = state->problem;
+    const pzs_calibration_settings *settings = &calibration->settings;
+    if (!(settings->amplitude > 0) || settings->amplitude > 1 || settings->settle == 0)
+        return finish(calibration, PZS_E_ARGUMENT, -1);
+    int32_t where = unbounded_input(problem);
+    if (where >= 0)
+        return finish(calibration, PZS_E_LIMITS, where);
+    state->pattern += calibration->info.is_settled ? 1u : 0u;
+    for (uint32_t i = 0; i < problem->inputs; i++) {
+        const pzs_real swing = settings->amplitude * half_range(problem, i);
+        state->proposal[i] = state->centre[i] + sign_of(state->pattern, i) * swing;
+        state->direction[i] = state->last[0][i];
+    }
+    pzs_real *const held[3] = {state->free, state->free, state->free};
+    const output_gate gate = {
+        problem, held, {state->last[0], state->last[1], state->last[2]}, state->proposal};
+    if (pzs_output_gate(&gate, state->proposal, state->limit_sum, &where) == PZS_E_CRC)
+        return finish(calibration, PZS_E_CRC, -1);
+    const bool continues = !calibration->info.is_settled;
+    state->rest = have_settled(calibration, state->direction) && continues ? state->rest + 1u : 0;
+    calibration->info.is_settled = state->rest >= settings->settle;
+    return finish(calibration, PZS_OK, -1);
+}
+
+/* ---- records ------------------------------------------------------------ */
+
+/* Size of a pivot, relative to the norm of its column, below which it counts as a rounding error.
+ */
+static pzs_real negligible(const pzs_calibration *calibration)
+{
+    const pzs_real count =
+        (pzs_real)calibration->info.records + (pzs_real)calibration->state.problem->inputs;
+    return ROUNDING * PZS_EPSILON * PZS_SQRT(count);
+}
+
+/*
+ * Rotate two rows in their plane, from column `from` on.
+ *   first, second [count] in/out
+ */
+static void turn(pzs_real *restrict first, pzs_real *restrict second, size_t from, size_t count,
+                 pzs_real cosine, pzs_real sine)
+{
+    for (size_t j = from; j < count; j++) {
+        const pzs_real one = first[j], other = second[j];
+        first[j] = cosine * one + sine * other;
+        second[j] = cosine * other - sine * one;
+    }
+}
+
+/*
+ * Rotate two rows in their plane so that entry `at` of the second row becomes 0; both rows are 0
+ * before it. If both entries are rounding errors, both become 0. Returns the cosine of the angle.
+ *   first, second [inputs + outputs] in/out
+ */
+static pzs_real eliminate(const pzs_calibration *calibration, pzs_real *first, pzs_real *second,
+                          size_t at)
+{
+    if (!(number_absolute(second[at]) > 0))
+        return 1;
+    const pzs_real size = PZS_SQRT(square(first[at]) + square(second[at]));
+    if (!(size > calibration->state.least[at])) {
+        first[at] = second[at] = 0;
+        return 1;
+    }
+    const pzs_real cosine = first[at] / size;
+    turn(first, second, at, width_of(calibration), cosine, second[at] / size);
+    second[at] = 0;
+    return cosine;
+}
+
+/*
+ * Compute the size of each pivot of the factor below which it counts as zero.
+ *   voltage [inputs] in  voltages of the record that is being added (V)
+ */
+static void find_least(pzs_calibration *calibration, const pzs_real *voltage)
+{
+    const pzs_real rounding = negligible(calibration);
+    for (size_t k = 0; k < calibration->state.problem->inputs; k++) {
+        pzs_real column = square(voltage[k]);
+        for (size_t j = 0; j <= k; j++)
+            column += square(row_of(calibration, j)[k]);
+        calibration->state.least[k] = rounding * PZS_SQRT(column);
+    }
+}
+
+/*
+ * Rotate each row whose pivot is 0 into the rows below it, so that it becomes 0 as a whole and all
+ * that is known of the other inputs stays in their rows.
+ */
+static void clear_open_rows(pzs_calibration *calibration)
+{
+    const size_t inputs = calibration->state.problem->inputs;
+    for (size_t k = 0; k < inputs; k++) {
+        pzs_real *row = row_of(calibration, k);
+        if (number_absolute(row[k]) > 0)
+            continue;
+        for (size_t j = k + 1; j < inputs; j++)
+            (void)eliminate(calibration, row_of(calibration, j), row, j);
+        memset(row, 0, width_of(calibration) * sizeof *row);
+    }
+}
+
+/*
+ * Part of the information about the direction of a record that is forgotten, from 0 to 1/memory.
+ *   voltage   [inputs] in  voltages of the record (V)
+ *   direction [inputs] in  factor times these voltages (V2)
+ */
+static pzs_real forgotten_part(const pzs_calibration *calibration, const pzs_real *voltage,
+                               const pzs_real *direction)
+{
+    const size_t inputs = calibration->state.problem->inputs;
+    const pzs_real part = 1 / calibration->settings.memory;
+    const pzs_real size = energy(voltage, inputs), known = energy(direction, inputs);
+    if (!(known > 0))
+        return 0;
+    const pzs_real most = size / known * size;
+    return most < part ? most : part;
+}
+
+/*
+ * Rotate the rows of the factor so that the first one is all that the factor knows of a direction.
+ * Afterwards there is one nonzero entry to the left of the diagonal in every other row.
+ *   direction [inputs] in/out  factor times the voltages of the direction; changed
+ */
+static void collect_direction(pzs_calibration *calibration, pzs_real *direction)
+{
+    for (size_t k = calibration->state.problem->inputs - 1u; k > 0; k--) {
+        const pzs_real size = PZS_SQRT(square(direction[k - 1]) + square(direction[k]));
+        if (!(size > 0))
+            continue;
+        turn(row_of(calibration, k - 1), row_of(calibration, k), k - 1, width_of(calibration),
+             direction[k - 1] / size, direction[k] / size);
+        direction[k - 1] = size;
+    }
+}
+
+/*
+ * Forget a part of what the factor knows of the direction of a record.
+ *   voltage [inputs] in  voltages of the record (V)
+ */
+static void forget(pzs_calibration *calibration, const pzs_real *voltage)
+{
+    const size_t inputs = calibration->state.problem->inputs, width = width_of(calibration);
+    pzs_real *direction = calibration->state.direction, *first = row_of(calibration, 0);
+    for (size_t k = 0; k < inputs; k++) {
+        const pzs_real *row = row_of(calibration, k);
+        direction[k] = 0;
+        for (size_t j = k; j < inputs; j++)
+            direction[k] += row[j] * voltage[j];
+    }
+    const pzs_real part = forgotten_part(calibration, voltage, direction);
+    if (!(part > 0))
+        return;
+    collect_direction(calibration, direction);
+    const pzs_real factor = PZS_SQRT(1 - part);
+    for (size_t j = 0; j < width; j++)
+        first[j] *= factor;
+    for (size_t k = 0; k + 1 < inputs; k++)
+        (void)eliminate(calibration, row_of(calibration, k), row_of(calibration, k + 1), k);
+}
+
+/*
+ * Renew the variance of the noise of each output.
+ *   residual [outputs] in  residuals of a record, each in units of its standard deviation relative
+ *                          to that of the noise (m)
+ */
+static void renew_noise(pzs_calibration *calibration, const pzs_real *residual)
+{
+    pzs_calibration_state *state = &calibration->state;
+    state->surplus += state->surplus < UINT32_MAX ? 1u : 0u;
+    const pzs_real window = calibration->settings.memory * (pzs_real)state->problem->inputs;
+    const pzs_real count = (pzs_real)state->surplus < window ? (pzs_real)state->surplus : window;
+    for (size_t i = 0; i < state->problem->outputs; i++)
+        state->noise[i] += (square(residual[i]) - state->noise[i]) / count;
+}
+
+/* Copy the used readings of a record, and set the others to 0. Returns the first unusable one or
+ * -1.
+ */
+static int32_t take_readings(const pzs_calibration *calibration, const pzs_real *reading,
+                             pzs_real *taken)
+{
+    int32_t unusable = -1;
+    const pzs_real most = calibration->settings.reading_limit;
+    for (size_t i = calibration->state.problem->outputs; i-- > 0;) {
+        taken[i] = is_used(calibration, i) ? reading[i] : 0;
+        if (!number_is_finite(taken[i]) || number_absolute(taken[i]) > most)
+            unusable = (int32_t)i;
+    }
+    return unusable;
+}
+
+pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *voltage,
+                                  const pzs_real *reading)
+{
+    const pzs_status status = check_ready(calibration, voltage, reading);
+    if (status != PZS_OK)
+        return status;
+    const size_t inputs = calibration->state.problem->inputs, width = width_of(calibration);
+    if (!(calibration->settings.memory >= 2))
+        return finish(calibration, PZS_E_ARGUMENT, -1);
+    pzs_real *record = row_of(calibration, inputs);
+    const int32_t bad = pzs_guard_nonfinite(voltage, (uint32_t)inputs);
+    if (bad >= 0)
+        return finish(calibration, PZS_E_NONFINITE, bad);
+    const int32_t unusable = take_readings(calibration, reading, record + inputs);
+    if (unusable >= 0)
+        return finish(calibration, PZS_W_SENSOR, unusable);
+    memcpy(record, voltage, inputs * sizeof *record);
+    if (!number_is_finite(energy(record, width) * SUM_RESERVE))
+        return finish(calibration, PZS_E_NONFINITE, -1);
+    find_least(calibration, voltage);
+    forget(calibration, voltage);
+    pzs_real cosine = 1;
+    for (size_t k = 0; k < inputs; k++)
+        cosine *= eliminate(calibration, row_of(calibration, k), record, k);
+    clear_open_rows(calibration);
+    calibration->info.records += calibration->info.records < UINT32_MAX ? 1u : 0u;
+    if (number_absolute(cosine) > negligible(calibration))
+        renew_noise(calibration, record + inputs);
+    return finish(calibration, PZS_OK, -1);
+}
+
+/* ---- result ------------------------------------------------------------- */
+
+/*
+ * Compute the reciprocals of the pivots, 0 for an input that the records leave open. Returns the
+ * first such input, or -1.
+ *   inverse [inputs] out  (1/V)
+ */
+static int32_t invert_pivots(const pzs_calibration *calibration, pzs_real *inverse)
+{
+    int32_t open = -1;
+    for (size_t k = calibration->state.problem->inputs; k-- > 0;) {
+        const pzs_real pivot = row_of(calibration, k)[k];
+        const bool is_known = number_absolute(pivot) > 0;
+        inverse[k] = is_known ? 1 / pivot : 0;
+        open = is_known ? open : (int32_t)k;
+    }
+    return open;
+}
+
+/*
+ * Compute one row of the influence matrix by back substitution. An input that the records leave
+ * open keeps its entry.
+ *   inverse [inputs] in      reciprocals of the pivots (1/V)
+ *   row     [inputs] in/out  (m/V)
+ */
+static void solve_row(const pzs_calibration *calibration, size_t output, const pzs_real *inverse,
+                      pzs_real *row)
+{
+    const size_t inputs = calibration->state.problem->inputs;
+    for (size_t k = inputs; k-- > 0;) {
+        const pzs_real *factor = row_of(calibration, k);
+        pzs_real sum = factor[inputs + output];
+        for (size_t j = k + 1; j < inputs; j++)
+            sum -= factor[j] * row[j];
+        row[k] = number_absolute(inverse[k]) > 0 ? sum * inverse[k] : row[k];
+    }
+}
+
+/*
+ * Return the square root of entry (input, input) of the inverse information matrix (1/V): the norm
+ * of the solution x of T' x = unit vector, with the factor T. It is infinite where x needs an input
+ * that the records leave open.
+ *   inverse  [inputs] in    reciprocals of the pivots (1/V)
+ *   solution [inputs] work
+ */
+static pzs_real spread_of(const pzs_calibration *calibration, size_t input, const pzs_real *inverse,
+                          pzs_real *solution)
+{
+    const pzs_calibration_state *state = &calibration->state;
+    const size_t inputs = state->problem->inputs;
+    pzs_real squares = 0;
+    for (size_t k = input; k < inputs; k++) {
+        pzs_real sum = k == input ? PZS_R(1) : 0;
+        for (size_t j = input; j < k; j++)
+            sum -= row_of(calibration, j)[k] * solution[j];
+        const bool is_zero =
+            k > input && number_absolute(sum) <= state->least[k] * PZS_SQRT(squares);
+        if (!(number_absolute(inverse[k]) > 0) && !is_zero)
+            return (pzs_real)INFINITY;
+        solution[k] = sum * inverse[k];
+        squares += square(solution[k]);
+    }
+    return PZS_SQRT(squares);
+}
+
+pzs_status pzs_calibration_solve(pzs_calibration *calibration, pzs_real *influence,
+                                 pzs_real *spread)
+{
+    const pzs_status status = check_ready(calibration, influence, spread);
+    if (status != PZS_OK)
+        return status;
+    const pzs_calibration_state *state = &calibration->state;
+    const size_t inputs = state->problem->inputs;
+    pzs_real *inverse = state->proposal;
+    const int32_t open = invert_pivots(calibration, inverse);
+    for (size_t i = 0; i < state->problem->outputs; i++) {
+        memmove(influence + i * inputs, state->influence + i * inputs, inputs * sizeof *influence);
+        if (is_used(calibration, i))
+            solve_row(calibration, i, inverse, influence + i * inputs);
+    }
+    for (size_t k = 0; k < inputs; k++)
+        spread[k] = spread_of(calibration, k, inverse, state->direction);
+    return finish(calibration, open < 0 ? PZS_OK : PZS_W_UNOBSERVABLE, open);
+}
