@@ -314,8 +314,7 @@ const option_entry option_table[OPTIONS] = {
          "a matrix: prints the section hysteresis of a scene"},
     [OPTION_OUTPUT] = {"-o", NULL, "FILE", ARGUMENT_FILE, NULL,
                        BIT(COMMAND_TABLES) | BIT(COMMAND_CALIBRATE) | BIT(COMMAND_FMU),
-                       "output file, or a folder for it; - is standard output, as for --report, "
-                       "--svg, --vtu and --csv"},
+                       "output file, or a folder for it; - is standard output"},
     [OPTION_MIGRATE] = {"--migrate", NULL, "SCENE", ARGUMENT_FILE, NULL, 0,
                         "the same as pzs migrate SCENE"},
     [OPTION_HELP] = {"--help", "-h", "", ARGUMENT_NONE, NULL, BIT(COMMANDS) - 1u,

@@ -164,6 +164,7 @@ double draw_round(double value)
     return number[k] * power;
 }
 
+/* Draw the grid line of a value of x (is_x) or of y, and its number. */
 static void draw_tick(FILE *file, const draw_axis *x, const draw_axis *y, bool is_x, double value)
 {
     const draw_axis *axis = is_x ? x : y;

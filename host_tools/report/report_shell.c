@@ -55,13 +55,12 @@ int shell_open(shell *shell, FILE *file, const design *design, bool is_map)
 {
     const mesh *mesh = &design->mesh;
     const size_t cells = (size_t)mesh->elements + 1, points = 2 * (size_t)mesh->nodes + 2;
-    memset(shell, 0, sizeof *shell);
-    shell->file = file;
-    shell->design = design;
-    shell->mesh = mesh;
-    shell->is_map = is_map;
-    shell->points = mesh->nodes;
-    shell->cells = mesh->elements;
+    *shell = (struct shell){.file = file,
+                            .design = design,
+                            .mesh = mesh,
+                            .is_map = is_map,
+                            .points = mesh->nodes,
+                            .cells = mesh->elements};
     shell->node = calloc(points, sizeof *shell->node);
     shell->place = calloc(points, sizeof *shell->place);
     shell->cell = calloc(2 * cells, sizeof *shell->cell);

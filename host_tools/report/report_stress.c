@@ -26,34 +26,18 @@ static void average_load(const stress_field *field, const double *load, double *
 static void write_load(const page *page, const stress_field *field)
 {
     double *load = calloc((size_t)field->elements + 1, sizeof *load);
-    char unit[WORDS_UNIT];
     if (!load)
         return;
     const bool has_strength = stress_load(field, load);
-    draw_scale scale = {
-        false, 0, has_strength ? "" : words_unit(&page->design->units, QUANTITY_PRESSURE, unit)};
+    draw_scale scale = {false, 0, has_strength ? "" : page->pressure};
     average_load(field, load, page->value);
     draw_extend(&scale, page->value, page->mesh->nodes);
-    if (has_strength)
-        page_map(
-            page, page->value, &scale, "Use of the strength",
-            "Use of the strength: one over the least reserve factor of the layers, averaged at "
-            "the nodes; largest %n",
-            scale.most);
-    else
-        page_map(page, page->value, &scale, "Von Mises stress",
-                 "Largest von Mises stress of the layers, averaged at the nodes; largest %q",
-                 scale.most, scale.unit);
+    page_map(page, page->value, &scale, has_strength ? "Use of the strength" : "Von Mises stress",
+             "%s, averaged at the nodes; largest %q",
+             has_strength ? "Use of the strength: one over the least reserve factor of the layers"
+                          : "Largest von Mises stress of the layers",
+             scale.most, scale.unit);
     free(load);
-}
-
-static void write_extreme(const page *page, const char *name, const char *component,
-                          const stress_extreme *found, const char *unit)
-{
-    const scene_layer *layer = &page->design->layer[found->layer];
-    put_row(page->file, "%t %t|%q|<%d %t, %t|<%t", name, component, found->value, unit,
-            found->layer + 1, layer->name, stress_height_name[found->height],
-            mesh_element_text(page->mesh, found->element).text);
 }
 
 static void write_components(const page *page, const stress_summary *summary)
@@ -66,9 +50,13 @@ static void write_components(const page *page, const stress_summary *summary)
         const bool is_strain = k >= STRESS_COMPONENTS;
         const int i = k % STRESS_COMPONENTS;
         const stress_extreme *found = is_strain ? &summary->strain[i] : &summary->stress[i];
-        if (found->element >= 0)
-            write_extreme(page, is_strain ? "Strain" : "Stress", stress_component_name[i], found,
-                          is_strain ? "" : page->pressure);
+        if (found->element < 0)
+            continue;
+        put_row(page->file, "%s %t|%q|<%d %t, %t|<%t", is_strain ? "Strain" : "Stress",
+                stress_component_name[i], found->value, is_strain ? "" : page->pressure,
+                found->layer + 1, page->design->layer[found->layer].name,
+                stress_height_name[found->height],
+                mesh_element_text(page->mesh, found->element).text);
     }
     put_table_end(page->file);
 }
