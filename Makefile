@@ -302,6 +302,9 @@ check-long: setup-test
 	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DSLOW_ROWS=1 $(FOLDERS) $(INCLUDE) \
 	    tests/unit/test_path_tables.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-path \
 	    && $(B)/long-path
+	$(CC) $(WARN) -O2 -DPZS_NONLINEAR=1 -DSLOW_ROWS=1 $(FOLDERS) $(INCLUDE) \
+	    tests/unit/test_load_path.c tests/rigs/scene_run.c $(B)/64/host.a $(B)/64/libpiezoshape.a -lcmocka $(HOST_LIBS) -o $(B)/long-load-path \
+	    && $(B)/long-load-path
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DPZS_NONLINEAR=1 -DSTORMS=1 $(INCLUDE) \
 	    tests/unit/test_vibration_block.c $(DAMPED:@%=$(B)/$$bits/%) $(B)/$$bits/libpiezoshape.a -lcmocka $(HOST_LIBS) \
 	    -o $(B)/long-vibration && $(B)/long-vibration || exit 1; done

@@ -114,12 +114,14 @@ static void full_force(arc_search *arc_search)
 /*
  * Assemble and factor the tangent stiffness at the present point, and solve for by_residual and
  * by_load. Returns false if the tangent stiffness is singular.
+ *   uses_true_resultants in  true: the geometric stiffness comes from the stress resultants of the
+ *       displacement; false: from the resultants extrapolated from the last point of the iteration
  */
-static bool solve_both(arc_search *arc_search)
+static bool solve_both(arc_search *arc_search, bool uses_true_resultants)
 {
     pzs_solver *solver = arc_search->solver;
     set_point(arc_search);
-    pzs_nonlinear_build(solver, true, arc_search->by_residual);
+    pzs_nonlinear_build(solver, uses_true_resultants, arc_search->by_residual);
     full_force(arc_search);
     arc_search->iterations++;
     if (!pzs_nonlinear_factor(solver))
@@ -165,17 +167,19 @@ static bool correct_increment(arc_search *arc_search, double arc)
     enum { CORRECTIONS = 12 };
     const double tolerance = 1e-8;
     for (int i = 0; i < CORRECTIONS; i++) {
-        if (!solve_both(arc_search))
+        if (!solve_both(arc_search, false))
             return false;
         const double change = constrained_change(arc_search, arc);
         if (!isfinite(change))
             return false;
         double moved2 = 0;
         for (size_t k = 0; k < arc_search->free_dof; k++) {
-            const double by = arc_search->by_residual[k] + change * arc_search->by_load[k];
-            arc_search->increment[k] += by;
-            moved2 += arc_search->metric[k] * by * by;
+            double *by = &arc_search->by_residual[k];
+            *by += change * arc_search->by_load[k];
+            arc_search->increment[k] += *by;
+            moved2 += arc_search->metric[k] * *by * *by;
         }
+        pzs_nonlinear_extrapolate(arc_search->solver, arc_search->by_residual);
         arc_search->load_factor += change;
         if (moved2 <= tolerance * tolerance * arc * arc)
             return true;
@@ -197,7 +201,7 @@ static bool restore_start(arc_search *arc_search)
 {
     memset(arc_search->increment, 0, arc_search->free_dof * sizeof *arc_search->increment);
     arc_search->load_factor = arc_search->start_factor;
-    return solve_both(arc_search);
+    return solve_both(arc_search, true);
 }
 
 /*
@@ -212,8 +216,9 @@ static bool try_step(arc_search *arc_search, double arc)
         sqrt(scalar_product(arc_search, arc_search->by_load, arc_search->by_load));
     for (size_t i = 0; i < arc_search->free_dof; i++)
         arc_search->increment[i] = change * arc_search->by_load[i];
+    pzs_nonlinear_extrapolate(arc_search->solver, arc_search->increment);
     arc_search->load_factor = arc_search->start_factor + change;
-    return correct_increment(arc_search, arc) && solve_both(arc_search);
+    return correct_increment(arc_search, arc) && solve_both(arc_search, true);
 }
 
 /*
@@ -315,7 +320,7 @@ static bool find_events(arc_search *arc_search, load_path *path, double arc, sig
     memcpy(arc_search->increment, kept, arc_search->free_dof * sizeof *kept);
     free(kept);
     arc_search->load_factor = load_factor;
-    return solve_both(arc_search);
+    return solve_both(arc_search, true);
 }
 
 /* ---- path ------------------------------------------------------------- */
@@ -414,7 +419,7 @@ int load_path_follow(load_path *path, analysis *analysis, char *error)
     pzs_solver_reset(&analysis->equilibrium.solver);
     if (!path->value || arc_open(&arc_search, analysis) < 0)
         return scene_fault(design->at, error, "out of memory");
-    if (!solve_both(&arc_search) ||
+    if (!solve_both(&arc_search, true) ||
         !(scalar_product(&arc_search, arc_search.by_load, arc_search.by_load) > 0)) {
         free(arc_search.memory);
         return scene_fault(design->at, error,

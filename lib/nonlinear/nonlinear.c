@@ -357,7 +357,7 @@ pzs_real pzs_nonlinear_norm2(const pzs_solver *solver, const pzs_real *vector,
     return sum;
 }
 
-static void extrapolate(pzs_solver *solver, const pzs_real *du)
+void pzs_nonlinear_extrapolate(pzs_solver *solver, const pzs_real *du)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
     for (uint32_t element = 0; element < structure->elements; element++) {
@@ -404,7 +404,7 @@ static bool solve_and_update(pzs_solver *solver, bool uses_true_resultants, pzs_
     for (pzs_solver_option *option = solver->state.option; option; option = option->next)
         if (option->call->after_solve)
             option->call->after_solve(option, solver, du);
-    extrapolate(solver, du);
+    pzs_nonlinear_extrapolate(solver, du);
     for (uint32_t i = 0; i < free_dof; i++)
         solver->state.displacement[i] += du[i];
     return true;
@@ -472,7 +472,7 @@ static bool assess_equilibrium(pzs_solver *solver, pzs_real *next)
         solver->info.residual <= 1 ||
         left2 <= IMBALANCE_ROUNDING * IMBALANCE_ROUNDING *
                      pzs_nonlinear_norm2(solver, solver->state.displacement, NULL);
-    extrapolate(solver, NULL);
+    pzs_nonlinear_extrapolate(solver, NULL);
     if (!pzs_nonlinear_factor(solver))
         return false;
     pzs_model_backsolve(model, next, next);

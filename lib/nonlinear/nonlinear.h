@@ -143,6 +143,14 @@ void pzs_nonlinear_unit_force(pzs_solver *solver, uint32_t input, pzs_real *forc
 void pzs_nonlinear_build(pzs_solver *solver, bool uses_true_resultants, pzs_real *imbalance);
 
 /*
+ * Extrapolate the stress resultants of every element from the present displacement along an
+ * increment of the displacement, to first order, into state.resultant.
+ *   du [free_dof] in  increment of the displacement; NULL: 0, so that the resultants are those of
+ *                     the present displacement
+ */
+void pzs_nonlinear_extrapolate(pzs_solver *solver, const pzs_real *du);
+
+/*
  * Prescribe the value of one unknown in a symmetric system of linear equations: its row and column
  * become zero apart from the diagonal, and the right-hand side is changed accordingly.
  *   dof                in      index of the unknown
