@@ -21,6 +21,12 @@ static int known_loads(const fmu *fmu)
     return loop_feeds(fmu->design) ? fmu->design->loads : 0;
 }
 
+/* Whether the controller has a supervisor, which takes commands and has a mode. */
+static bool is_supervised(const fmu *fmu)
+{
+    return loop_supervises(fmu->design, fmu->nominal->certificate.loop.is_made);
+}
+
 /*
  * Append the integer and text variables of a controller to an FMU: status and number of iterations,
  * and, if the scene has a supervisor, the command to it and its mode.
@@ -42,11 +48,11 @@ static void add_states(fmu *fmu)
                 .role = FMU_OUTPUT,
                 .about = "mode of the supervisor, a value of pzs_supervisor_mode"},
         text = {.type = FMU_STRING, .role = FMU_OUTPUT, .about = "status of the tick as a text"};
-    if (fmu->design->safety.given)
+    if (is_supervised(fmu))
         fmu_add(fmu, command, "command", "");
     fmu_add(fmu, status, "status", "");
     fmu_add(fmu, iterations, "iterations", "");
-    if (fmu->design->safety.given)
+    if (is_supervised(fmu))
         fmu_add(fmu, mode, "mode", "");
     fmu_add(fmu, text, "status_text", "");
 }
@@ -79,7 +85,7 @@ int fmu_fill_controller(fmu *fmu, char *error)
     if (file) {
         fmu->is_full |= tables_write(file, fmu->nominal, TABLES_CONTROL, "controller", &size) < 0;
         fprintf(file, "#define CONTROLLER_KNOWN_LOADS %d\n#define CONTROLLER_SUPERVISED %d\n",
-                known_loads(fmu), fmu->design->safety.given);
+                known_loads(fmu), is_supervised(fmu));
         fmu_end_file(fmu);
     }
     return fmu_copy_sources(fmu, sources, error);

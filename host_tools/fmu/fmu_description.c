@@ -235,7 +235,7 @@ static const char *const text_of_controller =
     "do the step, get <code>voltage.*</code>. <code>status</code> is a value of "
     "<code>pzs_status</code>, 0 if all is well; <code>status_text</code> says the same in words. "
     "<code>load_now.*</code> and <code>load_next.*</code>, if there are any, are known loads at "
-    "the time of the readings and under the next voltages. A scene with <code>safety</code> adds "
+    "the time of the readings and under the next voltages. A supervisor (<code>safety</code>) adds "
     "the input <code>command</code> (a value of <code>pzs_supervisor_command</code>) and the "
     "output <code>mode</code>.</p>";
 

@@ -146,8 +146,8 @@ static const struct rule {
      "hold it, as each: [{actuator: NAME, hold: 0}] in limits, or measure it again"},
     {"readings_age", SUBJECT_LOOP, measure_age, 1, HUGE_VAL, "ticks",
      "readings one tick older can make the loop swing without end; measure the age, converters and "
-     "filters included, and write the largest; with safety: {} the loop parks the voltages when it "
-     "swings"},
+     "filters included, and write the largest; without safety: none the loop parks the voltages "
+     "when it swings"},
     {"selftest_hysteresis", SUBJECT_SCENE, measure_tested_hysteresis, 0, 0.25,
      "of the voltage range",
      "the ceramic hardly follows the small pulses of the self-test, which then calls healthy "

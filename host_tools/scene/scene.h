@@ -726,8 +726,10 @@ typedef struct scene_control {
 
 /* Settings of the supervisor, which brings the amplifiers to safe voltages when control is lost. */
 typedef struct scene_safety {
-    bool given;
-    double park; /* park voltage of all amplifiers (V), clamped to the limits of each amplifier */
+    bool given;    /* true: the scene asks for a supervisor by the section `safety` */
+    bool left_out; /* true: the scene says `safety: none`; otherwise a loop that damps vibration has
+                      a supervisor even if the scene does not ask for it */
+    double park;   /* park voltage of all amplifiers (V), clamped to the limits of each amplifier */
     int timeout; /* number of ticks without usable readings after which the supervisor takes control
                     away; 0: never */
     int ramp_ticks; /* shortest duration of the voltage ramp to the park voltages (ticks) */

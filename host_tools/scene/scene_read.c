@@ -91,7 +91,8 @@ static const range relative = {0, 1, 1,
          0,                                                                                        \
          OF_NOTHING,                                                                               \
          &safety_form,                                                                             \
-         "Supervisor of the control loop: it parks the output when control is lost."},             \
+         "Supervisor of the control loop, which parks the voltages when control is lost. A loop "  \
+         "that damps vibration has one with default settings; none: leave it out."},               \
         {"hysteresis",                                                                             \
          read_hysteresis_section,                                                                  \
          0,                                                                                        \
@@ -276,6 +277,8 @@ static void set_defaults(scene *scene)
     scene->reference_is_middle = true;
     scene->dynamics.damping = 0.005;
     scene->dynamics.modes = 30;
+    scene->safety.timeout = 100;
+    scene->safety.ramp_ticks = 50;
     scene->limits.lower = -HUGE_VAL;
     scene->limits.upper = scene->limits.step_limit = HUGE_VAL;
 }

@@ -62,15 +62,18 @@ static const field safety_fields[] = {
      .help = "Test of all amplifiers, cables and sensors before the loop takes control."},
     {.key = NULL}};
 
-const form safety_form = {.type = FORM_MAP, .fields = safety_fields};
+static const choice without[] = {{"none", 1}, {NULL, 0}};
+static const form without_form = {.type = FORM_WORD, .words = without};
+static const form settings_form = {.type = FORM_MAP, .fields = safety_fields};
+static const form *const safety_forms[] = {&without_form, &settings_form, NULL};
+const form safety_form = {.type = FORM_ANY, .any = safety_forms};
 
 int read_safety(reader *reader, int node, void *to, const void *rule)
 {
-    static const int default_timeout = 100, default_ramp = 50;
     scene *scene = to;
     (void)rule;
+    if (reader->t->node[node].kind == TREE_SCALAR)
+        return read_either(reader, node, &scene->safety.left_out, without);
     scene->safety.given = true;
-    scene->safety.timeout = default_timeout;
-    scene->safety.ramp_ticks = default_ramp;
     return read_map(reader, node, safety_fields, &scene->safety);
 }

@@ -32,6 +32,11 @@ int loop_quantises(const design *design)
     return design->simulate.step > 0 || design->simulate.dead_band > 0;
 }
 
+bool loop_supervises(const design *design, bool is_damped)
+{
+    return design->safety.given || (is_damped && !design->safety.left_out);
+}
+
 static bool has_selftest(const loop_blocks *blocks)
 {
     return blocks->wiring && blocks->wiring->is_used;
@@ -93,7 +98,7 @@ static bool has_detector(const loop_blocks *blocks)
 
 static bool has_supervisor(const loop_blocks *blocks)
 {
-    return blocks->design->safety.given;
+    return loop_supervises(blocks->design, blocks->damper->is_used);
 }
 
 /* ---- tables for the host ---------------------------------------------- */
@@ -165,10 +170,7 @@ static const void *detection_tables(loop_blocks *blocks)
     return &blocks->detection;
 }
 
-/*
- * Root mean square, over the target nodes, of the displacements that the voltages must cause to
- * reach the target shape (m).
- */
+/* Root mean square of the target over the target nodes (m). */
 static double target_rms(const design *design)
 {
     double sum = 0;
@@ -177,18 +179,52 @@ static double target_rms(const design *design)
     return sqrt(sum);
 }
 
+/* Root mean square, over the target nodes, of the displacements under the loads of the scene (m).
+ */
+static double loaded_rms(const design *design)
+{
+    double sum = 0;
+    for (int i = 0; i < design->targets; i++) {
+        const double by_loads = design->target[i] - design->wanted[i];
+        sum += by_loads * by_loads / design->targets;
+    }
+    return sqrt(sum);
+}
+
+/*
+ * Root mean square, over the target nodes, of the displacements that half the voltage range of each
+ * amplifier causes, with random signs of the voltages (m). Amplifiers without finite limits do not
+ * count.
+ */
+static double reachable_rms(const design *design)
+{
+    double sum = 0;
+    for (int k = 0; k < design->amplifiers; k++) {
+        const double half = (design->upper[k] - design->lower[k]) / 2;
+        for (int i = 0; i < design->targets && isfinite(half); i++) {
+            const double moved =
+                half * design->influence[(size_t)i * (size_t)design->amplifiers + (size_t)k];
+            sum += moved * moved / design->targets;
+        }
+    }
+    return sqrt(sum);
+}
+
 /*
  * Tables of the supervisor, the block that monitors the control loop. A tick is implausible if the
  * shape deviates from the target by more than three causes explain: a sudden load that changes the
- * shape by 0.3 of the root mean square target; noise of at least 0.005 of it; and changes of the
- * target, whose effect decays by a factor of e in two periods of the first mode (in 50 ticks
- * without a vibration model). The alarm threshold of the counter of implausible ticks is one
- * period, at least 20 ticks.
+ * shape by 0.3 of the root mean square target, or as the loads of the scene do where these move the
+ * shape more; noise of at least 0.005 of the root mean square target; and changes of the target,
+ * whose effect decays by a factor of e in two periods of the first mode (in 50 ticks without a
+ * vibration model). Where the target is zero, the displacements under half the voltage range count
+ * in its place. The alarm threshold of the counter of implausible ticks is one period, at least 20
+ * ticks.
  */
 static const void *supervision_tables(loop_blocks *blocks)
 {
     const design *design = blocks->design;
-    const double wanted = target_rms(design);
+    const double target = target_rms(design);
+    const double wanted = target > 0 ? target : reachable_rms(design);
     pzs_supervision *tables = &blocks->supervision;
     *tables = (pzs_supervision){.scene = design->problem.scene,
                                 .inputs = design->problem.inputs,
@@ -199,7 +235,7 @@ static const void *supervision_tables(loop_blocks *blocks)
                                 .park = design->park,
                                 .fading = 0.98,
                                 .noise = fmax(design->simulate.noise, 0.005 * wanted),
-                                .load = 0.3 * wanted};
+                                .load = fmax(0.3 * wanted, loaded_rms(design))};
     if (blocks->damper->is_used && blocks->damper->modes > 0) {
         const double period = blocks->damper->rate / blocks->damper->frequency[0];
         tables->fading = exp(-1 / (2 * period));

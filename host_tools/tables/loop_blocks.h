@@ -42,6 +42,12 @@ int loop_feeds(const design *design);
 int loop_quantises(const design *design);
 
 /*
+ * Whether the controller of a scene has a supervisor: where the scene asks for it by the section
+ * `safety`, and where the loop damps vibration, unless the scene says `safety: none`.
+ */
+bool loop_supervises(const design *design, bool is_damped);
+
+/*
  * Fill the list of blocks of a scene, in the order in which a tick runs them. The list refers to
  * *blocks, the design, the estimator and the damper, which must outlive it.
  *   design    in  after design_control

@@ -83,7 +83,11 @@ static uint32_t count_fixed(const pzs_loop_signals *signals)
     return 2u * fixed + is_tested;
 }
 
-/* Store the shapes of the first tick, with which the next tick is compared. */
+/*
+ * Store the shapes of the first tick, with which the next tick is compared. The monitor also starts
+ * anew when an input is fixed or released, because the predicted shape then jumps without a move of
+ * the structure, and with it the disturbance (measured minus predicted shape).
+ */
 static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {
     const uint32_t outputs = signals->control->state.problem->outputs;
@@ -168,8 +172,10 @@ bool pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tables,
                       const pzs_loop_signals *signals)
 {
     guard_repair_bool(&monitor->is_started);
-    if (!monitor->is_started || !number_is_finite(monitor->amplitude + monitor->envelope +
-                                                  monitor->moved + monitor->answered)) {
+    const bool is_damaged = !number_is_finite(monitor->amplitude + monitor->envelope +
+                                              monitor->moved + monitor->answered);
+    const bool has_other_inputs = count_fixed(signals) / 2u != monitor->fixed / 2u;
+    if (!monitor->is_started || is_damaged || has_other_inputs) {
         start(monitor, signals);
         return false;
     }

@@ -173,6 +173,16 @@ static void start_ramp(pzs_supervisor *supervisor, const pzs_real *given)
     supervisor->state.core[0].remaining = most;
 }
 
+/* Whether every voltage [inputs] is already at the end of the ramp. */
+static bool has_arrived(const pzs_supervisor *supervisor, const pzs_real *given)
+{
+    uint32_t i = 0;
+    while (i < supervisor->state.problem->inputs && !(given[i] < target_of(supervisor, i)) &&
+           !(given[i] > target_of(supervisor, i)))
+        i++;
+    return i == supervisor->state.problem->inputs;
+}
+
 /* Set the voltages of the next tick of the ramp. At the end of the ramp they stay. */
 static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
@@ -340,7 +350,8 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     supervisor->state.tables = tables;
     supervisor->state.problem = problem;
     pzs_monitor_init(&supervisor->state.monitor, work_of(supervisor), problem->outputs);
-    start_ramp(supervisor, signals->control->state.voltage);
+    if (!has_arrived(supervisor, signals->control->state.voltage))
+        start_ramp(supervisor, signals->control->state.voltage);
     copy_core(supervisor);
     report(supervisor);
     return PZS_OK;

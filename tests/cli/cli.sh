@@ -123,10 +123,18 @@ for image in linear nonlinear; do
     run 2 tables "$dir/measured.yaml" --image $image -o "$dir/t.h" && says 'needs a structure' && [ ! -e "$dir/t.h" ]
     check "a $image image of a measured matrix is refused by name" $?
 done
+run 0 simulate "$dir/measured.yaml" --set simulate.ticks=300 --json && json "j['phases'][1]['controller']['steady'] < 1.03 * j['phases'][1]['optimum']"
+check 'new measured: the supervisor lets the loop go on without an announced dead amplifier' $?
+for kind in plate mirror panel measured; do
+    run 0 tables "$dir/$kind.yaml" --prefix p -o "$dir/t.h" && grep -q '{&pzs_supervisor_block, &p_supervision},' "$dir/t.h" &&
+        run 0 tables "$dir/$kind.yaml" --prefix p -o "$dir/t.h" --set safety=none && ! grep -q supervisor "$dir/t.h" || break
+done
+check 'new ...: the tables have a supervisor, but not with safety: none' $?
+rm -f "$dir/t.h"
 rows='limits.difference={limit: 10}'
 run 0 shape "$dir/measured.yaml" --set "$rows" && grep -q 'limits between amplifiers (difference, sum): [1-9][0-9]* of 6 bind: centre - e1' "$dir/out"
 check 'shape names the limits between amplifiers that bind' $?
-run 0 simulate "$dir/measured.yaml" --set "$rows" && run 0 tables "$dir/measured.yaml" --set "$rows" -o "$dir/rows.h" &&
+run 0 simulate "$dir/measured.yaml" --set "$rows" && grep -q '^ *0 limits between amplifiers violated$' "$dir/out" && run 0 tables "$dir/measured.yaml" --set "$rows" -o "$dir/rows.h" &&
     gcc -std=c99 -Wall -Werror -Iinclude -x c -fsyntax-only -Wno-unused "$dir/rows.h"
 check 'simulate and tables with limits between amplifiers' $?
 run 2 shape "$dir/measured.yaml" --set "$rows" --set 'limits.each=[{actuator: e1, hold: 30}, {actuator: e3, hold: 0}]' &&

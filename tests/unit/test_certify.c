@@ -9,6 +9,8 @@
 #include <stddef.h>
 #include <string.h>
 #include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
 #include "../../host_tools/model/certificate_make.h"
 #include "../../host_tools/model/plausible.h"
 #include "../../host_tools/simulate/certify.h"
@@ -141,11 +143,72 @@ static void test_warning(void **state)
     scene_run_close(&run);
 }
 
+/*
+ * A loop has a supervisor where the scene has the section `safety`, and a loop that damps vibration
+ * also has one without it, unless the scene says `safety: none`.
+ */
+static void test_supervised(void **state)
+{
+    static const char *const changes[] = {"", "safety={}", "safety=none"};
+    static const bool undamped[] = {false, true, false}, damped[] = {true, true, false};
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        scene_run run;
+        assert_int_equal(scene_run_open(&run, PANEL, changes[i]), 0);
+        assert_int_equal(loop_supervises(&run.analysis.design, false), undamped[i]);
+        assert_int_equal(loop_supervises(&run.analysis.design, true), damped[i]);
+        scene_run_close(&run);
+    }
+}
+
+/* Sudden load that the supervisor of a scene tolerates: RMS displacement of the target nodes (m).
+ */
+static double tolerated_load(const char *changes, double *by_loads)
+{
+    scene_run run;
+    loop_blocks blocks;
+    const estimator none = {0};
+    const damper undamped = {0};
+    if (scene_run_open(&run, PANEL, changes) < 0 ||
+        analysis_influence(&run.analysis, run.error) < 0)
+        fail_msg("%s", run.error);
+    const design *design = &run.analysis.design;
+    *by_loads = 0;
+    for (int i = 0; i < design->targets; i++)
+        *by_loads += pow(design->target[i] - design->wanted[i], 2) / design->targets;
+    *by_loads = sqrt(*by_loads);
+    loop_blocks_fill(&blocks, design, &none, &undamped);
+    const double load = blocks.supervision.load;
+    scene_run_close(&run);
+    return load;
+}
+
+/*
+ * The supervisor tolerates a sudden load where the target is zero, in proportion to the voltage
+ * limits, and the loads of the scene where these displace the structure more.
+ */
+static void test_tolerated_load(void **state)
+{
+    static const char zero[] = "safety={};target.value=0;limits.voltage=",
+                      pressed[] = "safety={};target.value=0;loads=[{face: outer, pressure: 5e3}]";
+    double by_loads;
+    char narrow[120], wide[120];
+    (void)state;
+    snprintf(narrow, sizeof narrow, "%s[-10, 10]", zero);
+    snprintf(wide, sizeof wide, "%s[-20, 20]", zero);
+    const double small = tolerated_load(narrow, &by_loads), large = tolerated_load(wide, &by_loads);
+    assert_true(small > 0);
+    assert_true(fabs(large / small - 2) < 1e-9);
+    const double most = tolerated_load(pressed, &by_loads);
+    assert_true(by_loads > 2 * large);
+    assert_true(fabs(most / by_loads - 1) < 1e-9);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_older_readings),
-        cmocka_unit_test(test_text),
+        cmocka_unit_test(test_older_readings), cmocka_unit_test(test_text),
+        cmocka_unit_test(test_supervised),     cmocka_unit_test(test_tolerated_load),
         cmocka_unit_test(test_warning),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

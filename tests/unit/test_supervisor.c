@@ -366,6 +366,21 @@ static void test_arming(void **state)
     assert_int_equal(pzs_supervisor_give(r.supervisor, (pzs_supervisor_command)9), PZS_E_ARGUMENT);
 }
 
+/* Law: a loop whose voltages start at the park voltages is in control from the second frame on. */
+static void test_start_at_park(void **state)
+{
+    static rig r;
+    (void)state;
+    open_rig(&r, 1, false);
+    for (int j = 0; j < N; j++)
+        r.park[j] = r.given[j];
+    assert_int_equal(pzs_supervision_seal(&r.supervision), PZS_OK);
+    assert_int_equal(init(&r), PZS_OK);
+    assert_int_equal(tick(&r, 1, true), PZS_W_PARKED);
+    assert_int_equal(tick(&r, 1, true), PZS_OK);
+    assert_int_equal(mode_of(&r), PZS_MODE_RUNNING);
+}
+
 /* Law: PARK and FLAT ramp to their voltages in the announced number of ticks, RESUME brings control
  * back without a jump, and then control ends where it was. */
 static void test_park_and_resume(void **state)
@@ -663,11 +678,12 @@ static void test_random_faults(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_transitions),        cmocka_unit_test(test_arming),
-        cmocka_unit_test(test_park_and_resume),    cmocka_unit_test(test_stop),
-        cmocka_unit_test(test_loop_of_the_readme), cmocka_unit_test(test_tables),
-        cmocka_unit_test(test_ramp_lengths),       cmocka_unit_test(test_no_false_alarm),
-        cmocka_unit_test(test_deviation),          cmocka_unit_test(test_wrong_polarity),
-        cmocka_unit_test(test_unstable),           cmocka_unit_test(test_random_faults)};
+        cmocka_unit_test(test_transitions),    cmocka_unit_test(test_arming),
+        cmocka_unit_test(test_start_at_park),  cmocka_unit_test(test_park_and_resume),
+        cmocka_unit_test(test_stop),           cmocka_unit_test(test_loop_of_the_readme),
+        cmocka_unit_test(test_tables),         cmocka_unit_test(test_ramp_lengths),
+        cmocka_unit_test(test_no_false_alarm), cmocka_unit_test(test_deviation),
+        cmocka_unit_test(test_wrong_polarity), cmocka_unit_test(test_unstable),
+        cmocka_unit_test(test_random_faults)};
     return cmocka_run_group_tests_name("supervisor", tests, NULL, NULL);
 }
