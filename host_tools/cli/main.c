@@ -553,7 +553,7 @@ static int command_simulate(const options *options, analysis *analysis)
             status = export_simulation(options, &run, &history);
         status |=
             run.count[LAW_CONTROLLER].beyond_limits > 0 ||
-            run.count[LAW_CONTROLLER].not_finite > 0 ||
+            run.count[LAW_CONTROLLER].beyond_rows > 0 || run.count[LAW_CONTROLLER].not_finite > 0 ||
             (run.board && run.board->twin &&
              simulate_ran(&run.count[LAW_CONTROLLER]) > run.count[LAW_CONTROLLER].agreeing_ticks);
     }

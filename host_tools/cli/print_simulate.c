@@ -227,6 +227,8 @@ static void print_count(const simulation *simulation, simulate_law law)
            "%ld out of passes\n",
            law_name[law], count->beyond_limits, count->not_finite, run, count->missed_ticks,
            count->status[PZS_W_HELD], count->status[PZS_W_SENSOR], count->status[PZS_W_ITERATIONS]);
+    if (simulation->nominal->design.limits.rows > 0)
+        printf("  %-11s %ld limits between amplifiers violated\n", "", count->beyond_rows);
     if (law == LAW_CONTROLLER)
         printf("  %-10s iterations of the optimiser: %.2f a tick, %d at most\n", "",
                run ? (double)count->iterations / (double)run : 0, count->iterations_most);
@@ -363,6 +365,7 @@ static void json_count(json *json, const simulate_count *count, simulate_law law
 {
     json_open(json, law_name[law], '{');
     json_number(json, "beyond", (double)count->beyond_limits);
+    json_number(json, "beyond_rows", (double)count->beyond_rows);
     json_number(json, "not_finite", (double)count->not_finite);
     json_number(json, "ran", (double)simulate_ran(count));
     json_number(json, "missed", (double)count->missed_ticks);

@@ -65,14 +65,15 @@ static void write_counts(const simulate_page *self)
     static const char *const law_name[LAWS] = {"Controller", "Clipped least squares",
                                                "Regularised, then clipped"};
     put_table(self->page.file, "Ticks of all laws",
-              "Law|Voltages beyond limit or step limit|Not "
+              "Law|Voltages beyond limit or step limit|Limits between amplifiers violated|Not "
               "finite|Missed ticks|Held|A sensor rejected|Out of iterations|Most iterations");
     for (int law = 0; law < LAWS; law++) {
         const simulate_count *count = &self->simulation->count[law];
-        put_row(self->page.file, "%s|%d|%d|%d|%d|%d|%d|%d", law_name[law],
-                (int)count->beyond_limits, (int)count->not_finite, (int)count->missed_ticks,
-                (int)count->status[PZS_W_HELD], (int)count->status[PZS_W_SENSOR],
-                (int)count->status[PZS_W_ITERATIONS], count->iterations_most);
+        put_row(self->page.file, "%s|%d|%d|%d|%d|%d|%d|%d|%d", law_name[law],
+                (int)count->beyond_limits, (int)count->beyond_rows, (int)count->not_finite,
+                (int)count->missed_ticks, (int)count->status[PZS_W_HELD],
+                (int)count->status[PZS_W_SENSOR], (int)count->status[PZS_W_ITERATIONS],
+                count->iterations_most);
     }
     put_table_end(self->page.file);
 }

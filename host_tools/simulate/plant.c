@@ -107,19 +107,21 @@ static bool wants_inertia(plant *plant)
 }
 
 /*
- * Choose how a plant with inertia moves. A nonlinear motion of a plant with open electrodes is
- * refused, because their voltages would be unknowns of each time step.
+ * Choose how a plant with inertia moves. A nonlinear motion, which is the default of a nonlinear
+ * plant, is refused for a plant with open electrodes, because their voltages would be unknowns of
+ * each time step.
  */
 static int choose_motion(plant *plant, char *error)
 {
     const scene_simulate *simulate = &plant->analysis.design.simulate;
     const bool is_open = pzs_electrode_open_count(&plant->analysis.design.electrodes) > 0;
     const bool is_nonlinear = simulate->motion == MOTION_NONLINEAR;
-    if (is_nonlinear && is_open && simulate->motion_given)
+    if (is_nonlinear && is_open)
         return scene_fault(simulate->at, error,
-                           "motion: nonlinear is not possible with open electrodes; write "
-                           "motion: modal");
-    plant->motion = motions[is_nonlinear && is_open ? MOTION_MODAL : simulate->motion];
+                           "motion: nonlinear%s is not possible with open electrodes; write "
+                           "plant: {motion: modal} in simulate, without steps",
+                           simulate->motion_given ? "" : ", the default of a nonlinear plant,");
+    plant->motion = motions[simulate->motion];
     return 0;
 }
 

@@ -468,6 +468,7 @@ static void report_tick(const loop *loop, simulate_law law, int tick,
 static void count_tick(const loop *loop, simulate_count *count)
 {
     count->beyond_limits += loop->beyond_limits;
+    count->beyond_rows += loop->beyond_rows;
     count->not_finite += loop->not_finite;
     count->missed_ticks += loop->is_missed;
     if (loop->is_missed)

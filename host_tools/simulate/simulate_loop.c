@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* One closed loop of a simulation, run tick by tick (simulate_loop.h). */
 #include "simulate_loop.h"
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/control/control.h"
+#include "../../lib/control/limit_rows.h"
 #include "../tables/loop_blocks.h"
 #include "amplifier.h"
 #include "random.h"
@@ -534,6 +536,33 @@ static int count_beyond_limits(const loop *loop, const double *voltage, const do
     return count;
 }
 
+/*
+ * Whether the voltage of an amplifier in limit row k (a limit between amplifiers) is not chosen by
+ * the controller, because the amplifier is held.
+ */
+static bool has_held_amplifier(const loop *loop, const pzs_rows *sums, uint32_t k)
+{
+    for (uint32_t entry = sums->start[k]; entry < sums->start[k + 1]; entry++)
+        if (loop->electrode[sums->dof[entry]].is_held)
+            return true;
+    return false;
+}
+
+int loop_beyond_rows(const loop *loop, const double *voltage, int bits)
+{
+    const pzs_problem *problem = &loop->design->problem;
+    const pzs_limit_rows *rows = problem->limit_rows;
+    const double unit = bits == 32 ? (double)FLT_EPSILON / DBL_EPSILON : 1;
+    int count = 0;
+    for (uint32_t k = 0; rows && k < rows->sums.count; k++) {
+        const double sum = pzs_limit_rows_sum(rows, k, voltage);
+        const double error = unit * pzs_limit_rows_margin(problem, k);
+        const bool is_inside = sum >= rows->lower[k] - error && sum <= rows->upper[k] + error;
+        count += !is_inside && !has_held_amplifier(loop, &rows->sums, k);
+    }
+    return count;
+}
+
 static int count_not_finite(const loop *loop)
 {
     int count = 0;
@@ -571,18 +600,20 @@ int loop_tick(loop *loop, int tick, char *error)
     if (sense_tick(loop, tick, error) < 0)
         return -1;
     loop->is_missed = tick < loop->missed_until;
-    loop->beyond_limits = loop->not_finite = 0;
+    loop->beyond_limits = loop->beyond_rows = loop->not_finite = 0;
     loop->missed_ticks += loop->is_missed;
     if (loop->is_missed)
         return 0;
     memcpy(loop->last_voltage, loop->command, amplifiers * sizeof *loop->last_voltage);
     if (run_controller(loop, tick, error) < 0)
         return -1;
-    loop->beyond_limits = count_beyond_limits(loop, loop->command, loop->last_voltage,
-                                              loop->board.board ? loop->board.board->bits : 64);
+    const int bits = loop->board.board ? loop->board.board->bits : 64;
+    loop->beyond_limits = count_beyond_limits(loop, loop->command, loop->last_voltage, bits);
     memcpy(loop->last_voltage, loop->output, amplifiers * sizeof *loop->last_voltage);
     set_outputs(loop);
     loop->beyond_limits += count_beyond_limits(loop, loop->output, loop->last_voltage, 64);
+    loop->beyond_rows =
+        loop_beyond_rows(loop, loop->command, bits) + loop_beyond_rows(loop, loop->output, bits);
     loop->not_finite = count_not_finite(loop);
     if (!PZS_IS_ERROR(loop->status))
         return 0;

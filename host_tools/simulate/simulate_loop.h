@@ -124,6 +124,8 @@ typedef struct loop {
     bool is_missed;                                  /* whether the last tick was missed */
     int beyond_limits, not_finite; /* for the last tick: number of voltages or steps beyond their
                                       limits; number of voltages that are not finite */
+    int beyond_rows; /* for the last tick: number of limits between amplifiers (differences and sums
+                        of voltages) that the commanded or the output voltages violate */
 } loop;
 
 /*
@@ -145,6 +147,13 @@ int loop_selftest(loop *loop, char *error);
  * the controller returns an error, or the board does not answer.
  */
 int loop_tick(loop *loop, int tick, char *error);
+
+/*
+ * Number of limits between amplifiers that voltages [amplifiers] violate by more than the rounding
+ * error of a sum in 32 or 64 bits, the precision in which the voltages were computed. Limits with a
+ * held amplifier are left out.
+ */
+int loop_beyond_rows(const loop *loop, const double *voltage, int bits);
 
 /* Number of commanded voltages that are at one of their limits. */
 int loop_active(const loop *loop);

@@ -363,6 +363,30 @@ static void test_no_electrodes_at_target(void **state)
     scene_run_close(&b.run);
 }
 
+/*
+ * The voltages of open electrodes would be unknowns of a nonlinear motion: such a plant is refused,
+ * also where the nonlinear motion is the default, and the cure is named.
+ */
+static void test_no_open_electrodes_in_motion(void **state)
+{
+    static const char *const motion[] = {"simulate.plant={kinematics: nonlinear};",
+                                         "simulate.plant={kinematics: nonlinear, steps: 4};"};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        bench b;
+        char changes[600];
+        memset(&b, 0, sizeof b);
+        snprintf(changes, sizeof changes, ELECTRIC "simulate.sensors={shape: measured};%s",
+                 motion[i]);
+        open_run(&b.run, "plate-few-sensors", changes);
+        assert_int_equal(analysis_influence(&b.run.analysis, b.error), 0);
+        assert_int_equal(simulate_open(&b.s, &b.run.analysis, b.error), -1);
+        assert_non_null(strstr(b.error, "not possible with open electrodes; write plant: {motion: "
+                                        "modal} in simulate, without steps"));
+        scene_run_close(&b.run);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_sees_what_gains_see),
@@ -373,6 +397,7 @@ int main(void)
                                        cmocka_unit_test(test_whole_steps),
                                        cmocka_unit_test(test_late_and_dead),
                                        cmocka_unit_test(test_bad_input),
-                                       cmocka_unit_test(test_no_electrodes_at_target)};
+                                       cmocka_unit_test(test_no_electrodes_at_target),
+                                       cmocka_unit_test(test_no_open_electrodes_in_motion)};
     return cmocka_run_group_tests_name("loop", tests, NULL, NULL);
 }

@@ -19,6 +19,7 @@
 #include "../../host_tools/model/mass.h"
 #include "../../host_tools/model/modes.h"
 #include "../../host_tools/model/vibration.h"
+#include "../../host_tools/simulate/simulate_loop.h"
 #include "../../host_tools/simulate/simulation.h"
 #include "../rigs/scene_assert.h"
 
@@ -429,6 +430,40 @@ static void test_simulation(void **state)
     scene_run_close(&m);
 }
 
+/*
+ * Law: a limit between amplifiers counts as violated where the difference of two voltages exceeds
+ * it by more than rounding, unless one of the amplifiers is held; the controller violates none.
+ */
+static void test_violated_rows(void **state)
+{
+    static const double inside[3] = {0, 1, 0}, beyond[3] = {0, 1 + 1e-12, 0},
+                        rounded[3] = {0, 1 + FLT_EPSILON, 0};
+    scene_run m;
+    simulation run;
+    loop loop;
+    (void)state;
+    write_text("matrix.csv", "1 0.2 0\n0.1 1 0\n0 0.1 1\n");
+    write_text("scene.yaml", "name: m\ninfluence: {file: matrix.csv}\n"
+                             "limits: {voltage: [-9, 9], difference: {limit: 1}}\n"
+                             "target: {value: [1, 2, 3]}\nsimulate: {ticks: 50}\n");
+    open_measured(&m, "");
+    if (simulate_open(&run, &m.analysis, m.error) < 0 ||
+        simulate_run(&run, LAW_CONTROLLER, NULL, NULL, m.error) < 0 ||
+        loop_open(&loop, &run, LAW_CONTROLLER, m.error) < 0)
+        fail_msg("%s", m.error);
+    const int rows = m.analysis.design.limits.rows;
+    assert_in_range(rows, 2, 3);
+    assert_int_equal(run.count[LAW_CONTROLLER].beyond_rows, 0);
+    assert_int_equal(loop_beyond_rows(&loop, inside, 64), 0);
+    assert_int_equal(loop_beyond_rows(&loop, rounded, 32), 0);
+    assert_int_equal(loop_beyond_rows(&loop, beyond, 64), 2);
+    loop.electrode[0].is_held = true;
+    assert_int_equal(loop_beyond_rows(&loop, beyond, 64), 1);
+    loop_close(&loop);
+    simulate_close(&run);
+    scene_run_close(&m);
+}
+
 /* Law: a schedule from a file is the same as its events in the scene, to the last bit. */
 static void test_schedule(void **state)
 {
@@ -696,12 +731,19 @@ static void test_without_structure(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_answer), cmocka_unit_test(test_ignored),
-        cmocka_unit_test(test_held),        cmocka_unit_test(test_hash),
-        cmocka_unit_test(test_bimorph),     cmocka_unit_test(test_scattered_target),
-        cmocka_unit_test(test_simulation),  cmocka_unit_test(test_schedule),
-        cmocka_unit_test(test_applied),     cmocka_unit_test(test_faults),
-        cmocka_unit_test(test_warnings),    cmocka_unit_test(test_without_structure),
+        cmocka_unit_test(test_same_answer),
+        cmocka_unit_test(test_ignored),
+        cmocka_unit_test(test_held),
+        cmocka_unit_test(test_hash),
+        cmocka_unit_test(test_bimorph),
+        cmocka_unit_test(test_scattered_target),
+        cmocka_unit_test(test_simulation),
+        cmocka_unit_test(test_violated_rows),
+        cmocka_unit_test(test_schedule),
+        cmocka_unit_test(test_applied),
+        cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_warnings),
+        cmocka_unit_test(test_without_structure),
         cmocka_unit_test(test_dependent),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
