@@ -54,10 +54,13 @@ typedef struct certificate_loop {
                        its step limit relative to the scene's */
     double ticks; /* mean number of ticks until the shape has settled after fast jumps of the target
                    */
-    int delay;    /* age of the readings that the scene file states (ticks) */
-    int older;    /* largest number of ticks by which all readings may be older than the scene file
-                     states; vibrations decay, and the shape settles after fast target jumps, with
-                     every number up to it */
+    double less_hysteresis; /* share by which the ceramic has less hysteresis than the scene file
+                               says in a third of the storms; 0 where the loop does not compensate
+                               hysteresis */
+    int delay;              /* age of the readings that the scene file states (ticks) */
+    int older; /* largest number of ticks by which all readings may be older than the scene file
+                  states; vibrations decay, and the shape settles after fast target jumps, with
+                  every number up to it */
     int newer; /* number of ticks by which every reading may be newer than the scene file states, at
                   most the stated delay: with every smaller or equal number, vibrations decay and
                   the shape settles after fast jumps of the target */

@@ -43,6 +43,45 @@ static double offset_of(const pzs_hysteresis *tables)
     return -pzs_hysteresis_effect(tables, 0, memory, 0);
 }
 
+/*
+ * Smallest effect of a voltage change after a reversal of the voltage, relative to the effect of
+ * such a change far from a reversal, that the inverse in a control loop assumes. A ceramic without
+ * any hysteresis follows small changes at most 1/0.6 times as far as this inverse assumes.
+ */
+static const double least_after_reversal = 0.6;
+
+/*
+ * Replace plays by slope on one side of the middle of the voltage range, those with the smallest
+ * slack first (the order of the list).
+ *   slope [PZS_HYSTERESIS_SEGMENTS / 2] in/out  slopes of the part without memory on this side
+ *   weight                              in/out  weights of the plays on this side
+ */
+static void weaken_side(double *slope, scene_short_list *weight)
+{
+    const int segments = PZS_HYSTERESIS_SEGMENTS / 2;
+    double least = slope[0], plays = 0;
+    for (int i = 1; i < segments; i++)
+        least = fmin(least, slope[i]);
+    for (int k = 0; k < weight->count; k++)
+        plays += weight->value[k];
+    double missing = least_after_reversal * (least + plays) - least;
+    for (int k = 0; k < weight->count && missing > 0; k++) {
+        const double part = fmin(missing, weight->value[k]);
+        weight->value[k] -= part;
+        missing -= part;
+        for (int i = 0; i < segments; i++)
+            slope[i] += part;
+    }
+}
+
+void compensation_weaken(scene_hysteresis *hysteresis)
+{
+    if (!hysteresis->given)
+        return;
+    weaken_side(hysteresis->slope.value, &hysteresis->below);
+    weaken_side(hysteresis->slope.value + PZS_HYSTERESIS_SEGMENTS / 2, &hysteresis->above);
+}
+
 void compensation_fill(compensation *compensation, const scene_hysteresis *hysteresis,
                        const pzs_problem *problem, double rate)
 {

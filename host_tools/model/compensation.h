@@ -31,4 +31,14 @@ typedef struct compensation {
 void compensation_fill(compensation *compensation, const scene_hysteresis *hysteresis,
                        const pzs_problem *problem, double rate);
 
+/*
+ * Weaken a description of hysteresis for a control loop with readings. The inverse of a ceramic
+ * whose effect hardly changes after a reversal of the voltage enlarges small voltage changes, and a
+ * ceramic with less hysteresis than described follows them all: the loop then has a larger gain for
+ * small changes than its certificate allows. Plays are therefore replaced by slope, those with the
+ * smallest slack first, until a change after a reversal has at least 0.6 of the effect of a change
+ * far from a reversal. The loop corrects the hysteresis that is left by its readings.
+ */
+void compensation_weaken(scene_hysteresis *hysteresis);
+
 #endif

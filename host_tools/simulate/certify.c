@@ -173,11 +173,11 @@ static int measure_growth(const trial *trial, certificate_loop *loop, bool *is_s
 /* ---- storms ----------------------------------------------------------- */
 
 /*
- * Fraction (0 to 1) by which the ceramic has less hysteresis than the tables of the controller's
- * compensation say, in storms with the second sequence of targets: a compensation that is too
- * strong raises the gain of small voltage changes.
+ * Fraction (0 to 1) by which the ceramic has less hysteresis than the scene file says, in storms
+ * with the second sequence of targets. The compensation is then twice too strong, which raises the
+ * gain of small voltage changes.
  */
-static const double less_hysteresis = 0.25;
+static const double less_hysteresis = 0.5;
 
 /*
  * Return the structure, the step limits and the targets of the i-th storm (simulation with fast
@@ -287,6 +287,7 @@ static int try_choice(trial *trial, int choice, damper_options *options, certifi
         loop->observed_to = trial->damper.frequency[loop->observed - 1];
     }
     loop->delay = trial->analysis->design.simulate.delay;
+    loop->less_hysteresis = trial->blocks.compensation.is_used ? less_hysteresis : 0;
     if (!loop->is_stable)
         return 0;
     const int newest = loop->delay < 1 ? 0 : 1;

@@ -138,6 +138,7 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
     list_rows(rig);
     fill_static(rig);
     fill_limits(rig);
+    compensation_fill(&rig->ceramic, &design->hysteresis, &design->problem, design->control.rate);
     return 0;
 }
 
@@ -179,8 +180,9 @@ typedef struct storm {
                        model (V) */
     double *creep;  /* [amplifiers][PZS_CREEP_LIMIT] outputs of the first-order lags of the creep
                        model (V) */
-    const pzs_hysteresis *hysteresis; /* tables with which the controller compensates hysteresis;
-                                         NULL where the loop has no such compensation */
+    const pzs_hysteresis *hysteresis; /* hysteresis and creep of the ceramic as the scene file
+                                         describes them; NULL where the loop does not compensate
+                                         them */
     double *previous_voltage;         /* [amplifiers] voltages before the last control tick (V) */
     double *target;                   /* [targets] target in the present tick */
     double *last_target; /* [targets] last target of the simulation: the target of the scene */
@@ -258,8 +260,7 @@ static void set_limits(storm *storm)
 
 /*
  * State of the ceramic of electrode k, which is the outputs of its play operators (hysteresis) and
- * of its lags (creep); used for a ceramic that behaves as the tables of the controller's
- * compensation describe.
+ * of its lags (creep); used for a ceramic that behaves as the scene file describes.
  */
 static hysteresis_memory memory_of(const storm *storm, size_t k)
 {
@@ -269,7 +270,7 @@ static hysteresis_memory memory_of(const storm *storm, size_t k)
 }
 
 /*
- * Find the tables of the compensation of hysteresis in the loop, and compute the stroke of the
+ * Set the hysteresis of the ceramic, where the loop compensates it, and compute the stroke of the
  * electrodes from rest at 0 V.
  */
 static void start_ceramic(storm *storm)
@@ -280,7 +281,7 @@ static void start_ceramic(storm *storm)
                  *upper = storm->rig->analysis->design.problem.upper;
     for (int k = 0; k < storm->blocks; k++)
         if (storm->block[k].type == &pzs_effect_block)
-            storm->hysteresis = storm->block[k].tables;
+            storm->hysteresis = &storm->rig->ceramic.tables;
     for (size_t k = 0; k < amplifiers; k++) {
         double *stroke = storm->stroke + k;
         stroke[0] = ceramic ? ceramic->lowest[k] : lower[k];

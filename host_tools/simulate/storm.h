@@ -48,10 +48,10 @@ typedef struct storm_plant {
     uint64_t seed;       /* seed of the random sequence of target jumps */
     double missed_share; /* share of the ticks that the controller misses, from 0 to 1 */
     const storm_ceramic *ceramic; /* ceramic of the electrodes; NULL: the ceramic that the
-                                     controller's tables describe, without hysteresis where the loop
-                                     has no such tables */
+                                     scene file describes, without hysteresis where the loop does
+                                     not compensate it */
     double less_hysteresis; /* share by which the ceramic has less hysteresis and creep than the
-                               controller's tables describe, from 0 to 1 */
+                               scene file describes, from 0 to 1 */
     bool is_uninformed;     /* true: the loop is not informed of missed ticks by pzs_loop_skip */
 } storm_plant;
 
@@ -68,6 +68,7 @@ typedef struct storm_rig {
     int delay;       /* age of the readings that the scene file states (ticks) */
     double interval; /* time between ticks (s) */
     size_t sensors, targets, amplifiers;
+    compensation ceramic; /* hysteresis and creep of the ceramic as the scene file describes them */
     vibration vibration;
     modal modal;
     double *memory;    /* one allocation that holds the arrays from `direct` on */

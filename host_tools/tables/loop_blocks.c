@@ -567,8 +567,9 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
     blocks->design = design;
     blocks->estimator = estimator;
     blocks->damper = damper;
-    compensation_fill(&blocks->compensation, &design->hysteresis, &design->problem,
-                      design->control.rate);
+    scene_hysteresis weaker = design->hysteresis;
+    compensation_weaken(&weaker);
+    compensation_fill(&blocks->compensation, &weaker, &design->problem, design->control.rate);
     list_blocks(blocks);
 }
 
