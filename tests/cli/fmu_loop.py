@@ -143,11 +143,11 @@ def coupled(plant_path, controller_path, csv, events, delay):
 
 
 def outputs(instance):
-    return [name for name, start in instance.fmu.start.items() if start is None and name not in ("status", "iterations", "status_text")]
+    return [name for name, start in instance.fmu.start.items() if start is None and name not in ("status", "iterations", "status_text", "mode")]
 
 
 def inputs(instance):
-    return [name for name, start in instance.fmu.start.items() if start is not None and name != "seed"]
+    return [name for name, start in instance.fmu.start.items() if start is not None and name not in ("seed", "command")]
 
 
 def run(instance, first, ticks):
