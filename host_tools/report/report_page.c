@@ -144,6 +144,7 @@ void page_begin(const page *page, const char *kind, double residual)
 
 void page_end(const page *page)
 {
+    page_structure(page);
     fputs("<footer>" PROGRAM ": <code>", page->file);
     write_command(page->job);
     fputs("</code></footer>\n</main>\n</body>\n</html>\n", page->file);
@@ -178,33 +179,22 @@ void page_end_picture(const page *page, double width, double height)
         PICTURE_EDGE + width, height + PICTURE_HEAD + PICTURE_FOOT - 9);
 }
 
-static void write_caption(const page *page, const draw_scale *scale, const char *format,
-                          va_list *more)
+void page_caption(const page *page, const draw_scale *scale, const char *format, ...)
 {
+    va_list more;
     fputs("<figcaption>", page->file);
-    put_list(page->file, format, NULL, more);
+    va_start(more, format);
+    put_list(page->file, format, NULL, &more);
+    va_end(more);
     if (scale)
         draw_legend(page->file, scale);
     fputs("</figcaption></figure>\n", page->file);
 }
 
-void page_caption(const page *page, const draw_scale *scale, const char *format, ...)
+void page_map(const page *page, const double *value, const draw_scale *scale, const char *title)
 {
-    va_list more;
-    va_start(more, format);
-    write_caption(page, scale, format, &more);
-    va_end(more);
-}
-
-void page_map(const page *page, const double *value, const draw_scale *scale, const char *title,
-              const char *format, ...)
-{
-    va_list more;
     fputs("<figure class=\"map\">\n", page->file);
     shell_map(&page->map, value, scale, title);
-    va_start(more, format);
-    write_caption(page, scale, format, &more);
-    va_end(more);
 }
 
 void page_displace(page *page, const double *u)

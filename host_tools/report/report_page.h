@@ -40,7 +40,8 @@ int page_open(page *page, const report_job *job, const analysis *analysis);
 int page_close(page *page, bool has_failed);
 
 /*
- * Begin and end an HTML page, which begins with the scene's name and purpose, checks and warnings.
+ * Begin and end an HTML page, which begins with the scene's name and purpose, checks and warnings,
+ * and ends with the structure, the text of the scene file and the command.
  *   residual  in  largest relative residual of the solves shown on this page
  */
 void page_begin(const page *page, const char *kind, double residual);
@@ -53,9 +54,8 @@ void page_end_picture(const page *page, double width, double height);
 /* End a figure with a caption in the format of put, and with the legend of scale, if not NULL. */
 void page_caption(const page *page, const draw_scale *scale, const char *format, ...);
 
-/* Draw a figure with the map of value [nodes], and a caption as page_caption writes it. */
-void page_map(const page *page, const double *value, const draw_scale *scale, const char *title,
-              const char *format, ...);
+/* Begin a figure with the map of value [nodes]; page_caption ends the figure. */
+void page_map(const page *page, const double *value, const draw_scale *scale, const char *title);
 
 /*
  * Parts of pages: page_structure writes the tables of the layers and materials and the text of the
@@ -69,11 +69,11 @@ void page_stress(const page *page, const stress_field *field);
 void page_voltages(const page *page, const voltages *result, int results);
 void page_modes(const page *page, const modes *modes);
 
-/* Draw the displacement vector u [dof] from now on, coloured by the displacement of each node. */
+/* Let the page draw the displacement vector u [dof] from now on, coloured by its length. */
 void page_displace(page *page, const double *u);
 
 /*
- * Draw a shape that the voltages reach for a target from now on, coloured by its misfit.
+ * Let the page draw a shape that the voltages reach for a target, coloured by its misfit.
  *   u               [dof]      in  displacement vector
  *   reached, target [targets]  in  reached values and target values of the target's component
  */

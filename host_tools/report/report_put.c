@@ -145,7 +145,7 @@ static void put_directive(FILE *file, char directive, va_list *more)
     }
 }
 
-/* Write the opening tag of a table cell. Returns its text behind a character for alignment. */
+/* Write the opening tag of a table cell. Returns its text without the character for alignment. */
 static const char *open_cell(FILE *file, const char *tag, const char *at)
 {
     static const char *const style[] = {"", " class=\"word\"", " class=\"note\""};
@@ -154,7 +154,7 @@ static const char *open_cell(FILE *file, const char *tag, const char *at)
     return at + (aligned > 0);
 }
 
-/* Tag of the heading cells of a table, which are followed by their like; others by cells td. */
+/* HTML tag of all cells in the heading of a table; in other rows td follows the first cell. */
 static const char *const head_cell = "th scope=\"col\"";
 
 void put_list(FILE *file, const char *format, const char *cell, va_list *more)

@@ -41,7 +41,7 @@ static double largest_voltage(const voltages *result)
     return scale.most;
 }
 
-/* Mark voltages at an active limit or beyond the scene's limits; held amplifiers have no limit. */
+/* Mark voltages at active limits, unless the amplifier is held, and beyond the scene's limits. */
 static void find_marks(const shape_page *shape, const voltages *result)
 {
     const design *design = shape->page.design;
@@ -59,7 +59,7 @@ static void find_marks(const shape_page *shape, const voltages *result)
     }
 }
 
-/* Draw a result, with its misfit and marks, from now on. Returns the colour scale of its misfit. */
+/* Let the page draw a result from now on. Returns the colour scale of the result's misfit. */
 static draw_scale take_result(shape_page *shape, const voltages *result)
 {
     page *page = &shape->page;
@@ -177,8 +177,10 @@ static void draw_levels(const page *page, const voltages *result)
     draw_scale scale = {true, 0, page->design->units.length};
     draw_extend(&scale, result->aligned_target, page->design->targets);
     draw_extend(&scale, result->shape, page->design->targets);
-    page_map(page, result->aligned_target, &scale, "Target", "Target, on one scale with reached:");
-    page_map(page, result->shape, &scale, "Reached", "Reached, on one scale with target:");
+    page_map(page, result->aligned_target, &scale, "Target");
+    page_caption(page, &scale, "Target, on one scale with reached:");
+    page_map(page, result->shape, &scale, "Reached");
+    page_caption(page, &scale, "Reached, on one scale with target:");
 }
 
 /* Draw the voltages on one plan, or as bars where there are no plans. */
@@ -225,10 +227,12 @@ static void draw_result(shape_page *shape, const voltages *result)
     } else {
         draw_levels(page, result);
     }
-    page_map(page, page->value, &own, "Misfit, reached minus target",
-             "Misfit, reached minus target: largest <b>%q</b>%s. Scale of this result:", own.most,
-             own.unit,
-             page->design->targets < page->mesh->nodes ? "; grey where there is no target" : "");
+    page_map(page, page->value, &own, "Misfit, reached minus target");
+    page_caption(
+        page, &own,
+        "Misfit, reached minus target: largest <b>%q</b>%s. Scale of this result:", own.most,
+        own.unit,
+        page->design->targets < page->mesh->nodes ? "; grey where there is no target" : "");
     draw_voltages(shape, result);
     fputs("</div>\n</article>\n", page->file);
 }
@@ -252,7 +256,6 @@ static void write_page(shape_page *shape, const modes *modes)
         draw_result(shape, &shape->result[k]);
     fputs("</section>\n", page->file);
     page_modes(page, modes);
-    page_structure(page);
     page_end(page);
 }
 

@@ -138,7 +138,7 @@ void shell_inside(const shell *shell, int cell, const double share[2], double at
     }
 }
 
-/* Append the part of a cell between two of its points to the SVG path (from, to: 0 to 1). */
+/* Append the part of a cell between two points (from 0 to 1 along its sides) to the SVG path. */
 static void draw_part(const shell *shell, int cell, const double from[2], const double to[2])
 {
     const double share[4][2] = {

@@ -285,7 +285,6 @@ static void write_page(simulate_page *self)
     fputs("</section>\n<section>\n<h2>Shape</h2>\n", page->file);
     write_shape(&self->page, last);
     fputs("</section>\n", page->file);
-    page_structure(page);
     page_end(page);
 }
 

@@ -177,8 +177,9 @@ static void write_components(const page *page)
         draw_extend(&scale, page->value, page->mesh->nodes);
         const bool is_negligible = scale.most < 1e-9 * page->scale.most;
         scale.most = is_negligible ? 0 : scale.most;
-        page_map(page, page->value, &scale, name[a], "<b>%s</b>%s", name[a],
-                 is_negligible ? ", below 10⁻⁹ of the largest displacement" : "");
+        page_map(page, page->value, &scale, name[a]);
+        page_caption(page, &scale, "<b>%s</b>%s", name[a],
+                     is_negligible ? ", below 10⁻⁹ of the largest displacement" : "");
     }
     fputs("</div>\n</section>\n", page->file);
 }
@@ -190,10 +191,11 @@ static void write_contact_map(const page *page)
     draw_scale scale = {false, 0, page->pressure};
     draw_extend(&scale, info->pressure, page->mesh->nodes);
     fputs("<section>\n<h2>Contact pressure</h2>\n", page->file);
-    page_map(page, info->pressure, &scale, "Contact pressure",
-             "%d nodes in contact, largest pressure %q, per undeformed area; the body is at most "
-             "%q deep between nodes, which is the sag of the elements",
-             (int)info->nodes, scale.most, scale.unit, info->sag, page->design->units.length);
+    page_map(page, info->pressure, &scale, "Contact pressure");
+    page_caption(page, &scale,
+                 "%d nodes in contact, largest pressure %q, per undeformed area; the body is at "
+                 "most %q deep between nodes, which is the sag of the elements",
+                 (int)info->nodes, scale.most, scale.unit, info->sag, page->design->units.length);
     fputs("</section>\n", page->file);
 }
 
@@ -217,7 +219,6 @@ static void write_page(const solve_page *solve)
         write_contact_map(page);
     write_components(page);
     page_stress(page, solve->stress);
-    page_structure(page);
     page_end(page);
 }
 

@@ -32,11 +32,12 @@ static void write_load(const page *page, const stress_field *field)
     draw_scale scale = {false, 0, has_strength ? "" : page->pressure};
     average_load(field, load, page->value);
     draw_extend(&scale, page->value, page->mesh->nodes);
-    page_map(page, page->value, &scale, has_strength ? "Use of the strength" : "Von Mises stress",
-             "%s, averaged at the nodes; largest %q",
-             has_strength ? "Use of the strength: one over the least reserve factor of the layers"
-                          : "Largest von Mises stress of the layers",
-             scale.most, scale.unit);
+    page_map(page, page->value, &scale, has_strength ? "Use of the strength" : "Von Mises stress");
+    page_caption(page, &scale, "%s, averaged at the nodes; largest %q",
+                 has_strength
+                     ? "Use of the strength: one over the least reserve factor of the layers"
+                     : "Largest von Mises stress of the layers",
+                 scale.most, scale.unit);
     free(load);
 }
 
