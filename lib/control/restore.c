@@ -150,15 +150,16 @@ static uint32_t count_active(pzs_optimiser *optimiser)
 }
 
 /*
- * Set the entries beyond the inputs to zero in all rows of `width` entries at the start of the
- * workspace: Hessian, tableau and vectors. Sums and maxima are taken over whole rows.
+ * Set the entries beyond the inputs to zero in every `stride`-th row of `width` entries at the
+ * start of the workspace, from row `first` on. The rows are those of Hessian and tableau and the
+ * vectors. Sums and maxima are taken over whole rows, so that these entries must be zero.
  */
-static void clear_padding(pzs_control *control)
+static void clear_padding(pzs_control *control, uint32_t first, uint32_t stride)
 {
     const pzs_optimiser *optimiser = &control->state.optimiser;
     const size_t bytes = PZS_CONTROL_BYTES(optimiser->inputs, 0) - optimiser->inputs;
     const size_t rows = bytes / (optimiser->width * sizeof *optimiser->hessian);
-    for (size_t row = 0; row < rows; row++)
+    for (size_t row = first; row < rows; row += stride)
         for (uint32_t i = optimiser->inputs; i < optimiser->width; i++)
             optimiser->hessian[row * optimiser->width + i] = 0;
 }
@@ -173,17 +174,19 @@ static void reset_tableaux(pzs_control *control)
 }
 
 /*
- * Check the next row of the Hessian; after the last row, set the constants that follow from all
- * rows.
+ * Check the next row of the Hessian, and set the padding of a part of the rows to zero: of all rows
+ * in as many ticks as there are inputs, and at once after a repair. After the last row of the
+ * Hessian, or after a repair, set the constants that follow from all rows.
  */
 static void scrub_next_row(pzs_control *control, const pzs_real *table)
 {
     pzs_optimiser *optimiser = &control->state.optimiser;
-    const uint32_t k = control->state.scrub_row < optimiser->inputs ? control->state.scrub_row : 0;
+    const uint32_t inputs = optimiser->inputs;
+    const uint32_t k = control->state.scrub_row < inputs ? control->state.scrub_row : 0;
     const bool is_repaired = scrub_row(control, table, k);
     control->state.scrub_row = (uint16_t)(k + 1u);
-    if (k + 1u == optimiser->inputs || is_repaired) {
-        clear_padding(control);
+    clear_padding(control, is_repaired ? 0 : k, is_repaired ? 1u : inputs);
+    if (k + 1u == inputs || is_repaired) {
         optimiser->active_count = count_active(optimiser);
         optimiser->inverse_trace = 0;
         pzs_control_set_constants(control);

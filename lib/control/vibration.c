@@ -262,17 +262,18 @@ static void predict_readings(pzs_damper *damper)
 }
 
 /*
- * Return the residual of one sensor (in its unit): its low-passed innovation (reading minus
- * predicted reading) minus the part that the modes explain.
+ * Compute the residuals of all sensors: the low-passed innovation (reading minus predicted reading)
+ * of each, minus the part that the modes explain.
+ *   rest [sensors] out  (unit of each sensor)
  */
-static pzs_real residual_of(const pzs_damper *damper, uint32_t sensor)
+static void find_residuals(pzs_damper *damper, pzs_real *rest)
 {
     const pzs_vibration *tables = damper->state.tables;
-    const pzs_real *row = readings_table(tables) + (size_t)sensor * tables->modes;
-    pzs_real rest = damper->state.residual[sensor];
+    pzs_real *explained = damper->state.work;
     for (uint32_t i = 0; i < tables->modes; i++)
-        rest -= row[i] * damper->state.residual_modes[i];
-    return rest;
+        explained[i] = -damper->state.residual_modes[i];
+    pzs_product_add(rest, damper->state.residual, readings_table(tables), explained,
+                    tables->sensors, tables->modes);
 }
 
 /*
@@ -281,13 +282,16 @@ static pzs_real residual_of(const pzs_damper *damper, uint32_t sensor)
  */
 static uint32_t replace_unusable(pzs_damper *damper, const pzs_real *readings, int32_t *where)
 {
+    const uint32_t sensors = damper->state.tables->sensors;
+    const uint8_t *repeats = damper->state.repeats;
+    pzs_real *innovation = damper->state.innovation, *rest = damper->state.predicted;
     uint32_t unusable = 0;
-    for (uint32_t i = 0; i < damper->state.tables->sensors; i++) {
-        pzs_real *innovation = &damper->state.innovation[i];
-        if (!sensor_is_unusable(&damper->state.repeats[i], readings[i]) &&
-            number_absolute(*innovation) <= DEVIATION_LIMIT)
+    find_residuals(damper, rest);
+    for (uint32_t i = 0; i < sensors; i++) {
+        if (!sensor_is_unusable(&repeats[i], readings[i]) &&
+            number_absolute(innovation[i]) <= DEVIATION_LIMIT)
             continue;
-        *innovation = residual_of(damper, i);
+        innovation[i] = rest[i];
         *where = unusable++ == 0 ? (int32_t)i : *where;
     }
     return unusable;
@@ -332,6 +336,14 @@ static void project_innovation(pzs_damper *damper, pzs_real *fit)
                          tables->modes);
 }
 
+/* Move low-passed values the fraction `slow` of the way to their present values. */
+static void low_pass(pzs_real *restrict filtered, const pzs_real *restrict present, pzs_real slow,
+                     size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        filtered[i] += slow * (present[i] - filtered[i]);
+}
+
 /*
  * Correct the state at the time of the readings, and low-pass the part that the modes do not
  * explain.
@@ -341,7 +353,6 @@ static void correct(pzs_damper *damper)
     const pzs_vibration *tables = damper->state.tables;
     const size_t modes = tables->modes, width = width_of(damper);
     pzs_real *fit = damper->state.work, *change = damper->state.work + width;
-    pzs_real *residual = damper->state.residual;
     project_innovation(damper, fit);
     for (size_t part = 0; part < 3; part++) {
         pzs_real *state = damper->state.late + part * width;
@@ -350,11 +361,8 @@ static void correct(pzs_damper *damper)
             state[i] += change[i];
     }
     pzs_product_matrix(change, tables->explain, fit, modes, modes);
-    for (size_t i = 0; i < modes; i++)
-        damper->state.residual_modes[i] +=
-            tables->slow * (change[i] - damper->state.residual_modes[i]);
-    for (uint32_t i = 0; i < tables->sensors; i++)
-        residual[i] += tables->slow * (damper->state.innovation[i] - residual[i]);
+    low_pass(damper->state.residual_modes, change, tables->slow, modes);
+    low_pass(damper->state.residual, damper->state.innovation, tables->slow, tables->sensors);
 }
 
 /* ---- results ---------------------------------------------------------- */
@@ -381,6 +389,12 @@ static void damp(pzs_damper *damper)
                      damper->state.carry);
 }
 
+static void add_vector(pzs_real *restrict sum, const pzs_real *restrict vector, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        sum[i] += vector[i];
+}
+
 /*
  * Static shape under the present voltages and loads, from sensors that measure the shape: predicted
  * shape, plus shape of the modes under loads, plus residual.
@@ -394,8 +408,7 @@ static void measured_shape(pzs_damper *damper, pzs_real *shape)
     for (size_t i = 0; i < tables->modes; i++)
         part[i] = load[i] - damper->state.residual_modes[i];
     pzs_product_add(shape, predicted, tables->shape, part, tables->outputs, tables->modes);
-    for (uint32_t i = 0; i < tables->outputs; i++)
-        shape[i] += damper->state.residual[i];
+    add_vector(shape, damper->state.residual, tables->outputs);
 }
 
 /*
@@ -406,17 +419,12 @@ static void estimated_shape(pzs_damper *damper, pzs_real *shape)
 {
     const pzs_vibration *tables = damper->state.tables;
     const pzs_real *load = damper->state.now + 2 * width_of(damper);
-    pzs_real *rest = damper->state.predicted;
-    for (uint32_t i = 0; i < tables->sensors; i++)
-        rest[i] = residual_of(damper, i);
+    pzs_real *rest = damper->state.predicted, *still = damper->state.control->state.weighted;
+    find_residuals(damper, rest);
     pzs_control_predict(damper->state.control);
-    pzs_product_matrix(shape, tables->gain, rest, tables->outputs, tables->sensors);
-    for (uint32_t i = 0; i < tables->outputs; i++) {
-        const pzs_real *row = tables->shape + (size_t)i * tables->modes;
-        shape[i] += damper->state.control->state.predicted[i];
-        for (uint32_t k = 0; k < tables->modes; k++)
-            shape[i] += row[k] * load[k];
-    }
+    pzs_product_matrix(still, tables->gain, rest, tables->outputs, tables->sensors);
+    add_vector(still, damper->state.control->state.predicted, tables->outputs);
+    pzs_product_add(shape, still, tables->shape, load, tables->outputs, tables->modes);
 }
 
 /* ---- calls ------------------------------------------------------------ */
