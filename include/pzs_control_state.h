@@ -372,16 +372,18 @@ typedef struct pzs_damper_state {
 
 typedef struct pzs_compensator_state {
     const struct pzs_hysteresis *tables;
-    pzs_real *effect; /* [inputs] effects of the voltages of the last tick: the voltages that
-                         electrodes without hysteresis would need for the same displacement (V) */
-    pzs_real *lower;  /* [inputs] lowest voltage that the voltage limits and step limits allow in
-                         this tick (V) */
-    pzs_real *upper;  /* [inputs] highest voltage that the voltage limits and step limits allow in
-                         this tick (V) */
-    pzs_real *play;   /* [inputs][plays] positions of the plays (elements with backlash, which model
-                         the hysteresis), relative to the middle of the voltage range (V) */
-    pzs_real *creep;  /* [inputs][creeps] voltages that the creep terms of the hysteresis model add
-                         to the effect of each electrode (V) */
+    pzs_real *effect;  /* [inputs] effects of the voltages of the last tick: the voltages that
+                          electrodes without hysteresis would need for the same displacement (V) */
+    pzs_real *lower;   /* [inputs] lowest voltage that the voltage limits and step limits allow in
+                          this tick (V) */
+    pzs_real *upper;   /* [inputs] highest voltage that the voltage limits and step limits allow in
+                          this tick (V) */
+    pzs_real *present; /* [inputs] effects that the voltages of the last tick have in this tick,
+                          after the creep since then (V) */
+    pzs_real *play;  /* [inputs][plays] positions of the plays (elements with backlash, which model
+                        the hysteresis), relative to the middle of the voltage range (V) */
+    pzs_real *creep; /* [inputs][creeps] voltages that the creep terms of the hysteresis model add
+                        to the effect of each electrode (V) */
 } pzs_compensator_state;
 
 typedef struct pzs_reading_delay_state {

@@ -879,7 +879,7 @@ typedef struct pzs_compensator {
 extern const pzs_block_type pzs_effect_block, pzs_inverse_block;
 #define PZS_EFFECT_BLOCK_BYTES(inputs, plays, creeps)                                              \
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_compensator)) +                                             \
-                (3u + (size_t)(plays) + (size_t)(creeps)) * (size_t)(inputs) * sizeof(pzs_real))
+                (4u + (size_t)(plays) + (size_t)(creeps)) * (size_t)(inputs) * sizeof(pzs_real))
 #define PZS_INVERSE_BLOCK_BYTES(inputs) (0u * (size_t)(inputs) * sizeof(pzs_real))
 
 /* ---- amplifiers with converter steps and a dead band (lib/control/amplifier.c) */

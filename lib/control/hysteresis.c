@@ -16,11 +16,13 @@
  *
  * From the present voltage on, u is a piecewise linear function of v. In either direction the plays
  * begin to move one after the other, in the order of their slack, and cross the middle in this
- * order too. The inverse goes through these pieces one by one and ends in one division, without
- * iteration.
+ * order too. The effect at another voltage is that at the present one plus the changes of the plays
+ * that move. The inverse goes through the pieces one by one and ends in one division. Neither needs
+ * an iteration.
  *
- * The work of a tick for each input is 3 plays + 30 multiply-adds and comparisons for limits and
- * memory, and at most 2 plays + 4 pieces of the inverse.
+ * The work of a tick for each input is `plays` steps of the memory, and one step for each play that
+ * moves on the way to the lowest or to the highest voltage of the tick; the inverse goes through at
+ * most 2 plays + 4 pieces.
  */
 #include <string.h>
 #include "hysteresis.h"
@@ -139,6 +141,36 @@ static pzs_status check(const pzs_hysteresis *tables, const pzs_problem *problem
 
 /* ---- one electrode ---------------------------------------------------- */
 
+/* Parameters of the model of one electrode. A play is an element with backlash. */
+typedef struct electrode {
+    const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear function, from the lowest
+                              voltages to the highest (1) */
+    const pzs_real *slack; /* [plays] slack of each play, the half width of its backlash (V) */
+    const pzs_real *above; /* [plays] weight of each play in the effect above the middle (1) */
+    const pzs_real *below; /* [plays] weight of each play in the effect below the middle (1) */
+    const pzs_real *creep; /* [creeps] final value of each creep term, divided by the voltage (1) */
+    pzs_real middle;       /* middle of the voltage range (V) */
+    pzs_real half_range;   /* half of the voltage range (V) */
+    pzs_real offset;       /* constant part of the effect (V) */
+    uint32_t plays, creeps;
+} electrode;
+
+static electrode electrode_of(const pzs_hysteresis *tables, uint32_t input)
+{
+    const size_t set = set_of(tables, input), first = set * tables->plays;
+    const electrode result = {tables->slope + set * SEGMENTS,
+                              tables->slack + first,
+                              tables->above + first,
+                              tables->below + first,
+                              tables->creep + set * tables->creeps,
+                              tables->middle[set],
+                              tables->half_range[set],
+                              tables->offset[set],
+                              tables->plays,
+                              tables->creeps};
+    return result;
+}
+
 /*
  * Return `value`, the position of a play, clamped to [middle - slack, middle + slack], where
  * `middle` is the position that the play follows (V); NaN becomes the lower end.
@@ -160,17 +192,25 @@ static pzs_real slack_behind(const pzs_real *slack, uint32_t i)
 }
 
 /*
- * Return the value at `offset` of the piecewise linear function of four slopes through 0, which
- * change at quarters of the voltage range (V).
+ * Return the value at `offset`, the distance from the middle of the voltage range (V), of the
+ * piecewise linear function of four slopes. The function is 0 in the middle, and its slope changes
+ * there and at the quarters of the voltage range (V).
  */
-static pzs_real line_at(const pzs_real *slope, pzs_real half_range, pzs_real offset)
+static pzs_real line_at(const electrode *electrode, pzs_real offset)
 {
-    const pzs_real knot = half_range / 2, size = number_absolute(offset);
+    const pzs_real *slope = electrode->slope;
+    const pzs_real knot = electrode->half_range / 2, size = number_absolute(offset);
     const pzs_real inner = offset < 0 ? slope[1] : slope[2],
                    outer = offset < 0 ? slope[0] : slope[3];
     const pzs_real near_part = size < knot ? size : knot;
     const pzs_real way = inner * near_part + outer * (size - near_part);
     return offset < 0 ? -way : way;
+}
+
+/* Return the part of play i in the effect (V) when the play is at `position` (V). */
+static pzs_real part_of(const electrode *electrode, uint32_t i, pzs_real position)
+{
+    return (position > 0 ? electrode->above : electrode->below)[i] * position;
 }
 
 void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresis_memory memory,
@@ -217,44 +257,87 @@ static pzs_real creep_after(pzs_real creep, pzs_real gain, pzs_real rate, pzs_re
     return now + rate * (end - now);
 }
 
+/*
+ * Move the creep terms of an electrode by some ticks. Returns the sum of their changes (V).
+ *   rate [creeps] in  fraction of the way to its final value that each creep term goes
+ */
+static pzs_real move_creeps(const electrode *electrode, pzs_real *creep, pzs_real voltage,
+                            const pzs_real *rate)
+{
+    const pzs_real most = 2 * (number_absolute(electrode->middle) + electrode->half_range);
+    pzs_real change = 0;
+    for (uint32_t j = 0; j < electrode->creeps; j++) {
+        const pzs_real before = creep[j];
+        creep[j] = creep_after(before, electrode->creep[j], rate[j], voltage, most);
+        change += creep[j] - before;
+    }
+    return change;
+}
+
+/*
+ * Return the effect of an electrode (V) with its plays at the positions that belong to `voltage`.
+ *   play [plays] in/out  positions of the plays before and after the change to `voltage` (V)
+ */
+static pzs_real move_plays(const electrode *electrode, pzs_real *play, pzs_real voltage)
+{
+    pzs_real place = voltage - electrode->middle, slack_before = 0;
+    pzs_real effect = electrode->offset + line_at(electrode, place);
+    for (uint32_t i = 0; i < electrode->plays; i++) {
+        const pzs_real slack = electrode->slack[i];
+        place = follow(play[i], place, slack - slack_before);
+        slack_before = slack;
+        play[i] = place;
+        effect += part_of(electrode, i, place);
+    }
+    return effect;
+}
+
+static pzs_real sum_of(const pzs_real *term, uint32_t count)
+{
+    pzs_real sum = 0;
+    for (uint32_t j = 0; j < count; j++)
+        sum += term[j];
+    return sum;
+}
+
 pzs_real pzs_hysteresis_remember(const pzs_hysteresis *tables, uint32_t input,
                                  hysteresis_memory memory, pzs_real voltage, uint32_t ticks)
 {
-    const size_t set = set_of(tables, input), first = set * tables->plays;
-    const pzs_real *slack = tables->slack + first;
-    const pzs_real *creep = tables->creep + set * tables->creeps;
-    const pzs_real most = number_absolute(tables->middle[set]) + tables->half_range[set];
-    pzs_real place = voltage - tables->middle[set];
-    pzs_real effect = tables->offset[set] +
-                      line_at(tables->slope + set * SEGMENTS, tables->half_range[set], place);
-    for (uint32_t i = 0; i < tables->plays; i++) {
-        place = follow(memory.play[i], place, slack_behind(slack, i));
-        memory.play[i] = place;
-        effect += (place > 0 ? tables->above : tables->below)[first + i] * place;
-    }
-    for (uint32_t j = 0; j < tables->creeps; j++) {
-        effect += memory.creep[j];
-        memory.creep[j] = creep_after(memory.creep[j], creep[j],
-                                      rate_of(tables->creep_rate[j], ticks), voltage, 2 * most);
-    }
+    const electrode electrode = electrode_of(tables, input);
+    pzs_real rate[PZS_CREEP_LIMIT];
+    for (uint32_t j = 0; j < tables->creeps; j++)
+        rate[j] = rate_of(tables->creep_rate[j], ticks);
+    const pzs_real effect =
+        move_plays(&electrode, memory.play, voltage) + sum_of(memory.creep, tables->creeps);
+    (void)move_creeps(&electrode, memory.creep, voltage, rate);
     return effect;
 }
 
 pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
                                hysteresis_memory memory, pzs_real voltage)
 {
-    const size_t set = set_of(tables, input), first = set * tables->plays;
-    const pzs_real *slack = tables->slack + first;
-    pzs_real place = voltage - tables->middle[set];
-    pzs_real sum = tables->offset[set] +
-                   line_at(tables->slope + set * SEGMENTS, tables->half_range[set], place);
-    for (uint32_t i = 0; i < tables->plays; i++) {
-        place = follow(memory.play[i], place, slack_behind(slack, i));
-        sum += (place > 0 ? tables->above : tables->below)[first + i] * place;
+    const electrode electrode = electrode_of(tables, input);
+    pzs_real play[PZS_PLAY_LIMIT];
+    memcpy(play, memory.play, tables->plays * sizeof *play);
+    return move_plays(&electrode, play, voltage) + sum_of(memory.creep, tables->creeps);
+}
+
+/*
+ * Return by how much the effect of an electrode changes when its voltage changes (V).
+ *   play [plays] in  positions of the plays at the voltage `from` (V)
+ */
+static pzs_real effect_change(const electrode *electrode, const pzs_real *play, pzs_real from,
+                              pzs_real to)
+{
+    const pzs_real sign = to < from ? -1 : 1, place = to - electrode->middle;
+    pzs_real change = line_at(electrode, place) - line_at(electrode, from - electrode->middle);
+    for (uint32_t i = 0; i < electrode->plays; i++) {
+        const pzs_real moved = place - sign * electrode->slack[i], before = play[i];
+        if (!(sign * (moved - before) > 0))
+            break;
+        change += part_of(electrode, i, moved) - part_of(electrode, i, before);
     }
-    for (uint32_t j = 0; j < tables->creeps; j++)
-        sum += memory.creep[j];
-    return sum;
+    return change;
 }
 
 /* ---- inverse ---------------------------------------------------------- */
@@ -301,20 +384,19 @@ static pzs_real slope_of(const effect_walk *walk, uint32_t k)
     return walk->slope[walk->sign > 0 ? k : SEGMENTS - 1u - k];
 }
 
-static effect_walk start_walk(const pzs_hysteresis *tables, uint32_t input,
-                              hysteresis_memory memory, pzs_real sign, pzs_real from)
+static effect_walk start_walk(const electrode *electrode, const pzs_real *play, pzs_real sign,
+                              pzs_real from)
 {
-    const size_t set = set_of(tables, input), first = set * tables->plays;
     const bool is_up = sign > 0;
-    effect_walk walk = {.slope = tables->slope + set * SEGMENTS,
-                        .slack = tables->slack + first,
-                        .play = memory.play,
-                        .ahead = (is_up ? tables->above : tables->below) + first,
-                        .behind = (is_up ? tables->below : tables->above) + first,
+    effect_walk walk = {.slope = electrode->slope,
+                        .slack = electrode->slack,
+                        .play = play,
+                        .ahead = is_up ? electrode->above : electrode->below,
+                        .behind = is_up ? electrode->below : electrode->above,
                         .sign = sign,
-                        .knot = tables->half_range[set] / 2,
-                        .place = sign * (from - tables->middle[set]),
-                        .plays = tables->plays};
+                        .knot = electrode->half_range / 2,
+                        .place = sign * (from - electrode->middle),
+                        .plays = electrode->plays};
     walk.gain = slope_of(&walk, 0);
     return walk;
 }
@@ -359,6 +441,13 @@ static void move_play(effect_walk *walk)
     walk->crossed = is_beyond ? walk->moving : walk->crossed;
 }
 
+/* Pass the next change of slope of the piecewise linear function. */
+static void pass_knot(effect_walk *walk)
+{
+    walk->gain += slope_of(walk, walk->knots + 1u) - slope_of(walk, walk->knots);
+    walk->knots++;
+}
+
 /* Pass the nearest position at which the slope of the effect changes, and update the slope. */
 static void pass_break(effect_walk *walk, pzs_real nearest)
 {
@@ -368,9 +457,17 @@ static void pass_break(effect_walk *walk, pzs_real nearest)
     } else if (next_move(walk) <= nearest) {
         move_play(walk);
     } else {
-        walk->gain += slope_of(walk, walk->knots + 1u) - slope_of(walk, walk->knots);
-        walk->knots++;
+        pass_knot(walk);
     }
+}
+
+/* Update the slope of the effect at the start of the search: plays that already move, and knots. */
+static void find_first_slope(effect_walk *walk)
+{
+    while (next_move(walk) <= walk->place)
+        move_play(walk);
+    while (next_knot(walk) <= walk->place)
+        pass_knot(walk);
 }
 
 static pzs_real smaller(pzs_real one, pzs_real other)
@@ -378,14 +475,19 @@ static pzs_real smaller(pzs_real one, pzs_real other)
     return one < other ? one : other;
 }
 
-pzs_real pzs_hysteresis_voltage(const pzs_hysteresis *tables, uint32_t input,
-                                hysteresis_memory memory, pzs_real from, pzs_real effect)
+/*
+ * Return the voltage (V) at which the effect of an electrode differs by `way` (V) from that at the
+ * voltage `from`.
+ *   play [plays] in  positions of the plays at the voltage `from` (V)
+ */
+static pzs_real voltage_after(const electrode *electrode, const pzs_real *play, pzs_real from,
+                              pzs_real way)
 {
-    const pzs_real way = effect - pzs_hysteresis_effect(tables, input, memory, from);
     const pzs_real sign = way < 0 ? -1 : 1;
-    effect_walk walk = start_walk(tables, input, memory, sign, from);
+    effect_walk walk = start_walk(electrode, play, sign, from);
     pzs_real rest = number_absolute(way);
     const uint32_t breaks = 2u * walk.plays + SEGMENTS;
+    find_first_slope(&walk);
     for (uint32_t k = 0; k < breaks; k++) {
         const pzs_real nearest =
             smaller(next_move(&walk), smaller(next_crossing(&walk), next_knot(&walk)));
@@ -398,7 +500,15 @@ pzs_real pzs_hysteresis_voltage(const pzs_hysteresis *tables, uint32_t input,
         }
         pass_break(&walk, nearest);
     }
-    return tables->middle[set_of(tables, input)] + sign * (walk.place + rest / walk.gain);
+    return electrode->middle + sign * (walk.place + rest / walk.gain);
+}
+
+pzs_real pzs_hysteresis_voltage(const pzs_hysteresis *tables, uint32_t input,
+                                hysteresis_memory memory, pzs_real from, pzs_real effect)
+{
+    const electrode electrode = electrode_of(tables, input);
+    const pzs_real way = effect - pzs_hysteresis_effect(tables, input, memory, from);
+    return voltage_after(&electrode, memory.play, from, way);
 }
 
 /* ---- blocks ----------------------------------------------------------- */
@@ -423,8 +533,9 @@ static void place(pzs_compensator *compensator, const pzs_hysteresis *tables)
     compensator->state.effect = at;
     compensator->state.lower = at + inputs;
     compensator->state.upper = at + 2 * inputs;
-    compensator->state.play = at + 3 * inputs;
-    compensator->state.creep = at + 3 * inputs + play_count(tables);
+    compensator->state.present = at + 3 * inputs;
+    compensator->state.play = at + 4 * inputs;
+    compensator->state.creep = at + 4 * inputs + play_count(tables);
     compensator->info.effect = compensator->state.effect;
 }
 
@@ -478,14 +589,18 @@ static bool set_range(pzs_compensator *compensator, const pzs_control *control, 
 
 /*
  * Replace the voltage limits of input k in the controller by effects (voltages without hysteresis):
- * those at the ends of the range of this tick.
+ * the effects at the ends of the range of this tick, for which the plays move from the present
+ * voltage `given`.
  */
-static void set_effect_limits(const pzs_compensator *compensator, pzs_control *control, uint32_t k)
+static void set_effect_limits(const pzs_compensator *compensator, pzs_control *control,
+                              const electrode *electrode, uint32_t k, pzs_real given)
 {
-    const pzs_hysteresis *tables = compensator->state.tables;
-    const hysteresis_memory memory = memory_of(compensator, k);
-    const pzs_real low = pzs_hysteresis_effect(tables, k, memory, compensator->state.lower[k]);
-    const pzs_real high = pzs_hysteresis_effect(tables, k, memory, compensator->state.upper[k]);
+    const pzs_real *play = memory_of(compensator, k).play;
+    const pzs_real present = compensator->state.present[k];
+    const pzs_real low =
+        present + effect_change(electrode, play, given, compensator->state.lower[k]);
+    const pzs_real high =
+        present + effect_change(electrode, play, given, compensator->state.upper[k]);
     control->state.lower[k] = smaller(low, high);
     control->state.upper[k] = high;
 }
@@ -520,21 +635,38 @@ static void take_effects(const pzs_compensator *compensator, pzs_control *contro
     pzs_control_share_bounds(&control->state.optimiser, control);
 }
 
+/*
+ * Compute the effect of input k under the voltage `given` of the last tick, and under the same
+ * voltage in this tick, after the creep in between; move its plays and creep terms.
+ *   rate [creeps] in  fraction of the way to its final value that each creep term goes
+ */
+static void find_effects(pzs_compensator *compensator, const electrode *electrode, uint32_t k,
+                         pzs_real given, const pzs_real *rate)
+{
+    const hysteresis_memory memory = memory_of(compensator, k);
+    const pzs_real effect = move_plays(electrode, memory.play, given);
+    compensator->state.effect[k] = effect + sum_of(memory.creep, electrode->creeps);
+    compensator->state.present[k] =
+        compensator->state.effect[k] + move_creeps(electrode, memory.creep, given, rate);
+}
+
 static pzs_status effect_tick(void *self, pzs_loop_signals *signals)
 {
     pzs_compensator *compensator = self;
     pzs_control *control = signals->control;
     const pzs_hysteresis *tables = signals->tables;
+    pzs_real rate[PZS_CREEP_LIMIT];
     int32_t clash = -1;
     place(compensator, tables);
+    for (uint32_t j = 0; j < tables->creeps; j++)
+        rate[j] = rate_of(tables->creep_rate[j], 1u + signals->missed);
     for (uint32_t k = 0; k < tables->inputs; k++) {
         const pzs_real given = signals->given[k];
-        const hysteresis_memory memory = memory_of(compensator, k);
-        compensator->state.effect[k] =
-            pzs_hysteresis_remember(tables, k, memory, given, 1u + signals->missed);
+        const electrode electrode = electrode_of(tables, k);
+        find_effects(compensator, &electrode, k, given, rate);
         if (!set_range(compensator, control, k, given) && clash < 0)
             clash = (int32_t)k;
-        set_effect_limits(compensator, control, k);
+        set_effect_limits(compensator, control, &electrode, k, given);
     }
     take_effects(compensator, control);
     signals->compensator = compensator;
@@ -572,8 +704,9 @@ static pzs_real voltage_of(const pzs_compensator *compensator, const pzs_control
         return upper;
     if (!(wanted > control->state.lower[k]))
         return lower;
-    const pzs_real voltage = pzs_hysteresis_voltage(compensator->state.tables, k,
-                                                    memory_of(compensator, k), given[k], wanted);
+    const electrode electrode = electrode_of(compensator->state.tables, k);
+    const pzs_real voltage = voltage_after(&electrode, memory_of(compensator, k).play, given[k],
+                                           wanted - compensator->state.present[k]);
     return number_clamp(voltage, lower, upper);
 }
 
