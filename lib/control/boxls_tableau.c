@@ -126,16 +126,23 @@ static void apply_to_exchanged(pzs_optimiser *optimiser)
             optimiser->pending[i * width + optimiser->exchange[j].input] = 0;
 }
 
-/* Copy a block of the tableau to its mirror position across the diagonal. */
+/*
+ * Copy a block of the tableau to its mirror position across the diagonal.
+ *   columns in  number of columns of the block, a multiple of BLOCK
+ */
 static inline void mirror_block(pzs_optimiser *optimiser, size_t i, size_t j, size_t rows,
                                 size_t columns)
 {
     const size_t width = optimiser->width;
-    const pzs_real *block = optimiser->tableau + i * width + j;
-    pzs_real *mirror = optimiser->tableau + j * width + i;
-    for (size_t column = 0; column < columns; column++)
-        for (size_t row = 0; row < rows; row++)
-            mirror[column * width + row] = block[row * width + column];
+    for (size_t row = 0; row < rows; row++) {
+        const pzs_real *from = optimiser->tableau + (i + row) * width + j;
+        pzs_real *to = optimiser->tableau + j * width + i + row;
+        for (size_t column = 0; column < columns; column += BLOCK) {
+            UNROLLED
+            for (unsigned k = 0; k < BLOCK; k++, to += width)
+                *to = from[column + k];
+        }
+    }
 }
 
 /*
