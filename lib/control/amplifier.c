@@ -18,6 +18,7 @@
 #include "control.h"
 #include "limit_rows.h"
 #include "../core/numbers.h"
+#include "step_bounds.h"
 
 /*
  * A voltage of more converter steps than this is not rounded, because the steps would be finer than
@@ -53,8 +54,8 @@ static pzs_real voltage_with_carry(const pzs_control *control, uint32_t j, pzs_r
     const pzs_real voltage = control->state.voltage[j], most = control->state.step_limit[j];
     if (control->state.carry == NULL || !(control->state.lower[j] < control->state.upper[j]))
         return voltage;
-    const pzs_real carried =
-        number_clamp(voltage + control->state.carry[j], present - most, present + most);
+    const pzs_real carried = number_clamp(voltage + control->state.carry[j],
+                                          step_down(present, most), step_up(present, most));
     return number_clamp(carried, control->state.lower[j], control->state.upper[j]);
 }
 
