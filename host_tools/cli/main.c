@@ -727,10 +727,15 @@ static int judge_loop(analysis *analysis, char *error)
         certificate->stable_rate);
 }
 
-/* Largest displacement of the target over the thickness of the structure. */
+/*
+ * Largest displacement of the target over the thickness of the structure; 0 for a measured
+ * influence matrix, of whose structure no thickness is known.
+ */
 static double target_amplitude(const design *design)
 {
     double most = 0;
+    if (design->measured.given)
+        return 0;
     for (int i = 0; i < design->targets; i++)
         most = fmax(most, fabs(design->target[i]));
     return most / design->mesh.laminate.thickness;

@@ -130,7 +130,7 @@ static bool needs_more(const builder *builder, size_t found)
 static int choose_modes(builder *builder, char *error)
 {
     const design *design = &builder->analysis->design;
-    const int most = design->mesh.free_dof - design->mesh.prescribed_count;
+    const int most = vibration_most(design);
     size_t found = list_modes(builder);
     while (needs_more(builder, found) && builder->vibration->count < most &&
            builder->vibration->count < MODE_LIMIT) {

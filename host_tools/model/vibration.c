@@ -515,16 +515,35 @@ static void take_masses(search *search, vibration *vibration)
     }
 }
 
-static int allocate_results(vibration *vibration, size_t count, size_t dof)
+/* Compute the static value of each modal coordinate under a unit of each input. */
+static void take_responses(const search *search, vibration *vibration)
 {
+    const pzs_rows *in = &search->design->structure.input;
+    for (int mode = 0; mode < vibration->count; mode++) {
+        const double *vector = vibration->shape + (size_t)mode * search->free_dof;
+        double *response = vibration->response + (size_t)mode * in->count;
+        for (uint32_t input = 0; input < in->count; input++) {
+            for (uint32_t entry = in->start[input]; entry < in->start[input + 1]; entry++)
+                response[input] += in->value[entry] * vector[in->dof[entry]];
+            response[input] =
+                mode < vibration->rigid ? (double)NAN : response[input] / vibration->square[mode];
+        }
+    }
+}
+
+bool vibration_allocate(vibration *vibration, const design *design, size_t count)
+{
+    const size_t dof = (size_t)design->mesh.free_dof, inputs = design->structure.input.count;
+    memset(vibration, 0, sizeof *vibration);
     vibration->count = (int)count;
     vibration->frequency = calloc(count, sizeof *vibration->frequency);
     vibration->square = calloc(count, sizeof *vibration->square);
     vibration->largest = calloc(count, sizeof *vibration->largest);
     vibration->shape = calloc(count * dof, sizeof *vibration->shape);
+    vibration->response = calloc(count * inputs + 1, sizeof *vibration->response);
     vibration->effective = calloc(count, sizeof *vibration->effective);
     return vibration->frequency && vibration->square && vibration->largest && vibration->shape &&
-           vibration->effective;
+           vibration->response && vibration->effective;
 }
 
 /* ---- memory and result ------------------------------------------------- */
@@ -580,26 +599,27 @@ static int search_modes(search *search, vibration *vibration, size_t number, cha
         append_random(search);
     if (find_modes(search, number, error) < 0)
         return -1;
-    if (!allocate_results(vibration, number, search->free_dof))
+    if (!vibration_allocate(vibration, search->design, number))
         return scene_fault(search->design->at, error, "%zu modes do not fit into memory", number);
     take_modes(search, vibration);
     take_masses(search, vibration);
+    take_responses(search, vibration);
     return 0;
 }
 
-int vibration_solve(vibration *vibration, const design *design, int number, double lumped,
-                    char *error)
+int vibration_most(const design *design)
+{
+    return design->mesh.elements == 0 ? design->measured.modes
+                                      : design->mesh.free_dof - design->mesh.prescribed_count;
+}
+
+static int solve_structure(vibration *vibration, const design *design, int number, double lumped,
+                           char *error)
 {
     search search;
-    memset(vibration, 0, sizeof *vibration);
     memset(&search, 0, sizeof search);
     search.design = design;
-    if (design->mesh.elements == 0)
-        return scene_fault(design->measured.at, error,
-                           "natural frequencies need a structure, and this scene has none: a "
-                           "measured influence matrix tells nothing of mass");
-    const int most = design->mesh.free_dof - design->mesh.prescribed_count;
-    const int wanted = number < most ? number : most;
+    const int most = vibration_most(design), wanted = number < most ? number : most;
     if (mass_build(&search.mass, design, lumped, error) < 0)
         return -1;
     int failed = -1;
@@ -611,6 +631,18 @@ int vibration_solve(vibration *vibration, const design *design, int number, doub
     else
         failed = search_modes(&search, vibration, (size_t)wanted, error);
     free_search(&search);
+    return failed;
+}
+
+int vibration_solve(vibration *vibration, const design *design, int number, double lumped,
+                    char *error)
+{
+    const int most = vibration_most(design);
+    memset(vibration, 0, sizeof *vibration);
+    const int failed = design->mesh.elements == 0
+                           ? vibration_take_measured(vibration, design,
+                                                     (size_t)(number < most ? number : most), error)
+                           : solve_structure(vibration, design, number, lumped, error);
     if (failed)
         vibration_free(vibration);
     return failed;
@@ -622,6 +654,7 @@ void vibration_free(vibration *vibration)
     free(vibration->square);
     free(vibration->largest);
     free(vibration->shape);
+    free(vibration->response);
     free(vibration->effective);
     memset(vibration, 0, sizeof *vibration);
 }
@@ -633,10 +666,5 @@ int vibration_first(const vibration *vibration)
 
 double vibration_static(const vibration *vibration, const design *design, int mode, int input)
 {
-    const pzs_rows *in = &design->structure.input;
-    const double *vector = vibration->shape + (size_t)mode * (size_t)design->mesh.free_dof;
-    double sum = 0;
-    for (uint32_t entry = in->start[input]; entry < in->start[input + 1]; entry++)
-        sum += in->value[entry] * vector[in->dof[entry]];
-    return mode < vibration->rigid ? (double)NAN : sum / vibration->square[mode];
+    return vibration->response[(size_t)mode * design->structure.input.count + (size_t)input];
 }

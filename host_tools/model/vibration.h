@@ -6,6 +6,9 @@
  * reorthogonalisation. The shift is 0 where the supports prevent rigid motions, and positive where
  * they do not. Every result is checked by the number of negative pivots of K - s M with s just
  * above the last squared frequency, so that no mode is missing.
+ *
+ * For a scene with a measured influence matrix the modes are those that the scene gives
+ * (vibration_measured.c); everything that follows from modes is the same for both sources.
  */
 #ifndef VIBRATION_H
 #define VIBRATION_H
@@ -19,22 +22,44 @@ typedef struct vibration {
     double mass; /* mass of the whole structure, constrained nodes included */
     double *frequency; /* [count] natural frequencies (Hz where the unit of time is the second) */
     double *square;    /* [count] squares of the angular frequencies (rad^2/s^2) */
-    double *shape;     /* [count][free_dof] mode shapes, scaled to unit modal mass */
-    double *largest;   /* [count] largest displacement of a node in each mode shape */
+    double *shape;     /* [count][free_dof] mode shapes, scaled to unit modal mass; in the unit of
+                          the scene where the modes are measured */
+    double *response; /* [count][inputs] static value of each modal coordinate under a constant unit
+                         of each input of the structure; NAN for rigid motions */
+    double *largest;  /* [count] largest displacement of a node in each mode shape */
     double (*effective)[3]; /* [count] effective modal mass of each mode for motions along x, y and
                                z */
 } vibration;
 
 /*
+ * Number of modes that the structure of a design has: that of its free dof, or of the measured
+ * modes that the scene gives.
+ */
+int vibration_most(const design *design);
+
+/*
  * Compute the lowest modes.
- *   number in  number of modes, reduced to the number of free dof
+ *   number in  number of modes, reduced to the number that the structure has
  *   lumped in  share of the lumped mass matrix, from 0 to 1, usually MASS_LUMPED
  * Returns 0, or -1 with error filled and the result empty where a density is missing, the iteration
- * did not converge, or a mode is missing.
+ * did not converge, a mode is missing, or the scene has a measured matrix without modes.
  */
 int vibration_solve(vibration *vibration, const design *design, int number, double lumped,
                     char *error);
 void vibration_free(vibration *vibration);
+
+/*
+ * Allocate the results for a number of modes, filled with zeros. Returns whether memory sufficed;
+ * call vibration_free in either case.
+ */
+bool vibration_allocate(vibration *vibration, const design *design, size_t count);
+
+/*
+ * Take the modes of a scene with a measured influence matrix. Modes without a given static response
+ * get that of the least-squares fit of all their shapes to the influence matrix. Returns 0, or -1
+ * with error filled; call vibration_free in either case.
+ */
+int vibration_take_measured(vibration *vibration, const design *design, size_t number, char *error);
 
 /* Index of the first mode that is not a rigid motion; the number of modes where there is none. */
 int vibration_first(const vibration *vibration);

@@ -128,6 +128,11 @@ void scene_free(scene *scene)
     free(scene->dynamics.damping_of_mode);
     free(scene->compare);
     free(scene->estimate.reading);
+    for (int i = 0; i < scene->influence.modes && scene->influence.mode; i++) {
+        free(scene->influence.mode[i].shape);
+        free(scene->influence.mode[i].response);
+    }
+    free(scene->influence.mode);
     free(scene->influence.row);
     free(scene->influence.matrix);
     free(scene->influence.place);
@@ -142,6 +147,25 @@ static void *copy_items(const void *items, size_t count, size_t size)
     return copy && count > 0 ? memcpy(copy, items, count * size) : copy;
 }
 
+/*
+ * Copy the vibration modes of a measured structure with their static responses, which a copy of the
+ * scene may change; their shapes stay those of the original. Returns whether memory sufficed.
+ */
+static bool copy_modes(scene *copy, const scene *original)
+{
+    const size_t modes = (size_t)original->influence.modes;
+    bool has_memory = true;
+    copy->influence.mode =
+        copy_items(original->influence.mode, modes, sizeof *copy->influence.mode);
+    for (size_t i = 0; i < modes && copy->influence.mode; i++) {
+        double **response = &copy->influence.mode[i].response;
+        *response =
+            *response ? copy_items(*response, (size_t)original->amplifiers, sizeof(double)) : NULL;
+        has_memory = has_memory && (*response || !original->influence.mode[i].response);
+    }
+    return has_memory && copy->influence.mode;
+}
+
 int scene_vary(scene *copy, const scene *original)
 {
     const size_t entries = (size_t)original->influence.outputs * (size_t)original->amplifiers;
@@ -150,7 +174,8 @@ int scene_vary(scene *copy, const scene *original)
         copy_items(original->material, (size_t)original->materials, sizeof *copy->material);
     copy->load = copy_items(original->load, (size_t)original->loads, sizeof *copy->load);
     copy->influence.matrix = copy_items(original->influence.matrix, entries, sizeof(double));
-    if (copy->material && copy->load && copy->influence.matrix)
+    const bool has_modes = copy_modes(copy, original);
+    if (copy->material && copy->load && copy->influence.matrix && has_modes)
         return 0;
     scene_vary_free(copy);
     return -1;
@@ -161,6 +186,9 @@ void scene_vary_free(scene *copy)
     free(copy->material);
     free(copy->load);
     free(copy->influence.matrix);
+    for (int i = 0; i < copy->influence.modes && copy->influence.mode; i++)
+        free(copy->influence.mode[i].response);
+    free(copy->influence.mode);
     memset(copy, 0, sizeof *copy);
 }
 

@@ -678,6 +678,15 @@ typedef struct scene_simulate {
  * scene, with one amplifier for each. Outputs that the scene ignores are left out of every array
  * except output_name.
  */
+/* One vibration mode of a structure whose influence matrix is measured. */
+typedef struct scene_measured_mode {
+    double frequency; /* natural frequency (Hz) */
+    double *shape;    /* [outputs] displacement of each output in the mode, in any unit */
+    double *response; /* [amplifiers] static modal coordinate per volt of each amplifier: times the
+                         shape, the part of the mode in a column of the influence matrix; NULL where
+                         the scene does not give it */
+} scene_measured_mode;
+
 typedef struct scene_influence {
     bool given;
     char file[256]; /* name of the file of the influence matrix as it is written in the scene file
@@ -691,6 +700,8 @@ typedef struct scene_influence {
                            file gives none */
     char (*output_name)[SCENE_NAME]; /* [file_outputs] names of the rows of the influence matrix's
                                         file, or NULL where it has no names */
+    int modes;                       /* number of vibration modes that the scene gives */
+    scene_measured_mode *mode;       /* [modes] vibration modes in the order of their frequencies */
     scene_at at;
 } scene_influence;
 

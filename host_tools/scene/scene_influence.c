@@ -19,8 +19,8 @@ enum { MOST_OUTPUTS = 60000, MOST_ACTUATORS = 4096, AXES = SCENE_AXES };
  * file.
  */
 typedef struct influence_text {
-    int file, coordinates, actuators, outputs, ignore,
-        mask; /* YAML nodes of the keys of the section `influence`; 0 for a key that is absent */
+    int file, coordinates, actuators, outputs, ignore, mask,
+        modes; /* YAML nodes of the keys of the section `influence`; 0 for a key that is absent */
     bool rows_are_actuators;
     double scale;
     number_table table;
@@ -383,7 +383,9 @@ static int build(reader *reader, influence_text *text)
     if (make_actuators(reader, text) != 0 || name_outputs(reader, text) != 0 ||
         list_rows(reader, text) != 0 || take_coordinates(reader, text) != 0)
         return -1;
-    return copy_matrix(reader, text);
+    if (copy_matrix(reader, text) != 0)
+        return -1;
+    return text->modes ? read_measured_modes(reader, text->modes, reader->s, NULL) : 0;
 }
 
 static const choice row_meanings[] = {{"outputs", 0}, {"actuators", 1}, {NULL, 0}};
@@ -409,6 +411,9 @@ static const field influence_fields[] = {
     {"mask", read_node, offsetof(influence_text, mask), .of = OF_NUMBER, .form = &numbers_form,
      .help = "1 for each output that is used and 0 for each that is not, as a list or {file: "
              "...}."},
+    {"modes", read_node, offsetof(influence_text, modes), .form = &measured_modes_form,
+     .help = "Vibration modes of the structure, lowest first, so that the control loop is assessed "
+             "and damped like that of a structural model."},
     {.key = NULL}};
 
 const form influence_form = {.type = FORM_MAP, .fields = influence_fields};

@@ -74,6 +74,13 @@ field_read read_supports, read_loads, read_contact;
 field_read read_influence;
 
 /*
+ * Reader of the vibration modes of a scene with a measured influence matrix, after the matrix
+ * (scene_measured_modes.c). The argument `to` is the scene.
+ */
+field_read read_measured_modes;
+extern const form measured_modes_form;
+
+/*
  * Reader of the target of a scene with a measured influence matrix; the target has one value for
  * each output of the matrix.
  */

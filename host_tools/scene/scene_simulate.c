@@ -199,6 +199,8 @@ static const field measured_plant_fields[] = {
      .help = "Measured matrix: standard deviation of the relative error of its entries; default "
              "0."},
     HYSTERESIS_ROWS,
+    {"inertia", read_inertia, .form = &flag_form,
+     .help = "Whether the plant vibrates; default true where influence.modes are given."},
     {.key = NULL}};
 
 static const form structure_plant_form = {.type = FORM_MAP, .fields = plant_fields};

@@ -51,8 +51,9 @@ static double random_number(uint32_t *state)
 }
 
 /*
- * Multiply each column of a measured influence matrix by the gain that the plant has for this
- * amplifier, and each entry by a random factor near 1.
+ * Multiply each column of a measured influence matrix, and the static responses of measured modes,
+ * by the gain that the plant has for this amplifier, and each entry of the matrix by a random
+ * factor near 1.
  */
 static void scale_matrix(scene *scene)
 {
@@ -66,6 +67,9 @@ static void scale_matrix(scene *scene)
         scene->influence.matrix[i] *=
             (simulate->gain ? simulate->gain[i % amplifiers] : 1) * (1 + simulate->scatter * error);
     }
+    for (int mode = 0; mode < scene->influence.modes && simulate->gain; mode++)
+        for (size_t k = 0; k < amplifiers && scene->influence.mode[mode].response; k++)
+            scene->influence.mode[mode].response[k] *= simulate->gain[k];
 }
 
 static int change_scene(plant *plant)
@@ -95,7 +99,7 @@ static bool wants_inertia(plant *plant)
         why = "a sensor is an electrode";
     if (design->contact.given)
         why = "the plant has a contact";
-    if (!plant->analysis.source->has_structure)
+    if (!plant->analysis.source->has_structure && design->measured.modes == 0)
         why = "a measured influence matrix tells nothing of mass";
     if (design->simulate.inertia_given && !design->simulate.inertia)
         why = "the scene says inertia: false";

@@ -1,0 +1,364 @@
+/*
+ * Scenes with a measured influence matrix and measured vibration modes: the same certificate and
+ * the same damped tick as from the structure that both were computed from; static responses that
+ * follow from the matrix; a plant that vibrates; and modes that are wrong.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
+#define _XOPEN_SOURCE 700
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#include <cmocka.h>
+#include "../../host_tools/model/certificate_make.h"
+#include "../../host_tools/model/damper.h"
+#include "../../host_tools/model/mass.h"
+#include "../../host_tools/simulate/certify.h"
+#include "../../host_tools/simulate/plant.h"
+#include "../rigs/scene_assert.h"
+
+enum { PATH = 128, MODES = 8 };
+
+/* A folder of this test, with the files that it writes. */
+static char folder[PATH];
+
+static int make_folder(void **state)
+{
+    (void)state;
+    strcpy(folder, "/tmp/pzs-modes-XXXXXX");
+    return mkdtemp(folder) ? 0 : -1;
+}
+
+static const char *path_of(const char *name)
+{
+    static char path[PATH + 64];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static int remove_folder(void **state)
+{
+    static const char *const names[] = {"scene.yaml", "matrix.csv", "shapes.csv", "responses.csv"};
+    (void)state;
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++)
+        unlink(path_of(names[k]));
+    return rmdir(folder);
+}
+
+static FILE *begin(const char *name)
+{
+    FILE *file = fopen(path_of(name), "w");
+    assert_non_null(file);
+    return file;
+}
+
+static void write_text(const char *name, const char *text)
+{
+    FILE *file = begin(name);
+    fputs(text, file);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* ---- a plate as if it were measured ------------------------------------- */
+
+/* A clamped, almost square plate with 2 x 2 pairs of patches, 30 nodes and eight modes. */
+static const char plate_changes[] =
+    "mesh.theta1.elements=4;mesh.theta2.elements=4;"
+    "patches=[{name: up, layer: upper, grid: [2, 2]}, {name: low, layer: lower, grid: [2, 2]}];"
+    "dynamics={modes: 8, damping: [0.01, 0.012, 0.008, 0.01, 0.006, 0.01, 0.02, 0.01]};"
+    "simulate={ticks: 10, plant: {modes: 8}}";
+
+static void write_matrix(const analysis *a)
+{
+    const size_t inputs = a->design.structure.input.count;
+    FILE *file = begin("matrix.csv");
+    for (int i = 0; i < a->design.targets; i++)
+        for (int k = 0; k < a->design.amplifiers; k++)
+            fprintf(file, "%.17g%c", a->influence[(size_t)i * inputs + (size_t)k],
+                    k + 1 < a->design.amplifiers ? ' ' : '\n');
+    assert_int_equal(fclose(file), 0);
+}
+
+/*
+ * Write shapes, a row for each target, and responses. A unit of mode k is that of unit modal mass
+ * divided by 1 + k times `scale`.
+ */
+static void write_modes(const analysis *a, const vibration *vibration, double scale)
+{
+    const design *design = &a->design;
+    double *shape = calloc((size_t)design->targets * MODES, sizeof *shape);
+    FILE *shapes = begin("shapes.csv"), *responses = begin("responses.csv");
+    assert_non_null(shape);
+    for (int mode = 0; mode < MODES; mode++)
+        design_shape(design, vibration->shape + (size_t)mode * (size_t)design->mesh.free_dof,
+                     shape + mode * design->targets);
+    for (int i = 0; i < design->targets; i++)
+        for (int mode = 0; mode < MODES; mode++)
+            fprintf(shapes, "%.17g%c", shape[mode * design->targets + i] / (1 + scale * mode),
+                    mode + 1 < MODES ? ' ' : '\n');
+    for (int k = 0; k < design->amplifiers; k++)
+        for (int mode = 0; mode < MODES; mode++)
+            fprintf(responses, "%.17g%c",
+                    (1 + scale * mode) * vibration_static(vibration, design, mode, k),
+                    mode + 1 < MODES ? ' ' : '\n');
+    assert_int_equal(fclose(shapes) | fclose(responses), 0);
+    free(shape);
+}
+
+static void write_scene(const analysis *a, const vibration *vibration)
+{
+    const design *design = &a->design;
+    FILE *file = begin("scene.yaml");
+    fputs("name: measured\nunits: {length: m, force: N, voltage: V, temperature: K}\n"
+          "influence:\n  file: matrix.csv\n  modes:\n",
+          file);
+    for (int mode = 0; mode < MODES; mode++)
+        fprintf(file,
+                "    - {frequency: %.17g, damping: %.17g, shape: {file: shapes.csv, column: %d}, "
+                "response: {file: responses.csv, column: %d}}\n",
+                vibration->frequency[mode], design->dynamics.damping_of_mode[mode], mode + 1,
+                mode + 1);
+    fputs("control: {rate: 1000}\nlimits: {voltage: [-200, 200], step_limit: 13}\n"
+          "simulate: {ticks: 10}\ntarget: {value: [",
+          file);
+    for (int i = 0; i < design->targets; i++)
+        fprintf(file, "%s%.17g", i ? ", " : "", design->target[i]);
+    fputs("]}\n", file);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void prepare(scene_run *run)
+{
+    if (analysis_influence(&run->analysis, run->error) < 0)
+        fail_msg("%s", run->error);
+    certificate_make(&run->analysis.certificate, &run->analysis);
+}
+
+/* Open the plate and the scene that its matrix and modes make, the modes scaled as in write_modes.
+ */
+static void open_both(scene_run *plate, scene_run *measured, double scale)
+{
+    open_run(plate, "tests/rigs/scenes/storm-twins.yaml", plate_changes);
+    prepare(plate);
+    write_matrix(&plate->analysis);
+    write_modes(&plate->analysis, &plate->analysis.certificate.vibration, scale);
+    write_scene(&plate->analysis, &plate->analysis.certificate.vibration);
+    open_run(measured, path_of("scene.yaml"), "");
+    prepare(measured);
+}
+
+static void assert_equal_arrays(const char *what, const pzs_real *one, const pzs_real *other,
+                                size_t count, double tolerance)
+{
+    double size = 0;
+    for (size_t i = 0; i < count; i++)
+        size = fmax(size, fabs((double)other[i]));
+    for (size_t i = 0; i < count; i++)
+        if (!(fabs((double)(one[i] - other[i])) <= tolerance * size))
+            fail_msg("%s %zu: %.17g, should be %.17g", what, i, (double)one[i], (double)other[i]);
+}
+
+/*
+ * Law: from matrix and modes of a plate the tables of the damped tick are those of the plate, to
+ * rounding: the shapes are sums of a few products, and the gains of the observer come from a
+ * Riccati equation that is solved to 1e-12.
+ */
+static void test_same_tick(void **state)
+{
+    scene_run plate, measured;
+    damper of_plate, of_measured;
+    const damper_options options = {1000, 0, damper_default_settings()};
+    (void)state;
+    open_both(&plate, &measured, 1);
+    assert_int_equal(damper_make(&of_plate, &plate.analysis, NULL, &options, plate.error), 0);
+    assert_int_equal(damper_make(&of_measured, &measured.analysis, NULL, &options, plate.error), 0);
+    const pzs_vibration *one = &of_measured.tables, *other = &of_plate.tables;
+    const size_t modes = other->modes, inputs = other->inputs, outputs = other->outputs;
+    assert_true(modes >= 2);
+    assert_int_equal(one->modes, modes);
+    assert_int_equal(one->sensors, other->sensors);
+    assert_equal_arrays("shape", one->shape, other->shape, outputs * modes, 1e-14);
+    assert_equal_arrays("modal", one->modal, other->modal, modes * inputs, 1e-14);
+    assert_equal_arrays("turn", one->turn, other->turn, 4 * modes, 1e-14);
+    assert_equal_arrays("observer", one->observer, other->observer, 3 * modes * modes, 1e-11);
+    assert_equal_arrays("explain", one->explain, other->explain, modes * modes, 1e-13);
+    assert_equal_arrays("damping", one->damping, other->damping, modes * inputs, 1e-12);
+    assert_near("share", (double)one->share, (double)other->share, 1e-14);
+    damper_close(&of_plate);
+    damper_close(&of_measured);
+    scene_run_close(&plate);
+    scene_run_close(&measured);
+}
+
+/* Law: the certificate of the measured scene is that of the plate, storms included. */
+static void test_same_certificate(void **state)
+{
+    scene_run plate, measured;
+    (void)state;
+    open_both(&plate, &measured, 0);
+    const certificate *one = &measured.analysis.certificate, *other = &plate.analysis.certificate;
+    assert_true(one->has_modes && one->is_assessed && one->has_own_damping);
+    assert_near("radius", one->radius, other->radius, 1e-9);
+    assert_near("stable rate", one->stable_rate, other->stable_rate, 1e-9);
+    assert_int_equal(certificate_refuses(one), certificate_refuses(other));
+    assert_true(certificate_refuses(other)); /* so that the loop needs a vibration model */
+    assert_int_equal(certify_loop(&plate.analysis, plate.error), 0);
+    assert_int_equal(certify_loop(&measured.analysis, measured.error), 0);
+    assert_true(other->loop.is_made && other->loop.is_stable && other->loop.storms == 30);
+    assert_int_equal(one->loop.storms, other->loop.storms);
+    assert_int_equal(one->loop.failed, other->loop.failed);
+    assert_int_equal(one->loop.modes, MODES);
+    assert_int_equal(one->loop.observed, other->loop.observed);
+    assert_int_equal(one->loop.older, other->loop.older);
+    assert_near("growth", one->loop.radius, other->loop.radius, 1e-9);
+    assert_near("worst storm", one->loop.worst, other->loop.worst, 1e-6);
+    assert_near("ticks", one->loop.ticks, other->loop.ticks, 1e-12);
+    assert_near("first mode", certificate_first(one), certificate_first(other), 1e-15);
+    scene_run_close(&plate);
+    scene_run_close(&measured);
+}
+
+/*
+ * Law: a plant with measured modes vibrates. After a step of the voltages its shape begins at the
+ * static shape minus the parts of its modes, whose static responses have the gain of the plant.
+ */
+static void test_plant(void **state)
+{
+    scene_run plate, measured;
+    plant plant;
+    double before[64], after[64], wanted = 0, size = 0;
+    const double zero[4] = {0}, voltage[4] = {10, 0, 0, 0};
+    (void)state;
+    open_both(&plate, &measured, 1);
+    scene_run_close(&measured);
+    open_run(&measured, path_of("scene.yaml"), "simulate.plant={gain: 0.5, hysteresis: 0}");
+    prepare(&measured);
+    const design *design = &measured.analysis.design;
+    assert_int_equal(plant_open(&plant, design, measured.error), 0);
+    assert_true(plant.has_inertia && plant.modal.modes == MODES);
+    assert_int_equal(plant_shape(&plant, zero, before, measured.error), 0);
+    assert_int_equal(plant_shape(&plant, voltage, after, measured.error), 0);
+    for (int i = 0; i < design->targets; i++) {
+        double expected = 0.5 * 10 * design->measured.matrix[i * 4];
+        for (int mode = 0; mode < MODES; mode++)
+            expected -= 0.5 * 10 * design->measured.mode[mode].shape[i] *
+                        design->measured.mode[mode].response[0];
+        wanted = fmax(wanted, fabs(after[i] - expected));
+        size = fmax(size, fabs(5 * design->measured.matrix[i * 4]));
+        assert_true(before[i] == 0);
+    }
+    assert_true(wanted < 1e-13 * size);
+    plant_close(&plant);
+    scene_run_close(&plate);
+    scene_run_close(&measured);
+}
+
+/* ---- static responses from the matrix ------------------------------------ */
+
+#define HEAD "name: m\ncontrol: {rate: 1000}\ntarget: {value: [1, 2, 3, 4]}\n"
+
+/*
+ * Law: without a given response it is that of the least-squares fit: a matrix that is a sum of
+ * shapes times responses and of a residual orthogonal to the shapes gives these responses, whether
+ * an output is ignored or not.
+ */
+static void test_fitted(void **state)
+{
+    scene_run m;
+    vibration vibration;
+    (void)state;
+    /* shapes (1, 1, 0, 0) and (1, 2, 0, 1); responses (3, -1) and (2, 5); residuals (0, 0, 7, 0) */
+    write_text("matrix.csv", "5 4\n7 9\n9 9\n7 -7\n2 5\n");
+    write_text("scene.yaml",
+               "name: m\ninfluence: {file: matrix.csv, ignore: [3], modes: [{frequency: 3 Hz, "
+               "shape: [1, 1, 99, 0, 0]}, {frequency: 0.01 kHz, shape: [1, 2, 0, 0, 1]}]}\n"
+               "target: {value: [1, 2, 0, 3, 4]}\n");
+    open_run(&m, path_of("scene.yaml"), "");
+    assert_int_equal(vibration_solve(&vibration, &m.analysis.design, 5, MASS_LUMPED, m.error), 0);
+    assert_int_equal(vibration.count, 2);
+    assert_near("second frequency", vibration.frequency[1], 10, 1e-15);
+    const double wanted[2][2] = {{3, -1}, {2, 5}};
+    for (int mode = 0; mode < 2; mode++)
+        for (int k = 0; k < 2; k++)
+            assert_near("response", vibration_static(&vibration, &m.analysis.design, mode, k),
+                        wanted[mode][k], 32 * DBL_EPSILON);
+    assert_near("largest", vibration.largest[1], 2, 0);
+    vibration_free(&vibration);
+    scene_run_close(&m);
+}
+
+/* Law: without modes nothing is known of vibration, and the certificate says how to change that. */
+static void test_without_modes(void **state)
+{
+    scene_run m;
+    damper damper;
+    (void)state;
+    write_text("matrix.csv", "1 0\n0 1\n1 1\n1 -1\n");
+    write_text("scene.yaml", HEAD "influence: {file: matrix.csv}\n");
+    open_run(&m, path_of("scene.yaml"), "");
+    prepare(&m);
+    assert_false(m.analysis.certificate.has_modes);
+    assert_non_null(strstr(m.analysis.certificate.reason, "influence: {modes:"));
+    assert_int_equal(damper_open(&damper, &m.analysis, NULL, m.error), 0);
+    assert_false(damper.is_used);
+    scene_run_close(&m);
+}
+
+/* Law: modes that are wrong are refused in one line that says what was found. */
+static void test_wrong(void **state)
+{
+    static const struct {
+        const char *modes, *expected;
+    } bad[] = {
+        {"[]", "0 modes are out of range (1 to 200)"},
+        {"[{frequency: 3}]", "'shape'"},
+        {"[{shape: [1, 2, 3, 4]}]", "'frequency'"},
+        {"[{frequency: 0, shape: [1, 2, 3, 4]}]", "must be above 0"},
+        {"[{frequency: 3, damping: 1, shape: [1, 2, 3, 4]}]", "part of critical damping"},
+        {"[{frequency: 3, shape: [1, 2, 3]}]", "3 values for 4 outputs of the matrix"},
+        {"[{frequency: 3, shape: [1, 2, 3, 4], response: [1]}]", "1 values for 2 actuators"},
+        {"[{frequency: 3, shape: [1, 2, 3, .nan]}]", ".nan"},
+        {"[{frequency: 3, shape: [1, 0, 0, 0]}, {frequency: 2, shape: [0, 1, 0, 0]}]",
+         "a mode of 2 Hz after one of 3 Hz"},
+        {"[{frequency: 3, shape: [1, 0, 0, 0], response: [1, 1]}, {frequency: 4, shape: [0, 1, 0, "
+         "0]}]",
+         "some modes have a response and some have none"},
+    };
+    (void)state;
+    write_text("matrix.csv", "1 0\n0 1\n1 1\n1 -1\n");
+    for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
+        char text[600], error[SCENE_ERROR] = "no fault";
+        scene scene;
+        snprintf(text, sizeof text, HEAD "influence: {file: matrix.csv, modes: %s}\n",
+                 bad[k].modes);
+        write_text("scene.yaml", text);
+        const int failed = scene_read(&scene, path_of("scene.yaml"), NULL, 0, error);
+        if (!failed)
+            scene_free(&scene);
+        if (!failed || !strstr(error, bad[k].expected) || strchr(error, '\n'))
+            fail_msg("%s: expected '%s', got '%s'", bad[k].modes, bad[k].expected, error);
+    }
+    scene_run m;
+    write_text("scene.yaml",
+               HEAD "influence: {file: matrix.csv, modes: [{frequency: 3, shape: [1, 0, 0, 0]}, "
+                    "{frequency: 4, shape: [2, 0, 0, 0]}]}\n");
+    open_run(&m, path_of("scene.yaml"), "");
+    prepare(&m);
+    assert_non_null(strstr(m.analysis.certificate.reason, "the shape of mode 2 is zero or a comb"));
+    scene_run_close(&m);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_same_tick),     cmocka_unit_test(test_same_certificate),
+        cmocka_unit_test(test_plant),         cmocka_unit_test(test_fitted),
+        cmocka_unit_test(test_without_modes), cmocka_unit_test(test_wrong),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
