@@ -90,6 +90,12 @@ static void print_structure(const analysis *analysis)
     if (mesh->quads)
         printf("  envelope of the factor: %.0f numbers, %.0f a row after renumbering\n",
                mesh_envelope(mesh), mesh_envelope(mesh) / mesh->free_dof);
+    if (mesh->fitted)
+        printf("  surface: %d x %d pieces through %zu points, which differ from it by %.3g %s rms "
+               "and %.3g %s at most\n",
+               mesh->fitted->cells[0], mesh->fitted->cells[1], mesh->fitted->points,
+               mesh->fitted->rms, design->units.length, mesh->fitted->largest,
+               design->units.length);
     printf("  element: %s kinematics, %s through the thickness, %d dof per node\n",
            design->mesh.formulation.cartesian ? "Cartesian" : "local", metric_word(design),
            design->mesh.formulation.dof_per_node);
@@ -113,6 +119,10 @@ static void json_structure(json *json, const analysis *analysis)
 {
     const mesh *mesh = &analysis->design.mesh;
     json_number(json, "elements", mesh->elements);
+    if (mesh->fitted) {
+        json_number(json, "surface_rms", mesh->fitted->rms);
+        json_number(json, "surface_largest", mesh->fitted->largest);
+    }
     json_number(json, "kinds", mesh->types);
     json_number(json, "nodes", mesh->nodes);
     json_number(json, "dof", mesh->free_dof);

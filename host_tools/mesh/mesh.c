@@ -760,6 +760,7 @@ void mesh_begin(mesh *mesh, const scene *scene)
     mesh->scene = scene;
     mesh->formulation = scene->element;
     mesh->is_from_file = scene->quads != NULL;
+    mesh->fitted = scene->surface.type == SURFACE_POINTS ? &scene->surface.points : NULL;
     mesh->is_polar = scene->surface.type == SURFACE_POLAR;
     for (int direction = 0; direction < 2; direction++) {
         mesh->line[direction] = scene->line[direction];

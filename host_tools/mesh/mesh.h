@@ -41,6 +41,7 @@ typedef struct mesh {
     scene_element formulation; /* formulation of the finite element */
     scene_line line[2];        /* mesh lines of theta1 and theta2; the points belong to the scene */
     bool is_from_file;         /* whether the scene file names a mesh file in place of mesh lines */
+    const bicubic *fitted;     /* height of a surface that is fitted to points; otherwise NULL */
     bool is_polar;             /* whether the surface is a plane in polar coordinates */
     bool is_angle[2];          /* whether theta1 and theta2 are angles (rad) instead of lengths */
     const quad_mesh *quads; /* general quadrilateral mesh from which this mesh was built; NULL for a

@@ -86,6 +86,7 @@ static void free_target(scene_target *target)
 static void free_geometry(scene *scene)
 {
     spline_free(scene->surface.meridian);
+    bicubic_free(&scene->surface.points);
     for (int i = 0; i < 3; i++)
         expr_free(scene->surface.formula[i]);
     free(scene->line[0].point);

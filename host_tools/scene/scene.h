@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include "bicubic.h"
 #include "../quads/quad_read.h"
 #include "load_types.h"
 #include "outline.h"
@@ -35,7 +36,8 @@ typedef enum scene_surface_type {
     SURFACE_REVOLUTION,
     SURFACE_SPIRAL,
     SURFACE_PARABOLOID,
-    SURFACE_FORMULA
+    SURFACE_FORMULA,
+    SURFACE_POINTS
 } scene_surface_type;
 
 typedef struct scene_surface {
@@ -56,6 +58,8 @@ typedef struct scene_surface {
                          and theta2; a coordinate whose formula is NULL is theta1, theta2 or 0 */
     spline *meridian; /* meridian (r, z) of a surface of revolution, a spline whose parameter is the
                          chord length */
+    bicubic points; /* height z over x and y of a surface fitted to measured points; empty on other
+                       surfaces */
 } scene_surface;
 
 typedef enum scene_kinematics {

@@ -194,6 +194,23 @@ static int check_formula(const scene *scene, char *error)
     return 0;
 }
 
+/* Reject a mesh that reaches beyond the points to which its surface is fitted. */
+static int check_points(const scene *scene, char *error)
+{
+    const scene_line *line = scene->line;
+    for (int i = 0; scene->surface.type == SURFACE_POINTS && i <= line[0].elements; i++)
+        for (int j = 0; j <= line[1].elements; j++) {
+            const double x = line[0].point[i], y = line[1].point[j];
+            if (!bicubic_is_known(&scene->surface.points, x, y))
+                return scene_fault(line[0].at, error,
+                                   "the mesh reaches x = %g, y = %g, where the surface has no "
+                                   "points nearby; measure there, let the mesh end before, or let "
+                                   "'cells' be fewer",
+                                   x, y);
+        }
+    return 0;
+}
+
 static int check_turn(const scene *scene, int direction, char *error)
 {
     const scene_line *line = &scene->line[direction - 1];
@@ -216,7 +233,7 @@ static int check_surface(const scene *scene, char *error)
     if (surface_revolves(&scene->surface) && check_poles(scene, error) != 0)
         return -1;
     if (check_formula(scene, error) != 0 || check_meridian(scene, error) != 0 ||
-        check_depth(scene, thickness, error) != 0)
+        check_points(scene, error) != 0 || check_depth(scene, thickness, error) != 0)
         return -1;
     return check_turn(scene, 1, error) != 0 ? -1 : check_turn(scene, 2, error);
 }

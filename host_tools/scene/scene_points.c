@@ -2,6 +2,7 @@
 /* Reading of points in space for a scene (scene_points.h). */
 #include "scene_points.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -107,4 +108,80 @@ int scene_points_table(reader *reader, int node, number_table *table, int column
     return scene_table_read(reader, text.file, table) != 0
                ? -1
                : find_columns(reader, &text, table, column);
+}
+
+/* ---- surface fitted to points ------------------------------------------- */
+
+/*
+ * Copy the points of a table as x, y and z. Returns their number, or 0 after writing the error
+ * message of the YAML tree.
+ */
+static size_t copy_points(reader *reader, int node, const number_table *table, const int column[3],
+                          double (*point)[3])
+{
+    for (int axis = 0; axis < 3; axis++)
+        if (column[axis] < 0) {
+            tree_fault(reader->t, node,
+                       "the file of 'points' has no column %c; name the columns: "
+                       "columns: [x, y, z], in the order of the file",
+                       'x' + axis);
+            return 0;
+        }
+    for (size_t row = 0; row < table->rows; row++)
+        for (int axis = 0; axis < 3; axis++) {
+            char place[NUMBER_NAME];
+            point[row][axis] = table->value[row * table->columns + (size_t)column[axis]];
+            if (isfinite(point[row][axis]))
+                continue;
+            number_table_place(table, row, (size_t)column[axis], place);
+            tree_fault(reader->t, node,
+                       "the points of the surface have no finite value at %s; "
+                       "remove the point",
+                       place);
+            return 0;
+        }
+    return table->rows;
+}
+
+/* Check that every point of a list of points has three coordinates. */
+static int check_list(reader *reader, int list)
+{
+    if (reader->t->node[list].kind != TREE_LIST)
+        return 0;
+    for (int i = reader->t->node[list].first; i; i = reader->t->node[i].next)
+        if (reader->t->node[i].count != SCENE_AXES)
+            return tree_fault(reader->t, i,
+                              "a point of a surface has three coordinates, [x, y, z]");
+    return 0;
+}
+
+/* Fit a function to the rows of a table of points. */
+static int fit_table(reader *reader, int node, const number_table *table, const int column[3],
+                     const int cells[2], bicubic *function)
+{
+    double(*point)[3] = calloc(table->rows + 1, sizeof *point);
+    if (!point)
+        return tree_fault(reader->t, node, "out of memory");
+    const size_t count = copy_points(reader, node, table, column, point);
+    int status = count ? 0 : -1;
+    if (count && bicubic_fit(function, count, (const double(*)[3])point, cells) < 0)
+        status = tree_fault(reader->t, node,
+                            "the %zu points of the surface determine no plane; give at least three "
+                            "that do not lie on a line of x and y",
+                            count);
+    free(point);
+    return status;
+}
+
+int scene_points_fit(reader *reader, int node, const int cells[2], bicubic *function)
+{
+    number_table table;
+    int column[SCENE_AXES];
+    if (check_list(reader, node) != 0)
+        return -1;
+    const int status = scene_points_table(reader, node, &table, column) == 0
+                           ? fit_table(reader, node, &table, column, cells, function)
+                           : -1;
+    number_table_free(&table);
+    return status;
 }

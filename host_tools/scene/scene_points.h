@@ -6,6 +6,7 @@
 #ifndef SCENE_POINTS_H
 #define SCENE_POINTS_H
 
+#include "bicubic.h"
 #include "scene_file.h"
 
 /* Number of coordinates x, y, z of a point in space. */
@@ -21,5 +22,13 @@ extern const form scene_points_form;
  * Returns 0, or -1 after writing the error message of the YAML tree.
  */
 int scene_points_table(reader *reader, int node, number_table *table, int column[SCENE_AXES]);
+
+/*
+ * Read the points of a surface and fit its height z over x and y to them.
+ *   cells    [2] in   numbers of pieces along x and y; 0: about four points to a piece
+ *   function     out  height z over x and y, released by the caller
+ * Returns 0, or -1 after writing the error message of the YAML tree.
+ */
+int scene_points_fit(reader *reader, int node, const int cells[2], bicubic *function);
 
 #endif

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "scene_points.h"
 #include "surface.h"
 #include "surface_types.h"
 
@@ -21,6 +22,7 @@ typedef struct surface_text {
     scene_surface surface;
     pairs_text points, tangents;
     double smoothing;
+    int cells[2]; /* number of cells of a surface fitted to points along x and y; 0: not given */
 } surface_text;
 
 static int read_pairs(reader *reader, int node, pairs_text *list, const range *first)
@@ -112,6 +114,44 @@ static int fit_meridian(reader *reader, int node, surface_text *text)
         "no spline goes through the points of 'meridian'; space them more evenly, smooth less");
 }
 
+/* ---- surface fitted to points ---- */
+
+static const range cell_count = {1, BICUBIC_CELLS, 0, "must be from 1 to 64"};
+static const form cell_form = {.type = FORM_NUMBER, .range = &cell_count};
+static const form cells_form = {.type = FORM_LIST, .item = &cell_form, .least = 2, .most = 2};
+
+static int read_cells(reader *reader, int node, void *to, const void *rule)
+{
+    int *cells = to, k = 0;
+    (void)rule;
+    if (require_kind(reader, node, TREE_LIST) != 0)
+        return -1;
+    if (reader->t->node[node].count != 2)
+        return tree_fault(reader->t, node, "'cells' has %d numbers; give two, along x and y",
+                          reader->t->node[node].count);
+    for (int i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_int(reader, i, &cells[k++], &cell_count) != 0)
+            return -1;
+    return 0;
+}
+
+static int fit_points(reader *reader, int node, surface_text *text)
+{
+    return scene_points_fit(reader, tree_find(reader->t, node, "points"), text->cells,
+                            &text->surface.points);
+}
+
+/* ---- keys of the surface ---- */
+
+static int skip_value(reader *reader, int node, void *to, const void *rule)
+{
+    (void)reader;
+    (void)node;
+    (void)to;
+    (void)rule;
+    return 0;
+}
+
 #define WORD(type, word, keys, at, meridian, area, closed, angles, cure, help) {word, type},
 static const choice surface_types[] = {SURFACE_TYPES(WORD){NULL, 0}};
 #undef WORD
@@ -146,6 +186,12 @@ static const field surface_fields[] = {
     {"z", read_expr, offsetof(surface_text, surface.formula[2]), .of = OF_NUMBER,
      .form = &formula_form,
      .help = "Surface by formula: z of theta1 and theta2, of which x and y are other names."},
+    {"points", skip_value, 0, .of = OF_LENGTH, .form = &scene_points_form,
+     .help = "Points [[x, y, z], ...] of a surface fitted to points, or a file of them, in the "
+             "scene's unit of length."},
+    {"cells", read_cells, offsetof(surface_text, cells), .form = &cells_form, .of = OF_NUMBER,
+     .help = "Numbers of pieces along x and y of a surface fitted to points; fewer pieces smooth "
+             "more. Default: about four points to a piece."},
     {.key = NULL}};
 #undef NUMBER
 
@@ -170,6 +216,8 @@ static int read_surface_text(reader *reader, int node, surface_text *text)
     text->surface.type = (scene_surface_type)text->type;
     if (check_type_case(reader, node, surface_cases, word_of(text->type)) != 0)
         return -1;
+    if (tree_find(reader->t, node, "points"))
+        return fit_points(reader, node, text);
     return tree_find(reader->t, node, "meridian") ? fit_meridian(reader, node, text) : 0;
 }
 

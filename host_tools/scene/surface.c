@@ -109,6 +109,11 @@ int surface_range(const scene_surface *surface, int direction, double range[2])
         range[1] = spline_length(surface->meridian);
         return 1;
     }
+    if (surface->type == SURFACE_POINTS) {
+        range[0] = surface->points.from[direction - 1];
+        range[1] = surface->points.to[direction - 1];
+        return 1;
+    }
     range[1] = full_turn * surface->turns;
     return surface->turns > 0 && direction == 3 - surface->axial;
 }

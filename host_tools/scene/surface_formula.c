@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Points and areas of reference surfaces that are given by formulas (surface_formula.h). */
+/*
+ * Points and areas of reference surfaces that are given by formulas or fitted to points
+ * (surface_formula.h).
+ */
 #include "surface_formula.h"
 #include <math.h>
 #include <string.h>
@@ -16,15 +19,28 @@ typedef struct place {
     double x[3], first[2][3], second[2][3];
 } place;
 
+/* Return the height of a surface fitted to points, with its derivatives, at x and y. */
+static expr_jet height_at(const bicubic *points, double x, double y)
+{
+    const bicubic_jet height = bicubic_at(points, x, y);
+    expr_jet jet;
+    jet.value = height.value;
+    memcpy(jet.first, height.first, sizeof jet.first);
+    memcpy(jet.second, height.second, sizeof jet.second);
+    return jet;
+}
+
 /*
  * Return position and derivatives of a surface at theta1 and theta2. Without a formula, x is
- * theta1, y is theta2 and z is 0.
+ * theta1, y is theta2, and z is the height of the surface fitted to points, or 0.
  */
 static place place_at(const scene_surface *surface, double theta1, double theta2)
 {
-    const expr_jet usual[3] = {
+    expr_jet usual[3] = {
         {theta1, {1, 0}, {0, 0, 0}}, {theta2, {0, 1}, {0, 0, 0}}, {0, {0, 0}, {0, 0, 0}}};
     place at;
+    if (surface->type == SURFACE_POINTS)
+        usual[2] = height_at(&surface->points, theta1, theta2);
     for (int i = 0; i < 3; i++) {
         const expr *formula = surface->formula[i];
         const expr_jet jet = formula ? expr_jet_at(formula, theta1, theta2) : usual[i];
@@ -39,7 +55,7 @@ static place place_at(const scene_surface *surface, double theta1, double theta2
 
 int surface_is_general(const scene_surface *surface)
 {
-    return surface->type == SURFACE_FORMULA;
+    return surface->type == SURFACE_FORMULA || surface->type == SURFACE_POINTS;
 }
 
 surface_point formula_at(const scene_surface *surface, double theta1, double theta2)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reference surface given by formulas of x, y and z in theta1 and theta2. Its coordinate lines need
- * not be lines of curvature and need not meet at right angles.
+ * Reference surface given by formulas of x, y and z in theta1 and theta2, or fitted to points, with
+ * x = theta1 and y = theta2. Its coordinate lines need not be lines of curvature and need not meet
+ * at right angles.
  */
 #ifndef SURFACE_FORMULA_H
 #define SURFACE_FORMULA_H
@@ -9,11 +10,11 @@
 #include "surface_point.h"
 
 /*
- * Return whether a surface is given by formulas. The other functions of this file are for such
- * surfaces only. At a point of such a surface, e1 is tangent to the line of variable theta1, e3 is
- * the unit normal along the cross product of the tangents, and e2 = e3 x e1. The members a and k of
- * surface_point are the lengths of the tangents and the normal curvatures of the coordinate lines,
- * and its member b is 0.
+ * Return whether a surface is given by formulas or fitted to points. The other functions of this
+ * file are for such surfaces only. At a point of such a surface, e1 is tangent to the line of
+ * variable theta1, e3 is the unit normal along the cross product of the tangents, and e2 = e3 x e1.
+ * The members a and k of surface_point are the lengths of the tangents and the normal curvatures of
+ * the coordinate lines, and its member b is 0.
  */
 int surface_is_general(const scene_surface *surface);
 

@@ -91,7 +91,10 @@ typedef double surface_area_function(const scene_surface *surface, const double 
         "azimuth in radians, e3 towards the focus.")                                               \
     ROW(SURFACE_FORMULA, "formula", " ?x ?y z", formula_at, 0, formula_area, 0, 0, "",             \
         "Surface x, y, z of the two coordinates, which need not be lines of curvature. e1 along "  \
-        "theta1, e3 normal, with theta2 to the left of theta1.")
+        "theta1, e3 normal, with theta2 to the left of theta1.")                                   \
+    ROW(SURFACE_POINTS, "points", " points ?cells", formula_at, 0, formula_area, 0, 0, "",         \
+        "Measured or free-form surface: smooth height z over x = theta1 and y = theta2, fitted "   \
+        "to points by least squares. e1 along theta1, e3 upwards.")
 
 /*
  * Table of the numbers that describe surfaces. A row holds the name, which is a key in the scene

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Bicubic spline function of two coordinates x and y, fitted to values at scattered points by least
+ * squares. The rectangle that contains the points is divided into equal cells; a small penalty on
+ * the second derivatives fills cells without points smoothly. The function is twice continuously
+ * differentiable and equals every linear function that is given.
+ */
+#ifndef BICUBIC_H
+#define BICUBIC_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Largest number of cells along one coordinate. */
+enum { BICUBIC_CELLS = 64 };
+
+typedef struct bicubic {
+    int cells[2];          /* number of cells along x and y */
+    double from[2], to[2]; /* rectangle that contains the points (unit of length of the points) */
+    double *coefficient;   /* [cells[1] + 3][cells[0] + 3] coefficients of the products of cubic
+                              B-splines (unit of the values) */
+    unsigned *points_in;   /* [cells[1]][cells[0]] number of points in each cell */
+    size_t points;         /* number of points that the function is fitted to */
+    double rms, largest;   /* root mean square and largest difference between the given values and
+                              the function */
+} bicubic;
+
+/* Value of the function at a point, with its first and second derivatives. */
+typedef struct bicubic_jet {
+    double value;
+    double first[2];  /* first derivatives with respect to x and y */
+    double second[3]; /* second derivatives: twice with respect to x, twice to y, and mixed */
+} bicubic_jet;
+
+/*
+ * Fit a function to values at scattered points.
+ *   point  [count][3] in  x, y and value of each point, finite
+ *   cells  [2]        in  number of cells along x and y; 0 stands for the number that gives about
+ *                         four points to a cell
+ * Returns 0, or -1 with the function empty if memory runs out or if the points determine no plane,
+ * because they are fewer than three or lie on a line.
+ */
+int bicubic_fit(bicubic *function, size_t count, const double (*point)[3], const int cells[2]);
+void bicubic_free(bicubic *function);
+
+/* Return the function and its derivatives at a point. The cells at the edge are extrapolated. */
+bicubic_jet bicubic_at(const bicubic *function, double x, double y);
+
+/*
+ * Return whether a point of the function lies among the points that it is fitted to: in a cell that
+ * contains one of them, or beside such a cell.
+ */
+bool bicubic_is_known(const bicubic *function, double x, double y);
+
+#endif
