@@ -5,6 +5,7 @@
  */
 #include "laminate.h"
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include "invert.h"
 #include "laminate_shear.h"
@@ -68,18 +69,79 @@ static void turn_back(double transform[6][6], const double stress[6], double tur
 }
 
 /*
- * Compute the stress in the axes of a ply per unit of electric field along its poling while its
- * strains are zero: the piezoelectric constants e, or the stiffness times the constants d.
+ * Compute the piezoelectric constants of a ply for a field along one of its axes: strain (d) or
+ * stress (e) per unit of the field, in the axes of the ply (column [6] out, Voigt order 11 22 33 23
+ * 13 12). The constants of the material are given in axes of which the third is the poling. Under a
+ * poling along e3 these are the axes of the ply. Under a poling along the axis 1 or 2 of the ply
+ * their first is e3, and their second is the remaining axis.
+ *   constant [5] in  the constants 31, 32, 33, 24 and 15
+ *   poling       in  axis of the poling, 0, 1 or 2
+ *   axis         in  axis of the field, 0, 1 or 2
  */
-static void field_stress(const scene_material *material, double stiffness[6][6], double stress[6])
+static void piezo_column(const double constant[5], int poling, int axis, double column[6])
 {
-    const double strain[3] = {material->d31, material->d32, material->d33};
-    memset(stress, 0, 6 * sizeof *stress);
-    for (int i = 0; i < 3; i++) {
-        stress[i] = material->has_e ? material->piezo_e[i] : 0;
-        for (int j = 0; material->has_d && j < 3; j++)
-            stress[i] += stiffness[i][j] * strain[j];
+    static const int pair[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}}; /* Voigt index of two axes */
+    const int first = poling == 2 ? 0 : 2, second = 3 - poling - first;
+    memset(column, 0, 6 * sizeof *column);
+    if (axis == poling) {
+        column[first] = constant[0];
+        column[second] = constant[1];
+        column[poling] = constant[2];
+    } else if (axis == second) {
+        column[pair[second][poling]] = constant[3];
+    } else {
+        column[pair[first][poling]] = constant[4];
     }
+}
+
+/*
+ * Compute the stress in the axes of a ply per unit of electric field along one of its axes while
+ * its strains are zero: the piezoelectric constants e, or the stiffness times the constants d.
+ *   poling, axis in  axes of the poling and of the field, 0, 1 or 2
+ */
+static void field_stress(const scene_material *material, double stiffness[6][6], int poling,
+                         int axis, double stress[6])
+{
+    const double strain_constant[5] = {material->d31, material->d32, material->d33, material->d24,
+                                       material->d15};
+    double strain[6];
+    memset(stress, 0, 6 * sizeof *stress);
+    if (material->has_e)
+        piezo_column(material->piezo_e, poling, axis, stress);
+    piezo_column(strain_constant, poling, axis, strain);
+    for (int i = 0; i < 6 && material->has_d; i++)
+        for (int j = 0; j < 6; j++)
+            stress[i] += stiffness[i][j] * strain[j];
+}
+
+/*
+ * Compute stress, capacitance and pyroelectric charge of a ply per volt or kelvin. One volt is the
+ * electric field -1/d along e3, with d the thickness of the ply, or -1/d along the poling, with d
+ * the distance of interdigitated electrodes. The field causes the free strain D E, with D the
+ * piezoelectric constants, and so the prescribed stress -C D E with C the stiffness. The electric
+ * displacement along the field is e times strain + permittivity times field + pyroelectric constant
+ * times temperature, and the upper electrode, or the one ahead along the poling, has the charge of
+ * minus this displacement.
+ */
+static void build_electric(const scene_material *material, const scene_layer *layer,
+                           double stiffness[6][6], double stress[6], laminate_ply *ply)
+{
+    const int poling = abs(layer->poling) - 1;
+    const bool has_fingers = layer->finger_distance > 0;
+    const int axis = has_fingers ? poling : 2;
+    const double distance = has_fingers ? layer->finger_distance : layer->thickness;
+    const double share = layer->thickness / distance; /* area between the electrodes over the area
+                                                          of the surface */
+    field_stress(material, stiffness, poling, axis, stress);
+    for (int i = 0; i < 6; i++)
+        stress[i] *= (layer->poling < 0 ? -1 : 1) / distance;
+    ply->capacitance =
+        (axis == poling ? material->permittivity : material->permittivity_across) / distance;
+    ply->capacitance *= share;
+    ply->pyroelectric_charge = layer->poling < 0 ? material->pyroelectric : -material->pyroelectric;
+    ply->pyroelectric_charge *= axis == poling ? share : 0;
+    ply->electrode_distance = distance;
+    ply->is_field_along_surface = has_fingers;
 }
 
 static int build_ply(const scene_material *material, const scene_layer *layer, laminate_ply *ply)
@@ -98,14 +160,7 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
             for (int k = 0; k < 6; k++)
                 ply->c[i][j] += transform[k][i] * half[k][j];
         }
-    /*
-     * One volt across a ply of thickness h is the electric field E = -1/h along e3. The field
-     * causes the free strain d E with the piezoelectric constants d, and so the prescribed stress
-     * -C d E with the stiffness C.
-     */
-    field_stress(material, stiffness, stress);
-    for (int i = 0; i < 6; i++)
-        stress[i] *= (layer->poling < 0 ? -1 : 1) / layer->thickness;
+    build_electric(material, layer, stiffness, stress, ply);
     turn_back(transform, stress, ply->stress_per_voltage);
     for (int i = 0; i < 6; i++) {
         stress[i] = 0;
@@ -113,13 +168,6 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
             stress[i] -= stiffness[i][j] * material->alpha[j];
     }
     turn_back(transform, stress, ply->stress_per_kelvin);
-    /*
-     * The electric displacement along the poling direction is piezoelectric constant e times strain
-     * + permittivity times field + pyroelectric constant times temperature. The upper electrode
-     * carries the charge -D3 per area, with D3 the electric displacement along e3.
-     */
-    ply->capacitance = material->permittivity / layer->thickness;
-    ply->pyroelectric_charge = layer->poling < 0 ? material->pyroelectric : -material->pyroelectric;
     ply->density = material->density;
     return 0;
 }
@@ -408,6 +456,8 @@ double laminate_field_at(const laminate *laminate, const scene_element *element,
         return field->temperature[0] + (field->temperature[1] - field->temperature[0]) *
                                            (z - laminate->z[0]) / laminate->thickness;
     const double *face = laminate->ply[field->ply].z;
+    if (laminate->ply[field->ply].is_field_along_surface)
+        return 1;
     for (int point = 0; point < POINTS; point++)
         mean += gauss_w[point] / 2 /
                 metric_at(element, place,
@@ -621,6 +671,67 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
     return 0;
 }
 
+/* ---- prescribed fields -------------------------------------------------- */
+
+/*
+ * Compute the stiffness of the strain mode 00 per area. It differs from that of plies of uniform
+ * shear strain in the transverse shears, by the element options rho and shear. Returns 0, or -1 if
+ * no ply is present.
+ */
+static int constant_stiffness(const laminate *laminate, const scene_element *element,
+                              const laminate_place *place, double stiffness[N][N])
+{
+    double plane[N][N], flexibility[2];
+    if (package_stiffness(laminate, element, place, stiffness) < 0 ||
+        plane_compliance(stiffness, plane) < 0)
+        return -1;
+    shear_flexibility(laminate, element, place, plane, 0, flexibility);
+    return soften_shear(stiffness, 0, flexibility);
+}
+
+/* Prescribed resultants of a field and the strains that they cause in a free element. */
+typedef struct free_field {
+    double resultants[N], strain[N]; /* resultants per length; strains with their sign changed */
+    double uniform[N][N];            /* stiffness of the plies with uniform shear strain */
+    double constant[N][N];           /* stiffness of the strain mode 00 */
+} free_field;
+
+/* Return whether a field causes a transverse shear stress in a ply of an element. */
+static bool causes_shear(const laminate *laminate, const laminate_place *place,
+                         const laminate_field *field)
+{
+    for (int layer = 0; layer < laminate->plies; layer++) {
+        const double *stress = field_stress_of(laminate, field, layer);
+        if (field_acts(place, field, layer) && (stress[3] != 0 || stress[4] != 0))
+            return true;
+    }
+    return false;
+}
+
+/*
+ * Replace the prescribed resultants of a field that causes transverse shear, which are those of the
+ * plies, by resultants that cause the same free strains with the stiffness of the strain mode 00.
+ */
+static void keep_free_strains(const laminate *laminate, const scene_element *element,
+                              const laminate_place *place, free_field *field)
+{
+    scene_element uniform = *element;
+    double inverse[N][N];
+    uniform.equilibrium_shear = 0;
+    if (package_stiffness(laminate, &uniform, place, field->uniform) < 0 ||
+        inverse_of(field->uniform, inverse) < 0 ||
+        constant_stiffness(laminate, element, place, field->constant) < 0)
+        return;
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++)
+            field->strain[i] += inverse[i][j] * field->resultants[j];
+    for (int i = 0; i < N; i++) {
+        field->resultants[i] = 0;
+        for (int j = 0; j < N; j++)
+            field->resultants[i] += field->constant[i][j] * field->strain[j];
+    }
+}
+
 /*
  * Compute the prescribed stress of a ply. With the element option lin33 the normal stress 33 is set
  * to 0 in every ply separately, because a strain e33 that is linear through the package cannot
@@ -658,15 +769,17 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 }
 
 /*
- * With the element option lin33 every ply thickens freely, and the mean thickness strain contains
- * this thickening. The stress resultants of this strain are added to the resultants of the plies'
+ * Compute the prescribed resultants of a field per area, and the free strains where it causes
+ * transverse shear. With the element option lin33 every ply thickens freely, and the mean thickness
+ * strain contains this thickening. The resultants of this strain are added to those of the plies'
  * stresses.
  */
-void laminate_resultants(const laminate *laminate, const scene_element *element,
-                         const laminate_place *place, const laminate_field *field, double h0[N])
+static void field_resultants(const laminate *laminate, const scene_element *element,
+                             const laminate_place *place, const laminate_field *field,
+                             free_field *result)
 {
     const double thickening = element->lin33 ? free_thickening(laminate, place, field) : 0;
-    double stiffness[N][N];
+    double stiffness[N][N], *h0 = result->resultants;
     memset(h0, 0, N * sizeof *h0);
     for (int layer = 0; layer < laminate->plies; layer++) {
         double stress[6];
@@ -680,7 +793,19 @@ void laminate_resultants(const laminate *laminate, const scene_element *element,
     if (element->lin33)
         h0[D33] = 0;
     for (int i = 0; i < N; i++)
-        h0[i] = (h0[i] + (thickens ? stiffness[i][M33] * thickening : 0)) * place->area;
+        h0[i] += thickens ? stiffness[i][M33] * thickening : 0;
+    memset(result->strain, 0, sizeof result->strain);
+    if (causes_shear(laminate, place, field))
+        keep_free_strains(laminate, element, place, result);
+}
+
+void laminate_resultants(const laminate *laminate, const scene_element *element,
+                         const laminate_place *place, const laminate_field *field, double h0[N])
+{
+    free_field result;
+    field_resultants(laminate, element, place, field, &result);
+    for (int i = 0; i < N; i++)
+        h0[i] = result.resultants[i] * place->area;
 }
 
 void laminate_unit_resultants(const laminate *laminate, const scene_element *element,
@@ -688,6 +813,27 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 {
     const laminate_field field = {ply, {1, 1}};
     laminate_resultants(laminate, element, place, &field, h0);
+}
+
+/*
+ * Return the charge per area that belongs to the difference between the stiffness of uniform shear
+ * strain and that of the strain mode 00: the product of the free strains of two fields with this
+ * difference. With it a free ply has the charge of its material, whatever the element options.
+ */
+static double shear_charge(const laminate *laminate, const scene_element *element,
+                           const laminate_place *place, const laminate_field *first,
+                           const laminate_field *second)
+{
+    free_field one, other;
+    double charge = 0;
+    if (!causes_shear(laminate, place, first) || !causes_shear(laminate, place, second))
+        return 0;
+    field_resultants(laminate, element, place, first, &one);
+    field_resultants(laminate, element, place, second, &other);
+    for (int i = 0; i < N; i++)
+        for (int j = 0; j < N; j++)
+            charge += one.strain[i] * (one.uniform[i][j] - one.constant[i][j]) * other.strain[j];
+    return charge;
 }
 
 /*
@@ -721,5 +867,6 @@ double laminate_charge(const laminate *laminate, const scene_element *element,
         package_stiffness(laminate, element, place, stiffness) == 0)
         charge -= free_thickening(laminate, place, &voltage) *
                   free_thickening(laminate, place, field) * stiffness[M33][M33];
+    charge += shear_charge(laminate, element, place, &voltage, field);
     return charge * place->area;
 }

@@ -29,9 +29,13 @@ typedef struct laminate_ply {
                                    */
     double capacitance; /* charge of the upper electrode per volt and area while the strains are
                            zero (F/m2) */
-    double pyroelectric_charge; /* charge of the upper electrode per kelvin and area while the
-                                   strains are zero (C/(m2 K)) */
-    double density;             /* mass of a ply per volume (kg/m3) */
+    double pyroelectric_charge;  /* charge of the upper electrode per kelvin and area while the
+                                    strains are zero (C/(m2 K)) */
+    double density;              /* mass of a ply per volume (kg/m3) */
+    double electrode_distance;   /* distance of the electrodes (m): thickness of the ply, or that
+                                    of interdigitated electrodes on its faces */
+    bool is_field_along_surface; /* whether the field of a voltage is along the surface
+                                    (interdigitated electrodes) rather than along e3 */
 } laminate_ply;
 
 typedef struct laminate {

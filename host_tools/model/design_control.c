@@ -45,13 +45,15 @@ double design_depolarising_voltage(const scene *scene, const scene_drive *drive)
 {
     const scene_layer *layer = &scene->layer[scene->patches[drive->patches].layer];
     const double field = scene->material[layer->material].field_limit;
-    if (field <= 0 || drive->factor == 0)
+    const bool is_along = abs(layer->poling) == 3 || layer->finger_distance > 0;
+    if (field <= 0 || drive->factor == 0 || !is_along)
         return (double)INFINITY;
     /*
-     * The field -factor V / thickness opposes a poling along the thickness direction when factor
+     * The field -factor V / distance of the electrodes opposes a poling along its axis when factor
      * times voltage V is positive.
      */
-    const double most = field * layer->thickness / fabs(drive->factor);
+    const double distance = layer->finger_distance > 0 ? layer->finger_distance : layer->thickness;
+    const double most = field * distance / fabs(drive->factor);
     return (drive->factor > 0) == (layer->poling > 0) ? most : -most;
 }
 

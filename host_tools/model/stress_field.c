@@ -361,8 +361,8 @@ static void fill_samples(const stress_field *field, int element)
 }
 
 /*
- * Return the electric displacement along e3 at the middle of a layer (C/m2), from the strain of the
- * layer in the shell axes. The signs of the piezoelectric terms are stated at laminate_ply.
+ * Return the electric displacement along the field at the middle of a layer (C/m2), from the strain
+ * of the layer in the shell axes. The signs of the piezoelectric terms are stated at laminate_ply.
  */
 static double electric_displacement(const stress_field *field, int element, int layer, double z,
                                     const double strain[6])
@@ -373,24 +373,27 @@ static double electric_displacement(const stress_field *field, int element, int 
     const laminate_field volt = {layer, {0, 0}}, heat = {-1, {temperature[0], temperature[1]}};
     const laminate_place *place = place_of(mesh, element);
     const double share = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &volt, z);
-    double sum = -ply->capacitance * share *
-                     field->voltage[(size_t)element * (size_t)field->layers + (size_t)layer] -
-                 ply->pyroelectric_charge *
-                     laminate_field_at(&mesh->laminate, &mesh->formulation, place, &heat, z);
+    const double voltage = field->voltage[(size_t)element * (size_t)field->layers + (size_t)layer];
+    const double kelvin = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &heat, z);
+    double sum = (-ply->capacitance * share * voltage - ply->pyroelectric_charge * kelvin) *
+                 (ply->electrode_distance / (ply->z[1] - ply->z[0]));
     for (int i = 0; i < 6; i++)
-        sum += (ply->z[1] - ply->z[0]) * ply->stress_per_voltage[i] * strain[i];
+        sum += ply->electrode_distance * ply->stress_per_voltage[i] * strain[i];
     return sum;
 }
 
 /*
- * Compute the transverse shear strains 23 and 13 of a layer from its transverse shear stresses 13
- * and 23.
+ * Compute the transverse shear strains 23 and 13 of a layer from its transverse shear stresses.
+ *   shear [2] in  stresses 13 and 23 (Pa)
+ *   given [6] in  stress that voltage and temperature cause if all strains are zero (Pa)
  */
-static void shear_strains(const laminate_ply *ply, const double shear[2], double strain[6])
+static void shear_strains(const laminate_ply *ply, const double shear[2], const double given[6],
+                          double strain[6])
 {
+    const double elastic[2] = {shear[0] - given[4], shear[1] - given[3]};
     const double size = ply->c[3][3] * ply->c[4][4] - ply->c[3][4] * ply->c[4][3];
-    strain[3] = (ply->c[4][4] * shear[1] - ply->c[3][4] * shear[0]) / size;
-    strain[4] = (ply->c[3][3] * shear[0] - ply->c[4][3] * shear[1]) / size;
+    strain[3] = (ply->c[4][4] * elastic[1] - ply->c[3][4] * elastic[0]) / size;
+    strain[4] = (ply->c[3][3] * elastic[0] - ply->c[4][3] * elastic[1]) / size;
 }
 
 void stress_layer_of(const stress_field *field, int element, int layer, stress_layer *result)
@@ -402,19 +405,20 @@ void stress_layer_of(const stress_field *field, int element, int layer, stress_l
         field->sample + ((size_t)element * (size_t)field->layers + (size_t)layer) * STRESS_HEIGHTS;
     for (int height = 0; height < STRESS_HEIGHTS; height++) {
         const double z = stress_height(field, layer, height);
-        double strain[6], stress[6];
+        double strain[6], stress[6], given[6];
         ply_state(field, element, layer, z, strain, stress);
+        prescribed_stress(field, element, layer, z, given);
         stress[2] = sample[height].normal;
         stress[3] = sample[height].shear[1];
         stress[4] = sample[height].shear[0];
-        shear_strains(ply, sample[height].shear, strain);
+        shear_strains(ply, sample[height].shear, given, strain);
         if (height == 1)
             result->displacement = electric_displacement(field, element, layer, z, strain);
         strain_turn_stress(stress, angle, result->at[height].stress);
         strain_turn(strain, angle, result->at[height].strain);
     }
     result->field = -field->voltage[(size_t)element * (size_t)field->layers + (size_t)layer] /
-                    (ply->z[1] - ply->z[0]);
+                    ply->electrode_distance;
 }
 
 /* ---- neighbours ----------------------------------------------------------------- */

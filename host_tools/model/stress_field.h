@@ -63,8 +63,10 @@ typedef struct stress_point {
 /* Stresses, strains and electric quantities of one layer at the centre of one element. */
 typedef struct stress_layer {
     stress_point at[STRESS_HEIGHTS];
-    double field;        /* electric field along e3 at the middle of the layer (V/m) */
-    double displacement; /* electric displacement along e3 at the middle of the layer (C/m2) */
+    double field;        /* electric field at the middle of the layer (V/m): along e3, or along the
+                            poling between interdigitated electrodes */
+    double displacement; /* electric displacement along the field at the middle of the layer (C/m2)
+                          */
 } stress_layer;
 
 /*

@@ -4,6 +4,7 @@
  */
 #include "stress_summary.h"
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #include "stress_equilibrium.h"
 
@@ -28,7 +29,10 @@ double stress_reserve(const scene_strength *strength, const double stress[STRESS
 double stress_field_reserve(const design *design, int layer, double field)
 {
     const double limit = design->material[design->layer[layer].material].field_limit;
-    const double against = design->layer[layer].poling > 0 ? -field : field;
+    const scene_layer *own = &design->layer[layer];
+    const double against = own->poling > 0 ? -field : field;
+    if (abs(own->poling) != 3 && own->finger_distance <= 0)
+        return (double)INFINITY;
     return limit > 0 && against > 0 ? limit / against : (double)INFINITY;
 }
 

@@ -153,7 +153,9 @@ typedef struct scene_material {
     double piezo_e[5]; /* piezoelectric constants e31, e32, e33, e24, e15 (C/m2): stress per
                           electric field; valid if has_e is true */
     bool has_d, has_e;
-    double permittivity;     /* permittivity at constant strain (F/m); 0 if not given */
+    double permittivity;        /* permittivity along the poling at constant strain (F/m); 0 if not
+                                   given */
+    double permittivity_across; /* permittivity across the poling at constant strain (F/m) */
     double pyroelectric;     /* pyroelectric constant along the poling direction at constant strain
                                 (C/(m2 K)) */
     double alpha[3];         /* thermal expansion coefficients in the directions 1, 2 and 3 (1/K) */
@@ -162,7 +164,8 @@ typedef struct scene_material {
     scene_strength strength; /* strengths, with which `pzs solve --stress` compares the stresses */
     double film_thickness; /* thickness of a film actuator whose constants come from its data sheet
                               (length unit of the scene file); 0: no film */
-    int poling; /* poling direction of a material relative to e3 of the surface: +3 or -3 */
+    int poling; /* poling direction of a material: along the axis 1, 2 or 3 of its layer, negative
+                   against that axis; the axis 3 is e3 of the surface */
     scene_at at;
 } scene_material;
 
@@ -171,8 +174,11 @@ typedef struct scene_layer {
     int material;
     double thickness, angle;
     bool patched; /* true: the layer consists of patches, and there is no material between them */
-    int poling;   /* poling direction of a layer relative to e3 of the surface: +3 or -3, from the
-                     layer or else from its material */
+    int poling;   /* poling direction of a layer, from the layer or else from its material: along
+                     its axis 1, 2 or 3, negative against that axis */
+    double finger_distance; /* distance of the interdigitated electrodes on the faces of a layer
+                               that is poled along the surface (m): the field of a voltage is along
+                               the poling; 0: electrodes cover the faces, the field is along e3 */
     unsigned char *present; /* [elements] 1 in the elements of the layer's element sets, on a mesh
                                from a file; NULL: the layer has no sets */
     scene_at at;

@@ -4,6 +4,7 @@
 #include "scene_parts.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- element ---- */
@@ -70,18 +71,19 @@ int read_element(reader *reader, int node, void *to, const void *rule)
 
 /* ---- materials ---- */
 
-static const choice polings[] = {{"3", 3}, {"+3", 3}, {"-3", -3}, {NULL, 0}};
+static const choice polings[] = {{"1", 1},   {"+1", 1}, {"-1", -1}, {"2", 2},   {"+2", 2},
+                                 {"-2", -2}, {"3", 3},  {"+3", 3},  {"-3", -3}, {NULL, 0}};
 static const form poling_form = {.type = FORM_WORD, .words = polings};
 
 static int read_poling(reader *reader, int node, void *to, const void *rule)
 {
     const char *text = node_text(reader, node);
     (void)rule;
-    if (text && strcmp(text, "-3") == 0) { /* The poling -3 is read here, because an array of
-                                              choices cannot express a negative value. */
-        *(int *)to = -3;
-        return 0;
-    }
+    for (int axis = 1; text && axis <= 3; axis++)
+        if (text[0] == '-' && text[1] == '0' + axis && text[2] == 0) {
+            *(int *)to = -axis; /* an array of choices cannot express a negative value */
+            return 0;
+        }
     return read_choice(reader, node, to, polings);
 }
 
@@ -443,14 +445,18 @@ static const field material_fields[] = {
         "e15", material.piezo_e[4], NULL, OF_STRESS_CONSTANT,
         "Piezoelectric stress constant: charge per area and strain; instead of the d constants."),
     NUMBER("permittivity", material.permittivity, &not_negative, OF_PERMITTIVITY,
-           "Permittivity at constant strain; sensors need it."),
+           "Permittivity at constant strain, along the poling; sensors need it."),
+    NUMBER("permittivity_across", material.permittivity_across, &not_negative, OF_PERMITTIVITY,
+           "Permittivity at constant strain across the poling; default that along the poling."),
     NUMBER("pyroelectric", material.pyroelectric, NULL, OF_PYROELECTRIC,
            "Pyroelectric constant along the poling, at constant strain."),
     {"film", read_film, offsetof(material_text, film), .form = &film_form,
      .help = "Data sheet of a thin actuator, such as a macro fibre composite, instead of the "
              "piezoelectric constants."},
     {"poling", read_poling, offsetof(material_text, material.poling), .form = &poling_form,
-     .help = "Direction of the poling along e3, 3 or -3; default 3."},
+     .help = "Axis of the layer along which it is poled, 1, 2 or 3 (e3, default), or -1, -2, -3. "
+             "Elastic constants stay in the axes of the layer; d33 is along the poling, d31 along "
+             "e3 (under a poling of 3, along 1), d15 is the shear of both."},
     {"alpha", read_alpha, offsetof(material_text, material.alpha), .of = OF_EXPANSION,
      .form = &alpha_form, .help = "Thermal expansion; one number, or three for the axes 1, 2, 3."},
     NUMBER("density", material.density, &not_negative, OF_DENSITY,
@@ -480,6 +486,7 @@ static int read_material(reader *reader, int node, void *item)
     memset(&text, 0, sizeof text);
     material->e[2] = material->g13 = material->g23 = material->nu13 = material->nu23 = (double)NAN;
     material->poling = 3;
+    material->permittivity_across = (double)NAN;
     if (check_name(reader, reader->t->node[node].key, reader->t->node[node].key_at,
                    material->name) != 0)
         return -1;
@@ -488,6 +495,7 @@ static int read_material(reader *reader, int node, void *item)
     if (read_map(reader, node, material_fields, &text) != 0 ||
         check_material(reader, node, &text) != 0)
         return -1;
+    set_default(&material->permittivity_across, material->permittivity);
     *to = text.material;
     return 0;
 }
@@ -540,7 +548,14 @@ static const field layer_fields[] = {
     {"sets", read_layer_sets, .form = &labels_form,
      .help = "Mesh from a file: element sets in which the layer exists; default everywhere."},
     {"poling", read_poling, offsetof(scene_layer, poling), .form = &poling_form,
-     .help = "Direction of the poling along e3, 3 or -3; default that of the material."},
+     .help =
+         "Axis of the layer along which it is poled, 1, 2, 3, -1, -2 or -3; default that of the "
+         "material."},
+    {"finger_distance", read_real, offsetof(scene_layer, finger_distance), &above_zero,
+     .of = OF_LENGTH,
+     .help = "Distance of interdigitated electrodes on a layer that is poled along 1 or 2: the "
+             "field of a voltage is along the poling; default: electrodes cover the faces, the "
+             "field is along e3."},
     {.key = NULL}};
 
 static const form layer_form = {.type = FORM_MAP, .fields = layer_fields};
@@ -554,6 +569,12 @@ static int read_layer(reader *reader, int node, void *item)
         return -1;
     if (layer->poling == 0)
         layer->poling = reader->s->material[layer->material].poling;
+    if (layer->finger_distance > 0 && abs(layer->poling) == 3)
+        return tree_fault(
+            reader->t, tree_find(reader->t, node, "finger_distance"),
+            "this layer is poled along e3, but interdigitated electrodes have a field "
+            "along the surface; give it 'poling: 1' or 2, or remove "
+            "'finger_distance'");
     const double film = reader->s->material[layer->material].film_thickness;
     if (film <= 0 || fabs(film - layer->thickness) <= 1e-9 * film)
         return 0;

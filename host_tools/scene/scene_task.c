@@ -82,7 +82,7 @@ static int check_drive(reader *reader, int node, const scene_actuator *actuator,
         return tree_fault(reader->t, node,
                           "patches '%s' are driven by '%s' already; an electrode has one amplifier",
                           patches->name, other);
-    if (is_sensor && !(material->permittivity > 0))
+    if (is_sensor && !(material->permittivity > 0 && material->permittivity_across > 0))
         return tree_fault(reader->t, node,
                           "patches '%s' are of '%s', which has no permittivity; a sensor needs it",
                           patches->name, material->name);

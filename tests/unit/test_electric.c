@@ -116,13 +116,22 @@ static double random_part(void)
     return (double)(seed >> 8) / 8388608.0 - 1;
 }
 
+/* The lower layer of the scene PLATE poled along its axis 1, which is 30 degrees from theta1. */
+#define POLED_ALONG                                                                                \
+    "layers.0.poling=1;layers.0.angle=30;materials.ceramic.d15=500e-12;"                           \
+    "materials.ceramic.permittivity_across=9e-9;"
+
+static const char *const poled_elements[5] = {PUBLISHED, IMPROVED, IMPROVED "dof_per_node=6;",
+                                              IMPROVED POLED_ALONG,
+                                              "element={shear: equilibrium};" POLED_ALONG};
+
 /* Law: the charge of one electrode per volt of another is that of the other per volt of the one. */
 static void test_reciprocity(void **state)
 {
     (void)state;
-    for (int e = 0; e < 3; e++) {
+    for (int e = 0; e < 5; e++) {
         scene_run r;
-        open_run(&r, PLATE, with(elements[e], FOUR));
+        open_run(&r, PLATE, with(poled_elements[e], FOUR));
         const pzs_electrodes *tables = &r.analysis.design.electrodes;
         const size_t inputs = r.analysis.design.structure.input.count;
         const double *per = r.analysis.electric.state.sensitivity;
@@ -143,10 +152,10 @@ static void test_reciprocity(void **state)
 static void test_sensor_row(void **state)
 {
     (void)state;
-    for (int e = 0; e < 3; e++)
+    for (int e = 0; e < 5; e++)
         for (int bent = 0; bent < 2; bent++) {
             scene_run r;
-            open_run(&r, PLATE, with(elements[e], FOUR "kinematics=nonlinear"));
+            open_run(&r, PLATE, with(poled_elements[e], FOUR "kinematics=nonlinear"));
             pzs_solver *run = &r.analysis.equilibrium.solver;
             const pzs_electrodes *tables = &r.analysis.design.electrodes;
             const int dof = r.analysis.design.mesh.free_dof;
@@ -225,10 +234,10 @@ static void test_energy(void **state)
     static const char *const scenes[2] = {"bimorph-sensor", PLATE};
     static const char *const loads[2] = {
         "", "loads=[{line: theta1+, u1: 1e4, on: outer}, {line: theta1-, u1: -1e4, on: outer}]"};
-    for (int e = 0; e < 3; e++)
-        for (int k = 0; k < 2; k++) {
+    for (int e = 0; e < 5; e++)
+        for (int k = e < 3 ? 0 : 1; k < 2; k++) {
             scene_run r;
-            solve_run(&r, scenes[k], with(elements[e], loads[k]));
+            solve_run(&r, scenes[k], with(poled_elements[e], loads[k]));
             const analysis *analysis = &r.analysis;
             const pzs_rows *input = &analysis->design.structure.input;
             double work = 0;
@@ -577,6 +586,89 @@ static void test_refusals(void **state)
     scene_run_close(&r);
 }
 
+/* ---- poling along the surface ----------------------------------------- */
+
+#define SHEAR_D15 740e-12
+#define SHEAR_LENGTH 0.05
+#define SHEAR_AREA (SHEAR_LENGTH * 0.01)
+#define SHEAR_THICKNESS 1e-3
+#define SHEAR_LAYER(poled) "layers=[{name: strip, material: ceramic, thickness: 1e-3, " poled "}];"
+
+/*
+ * Law: a voltage across a strip that is poled along its length shears it, and the tip of a
+ * cantilever moves by -d15 V L/h, on any mesh, with any element, along either axis of the layer and
+ * with either sign of the poling; the free charge is that of the permittivity at constant stress.
+ */
+static void test_shear_bender(void **state)
+{
+    (void)state;
+    static const char *const element[] = {PUBLISHED, IMPROVED, "element={shear: equilibrium};",
+                                          "element={rho: 0};"};
+    static const char *const layer[] = {
+        "", SHEAR_LAYER("poling: -1, angle: 180") "mesh.theta1.elements=1;",
+        SHEAR_LAYER("poling: -2, angle: 90") "mesh.theta1.elements=4;"};
+    const double modulus = 60e9 / 2.6, volt = 100;
+    for (size_t e = 0; e < sizeof element / sizeof *element; e++)
+        for (size_t k = 0; k < sizeof layer / sizeof *layer; k++) {
+            scene_run r;
+            solve_run(&r, "shear-bender", with(element[e], layer[k]));
+            assert_near("tip", scene_run_value(&r, 0),
+                        -SHEAR_D15 * volt / SHEAR_THICKNESS * SHEAR_LENGTH, 1e-10);
+            assert_near("charge", scene_run_value(&r, 2),
+                        (15e-9 + SHEAR_D15 * SHEAR_D15 * modulus) * volt * SHEAR_AREA /
+                            SHEAR_THICKNESS,
+                        1e-10);
+            scene_run_close(&r);
+        }
+}
+
+#define FINGERS                                                                                    \
+    "layers.strip.finger_distance=0.5e-3;"                                                         \
+    "supports=[{at: {theta1: 0, theta2: 0}, fix: [u1 mean, u2 mean, u3 mean, u1 difference, u2 "   \
+    "difference]}, {at: {theta1: 0, theta2: 0.01}, fix: [u1 mean]}];"
+
+/*
+ * Law: with interdigitated electrodes at the distance p a free strip elongates by -d33 V L/p, and
+ * its electrodes, whose area is the thickness over p times that of the surface, have the charge of
+ * the permittivity at constant stress.
+ */
+static void test_fingers(void **state)
+{
+    (void)state;
+    const double d31 = -270e-12, d33 = 590e-12, young = 60e9, nu = 0.3, volt = 100, p = 0.5e-3;
+    const double lame = young * nu / (1 + nu) / (1 - 2 * nu), shear = young / (2 * (1 + nu));
+    const double sum = 2 * d31 + d33,
+                 permittivity = 13e-9 + lame * sum * sum + 2 * shear * (2 * d31 * d31 + d33 * d33);
+    for (int e = 0; e < 3; e++) {
+        scene_run r;
+        solve_run(&r, "shear-bender", with(elements[e], FINGERS));
+        assert_near("elongation", scene_run_value(&r, 1), -d33 * volt / p * SHEAR_LENGTH, 1e-10);
+        assert_near("charge", scene_run_value(&r, 2),
+                    permittivity * volt / p * SHEAR_AREA * SHEAR_THICKNESS / p, 1e-10);
+        scene_run_close(&r);
+    }
+}
+
+/*
+ * Law: a field across the poling depolarises nothing; that of interdigitated electrodes is along
+ * the poling and limits the voltage to the depolarisation field times their distance.
+ */
+static void test_limits_along_the_surface(void **state)
+{
+    (void)state;
+    static const char *const changes[2] = {
+        "materials.ceramic.field_limit=4e5;",
+        "materials.ceramic.field_limit=4e5;layers.strip.finger_distance=0.5e-3;"};
+    const double expected[2] = {HUGE_VAL, 4e5 * 0.5e-3};
+    for (int k = 0; k < 2; k++) {
+        scene_run r;
+        open_run(&r, "shear-bender", changes[k]);
+        const scene_drive *drive = &r.scene.actuator[0].drive[0];
+        assert_true(design_depolarising_voltage(&r.scene, drive) == expected[k]);
+        scene_run_close(&r);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -587,7 +679,8 @@ int main(void)
         cmocka_unit_test(test_coupling),        cmocka_unit_test(test_open_influence),
         cmocka_unit_test(test_pyroelectricity), cmocka_unit_test(test_linear_limit),
         cmocka_unit_test(test_open_systems),    cmocka_unit_test(test_energy_at_a_shape),
-        cmocka_unit_test(test_refusals),
+        cmocka_unit_test(test_refusals),        cmocka_unit_test(test_shear_bender),
+        cmocka_unit_test(test_fingers),         cmocka_unit_test(test_limits_along_the_surface),
     };
     return cmocka_run_group_tests_name("electric", tests, NULL, NULL);
 }

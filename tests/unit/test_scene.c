@@ -330,6 +330,8 @@ static const bad_line bad_lines[] = {
      "'permittivity: -1' must not be below 0"},
     {4, "materials: {steel: {E: 2, nu: 0}, pzt: {E: 1, nu: 0, d31: 1, pyroelectric: [1]}}",
      "'pyroelectric' must be a single value"},
+    {5, "layers: [{material: steel, thickness: 1, finger_distance: 1}]",
+     "this layer is poled along e3, but interdigitated electrodes have a field along the surface"},
     {1, "name: t\nelement: corrected", ":2:10: 'element: corrected' is now called 'improved'"},
     {2, "surface: {type: plate}\nelement: {preset: source}",
      ":3:19: 'preset: source' is now called 'published'"},
@@ -366,8 +368,8 @@ static const bad_line bad_lines[] = {
      "layers: [{name: top, material: pzt, thickness: 1}, {material: pzt, thickness: 1, patched: "
      "on}]",
      ":5:52: this layer is patched but no patches"},
-    {5, "layers: [{name: top, material: pzt, thickness: 1, poling: 2}]",
-     ":5:59: 'poling: 2' is not known"},
+    {5, "layers: [{name: top, material: pzt, thickness: 1, poling: 4}]",
+     ":5:59: 'poling: 4' is not known"},
     /* patches, actuators, limits */
     {6, "patches: [{name: p, layer: up}]", ":6:28: there is no layer named 'up'"},
     {6, "patches: [{name: p, layer: top, theta1: [0, 0.7], grid: [2, 1]}]",
