@@ -415,27 +415,29 @@ extern const pzs_block_type pzs_reading_delay_block;
  * voltage can be checked without limits.
  */
 typedef enum pzs_supervisor_mode {
-    PZS_MODE_INITIALISE = 0, /* mode before the command ARM: the voltages are at the park voltages
-                                (voltages of rest, set in the tables) or on their way there */
+    PZS_MODE_INITIALISE = 0, /* operating mode before the command ARM: the voltages are at the park
+                                voltages (voltages of rest, set in the tables) or on their way there
+                              */
     PZS_MODE_ARMED,   /* mode in which the supervisor waits until the voltages are at the park
                          voltages and every reading of a tick is usable */
-    PZS_MODE_RUNNING, /* mode in which the loop is in control */
-    PZS_MODE_HOLDING, /* mode in which the loop is in control by the model alone, because no reading
-                         of this tick is usable */
-    PZS_MODE_PARKING, /* mode in which the voltages ramp to the park or reference voltages, by
-                         command */
-    PZS_MODE_PARKED,  /* mode in which the voltages stay at the park or reference voltages, by
-                         command */
-    PZS_MODE_STOPPING, /* mode in which the voltages ramp to the park voltages after control was
-                          lost */
-    PZS_MODE_LATCHED,  /* mode in which the voltages stay at the park voltages after control was
-                          lost, until the next initialisation */
+    PZS_MODE_RUNNING, /* operating mode in which the loop is in control */
+    PZS_MODE_HOLDING, /* operating mode in which the loop is in control by the model alone, because
+                         no reading of this tick is usable */
+    PZS_MODE_PARKING, /* operating mode in which the voltages ramp to the park or reference
+                         voltages, by command */
+    PZS_MODE_PARKED, /* operating mode in which the voltages stay at the park or reference voltages,
+                        by command */
+    PZS_MODE_STOPPING, /* operating mode in which the voltages ramp to the park voltages after
+                          control was lost */
+    PZS_MODE_LATCHED,  /* operating mode in which the voltages stay at the park voltages after
+                          control was lost, until the next initialisation */
     PZS_MODES
 } pzs_supervisor_mode;
 
 typedef enum pzs_supervisor_command {
     PZS_COMMAND_NONE = 0,
-    PZS_COMMAND_ARM,  /* command to leave PZS_MODE_INITIALISE, the mode after the initialisation */
+    PZS_COMMAND_ARM,  /* command to leave PZS_MODE_INITIALISE, the operating mode after the
+                         initialisation */
     PZS_COMMAND_PARK, /* command to ramp to the park voltages (voltages of rest, set in the tables)
                        */
     PZS_COMMAND_FLAT, /* command to ramp to the reference voltages of the voltage problem */
@@ -1018,8 +1020,8 @@ extern const pzs_block_type pzs_fault_detector_block;
 /* ---- self-test of the wiring before the loop starts (lib/control/selftest.c) */
 
 /*
- * The self-test moves each amplifier in turn by a small voltage and compares the readings with
- * the influence matrix. Before the loop takes control, it finds amplifiers and sensors that do not
+ * The self-test moves each amplifier in turn by a small voltage and compares the readings with the
+ * influence matrix. Before the loop takes control, it finds amplifiers and sensors that do not
  * respond, respond with the wrong sign or a wrong gain, or have exchanged cables. A program needs
  * no call for it:
  *

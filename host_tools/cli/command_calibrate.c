@@ -136,8 +136,8 @@ static int fit_to_structure(run *run, char *error)
 }
 
 /*
- * Names of the actuators whose voltage is 0 in all pokes, separated by commas; as many as fit into
- * the text. Returns their number.
+ * Names of the actuators whose voltage is 0 in all pokes (shapes measured under known voltages),
+ * separated by commas; as many as fit into the text. Returns their number.
  */
 static size_t idle_names(const run *run, char text[IDLE_TEXT])
 {

@@ -565,7 +565,7 @@ static int command_simulate(const options *options, analysis *analysis)
 
 /* ---- modes ------------------------------------------------------------ */
 
-/* Write a VTU file with one displacement field for each mode. */
+/* Write a VTU file with one displacement field for each vibration mode. */
 static int write_modes(const vibration *vibration, const mesh *mesh, const char *path)
 {
     const size_t length = 3 * (size_t)mesh->nodes, count = (size_t)vibration->count;

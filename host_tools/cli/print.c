@@ -651,7 +651,7 @@ static void print_reached_nodes(const analysis *analysis, const voltages *best, 
         putchar('\n');
 }
 
-/* Print which limits between amplifiers bind at an optimum. */
+/* Print which limits of sums and differences of voltages bind at an optimum. */
 static void print_rows(const design *design, const voltages *best)
 {
     enum { MOST_NAMED = 8 };

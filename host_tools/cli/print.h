@@ -18,8 +18,8 @@ typedef struct shape_run {
     voltages before;   /* displacements and shape error with all voltages zero */
     int count, compared; /* number of results; index of the first result whose voltages the scene
                             file gives */
-    modes modes; /* results for each mode of the target; empty where the target is no list of modes
-                  */
+    modes modes; /* results for each alternative shape of the target; empty where the target is no
+                    list of modes */
 } shape_run;
 
 /*
@@ -60,7 +60,10 @@ void print_electrodes_json(json *json, analysis *analysis);
 void print_shape(const shape_run *run);
 void print_shape_json(const shape_run *run);
 
-/* Print the errors of each mode of a target that is a list of modes; otherwise print nothing. */
+/*
+ * Print the errors of each alternative shape of a target that is a list of modes; otherwise print
+ * nothing.
+ */
 void print_modes(const design *design, const modes *modes);
 void print_modes_json(json *json, const design *design, const modes *modes);
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Errors of each mode of a target on standard output (print.h). */
+/* Errors of each alternative shape of a target on standard output (print.h). */
 #include <stdio.h>
 #include "print.h"
 
 /*
  * Print, for each pair of a lower and an upper voltage limit, a table of the shape error that is
- * left of each mode of the target.
+ * left of each alternative shape of the target.
  */
 void print_modes(const design *design, const modes *modes)
 {

@@ -96,7 +96,10 @@ static void print_steps(const plant *plant)
            motion->modes, motion->viscosity);
 }
 
-/* Print whether the plant vibrates, and the number of its modes or the reason why it does not. */
+/*
+ * Print whether the plant vibrates, and the number of its vibration modes or the reason why it does
+ * not.
+ */
 static void print_inertia(const plant *plant)
 {
     if (plant->has_inertia)
@@ -381,8 +384,8 @@ static void json_count(json *json, const simulate_count *count, simulate_law law
 }
 
 /*
- * Write the modes and the damping of the plant, and its deviations from the controller's model, as
- * JSON.
+ * Write the vibration modes and the damping of the plant, and its deviations from the controller's
+ * model, as JSON.
  */
 static void json_plant(json *json, const simulation *simulation)
 {

@@ -10,15 +10,17 @@
 /* ---- modes ------------------------------------------------------------ */
 
 /*
- * Largest static displacement of a node in one mode under a unit of an input; NAN for a rigid
- * motion.
+ * Largest static displacement of a node in one vibration mode under a unit of an input; NAN for a
+ * rigid motion.
  */
 static double moved_by(const design *design, const vibration *vibration, int mode, int input)
 {
     return vibration->largest[mode] * vibration_static(vibration, design, mode, input);
 }
 
-/* Index of the amplifier that moves a mode most, or -1 where no amplifier moves the mode. */
+/*
+ * Index of the amplifier that moves a vibration mode most, or -1 where no amplifier moves the mode.
+ */
 static int strongest(const design *design, const vibration *vibration, int mode)
 {
     int best = -1;

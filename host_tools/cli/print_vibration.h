@@ -9,7 +9,7 @@
 
 /*
  * Print the results of `pzs modes`: natural frequency, participating mass, and the input that moves
- * each mode most, then the estimated discretisation error of the frequencies.
+ * each vibration mode most, then the estimated discretisation error of the frequencies.
  */
 void print_vibration(const design *design, const vibration *vibration,
                      const mesh_error *mesh_error);

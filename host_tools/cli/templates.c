@@ -263,8 +263,8 @@ static const char measured_matrix[] =
     "4.5,-7.794,0.0120,0.0040,0.0012,0.0011,0.0043,0.0208,0.0196\n";
 
 /*
- * Nine pokes (shapes under known voltages) of the example mirror, with random signs and a dead
- * actuator: voltages (V) and shapes (mm).
+ * Nine pokes (shapes measured under known voltages) of the example mirror, with random signs and a
+ * dead actuator: voltages (V) and shapes (mm).
  */
 static const char poke_voltages[] = "centre,e1,e2,e3,e4,e5,e6\n"
                                     "50,-50,-50,50,-50,-50,50\n"

@@ -31,8 +31,8 @@ double analysis_now(void)
 /* ---- structure -------------------------------------------------------- */
 
 /*
- * Position in the scene file of what should hold the structure: the first support, else the first
- * stack or spring, else the surface.
+ * Position, in the scene file, of the item that should hold the structure: the first support, else
+ * the first stack or spring, else the surface.
  */
 static scene_at at_of_supports(const design *design)
 {
@@ -553,8 +553,8 @@ double analysis_stiffening(analysis *analysis)
     double *value = calloc(design->structure.input.count + 1u, sizeof *value),
            *charge = calloc(tables->count + 1u, sizeof *charge);
     double work = (double)NAN, released = 0;
-    const pzs_model kept = analysis->model; /* the linear solves below overwrite data in the model,
-                                               which are restored from this copy */
+    const pzs_model kept = analysis->model; /* The linear solves below overwrite data in the model,
+                                               which are restored from this copy. */
     if (value && charge && !analysis->is_nonlinear && tables->count > 0 &&
         pzs_electrode_open_count(tables) > 0 && design->loads > 0) {
         work = work_of_loads(analysis, value);

@@ -45,16 +45,16 @@ typedef struct analysis_source {
 extern const analysis_source analysis_of_structure, analysis_of_matrix;
 
 typedef struct analysis {
-    const analysis_source *source; /* source of the displacements: a structure or a measured
-                                      influence matrix */
+    const analysis_source *source; /* source of the displacements: a mechanical structure or a
+                                      measured influence matrix */
     design design;
     pzs_model model;
     void *work;
     size_t work_bytes;
     equilibrium equilibrium; /* solver of the nonlinear equilibrium; used where the scene's
                                 kinematics is not linear */
-    pzs_electric electric;   /* table of the electrodes' charges; used where the design has
-                                electrodes, after the stiffness matrix is factored */
+    pzs_electric electric;   /* charges of the electrodes per unit of every input; used where the
+                                design has electrodes, after the stiffness matrix is factored */
     void *electric_work;
     double *input_value; /* [inputs] input values of the last computed displacement, with the
                             computed voltages of the open electrodes */
@@ -66,7 +66,7 @@ typedef struct analysis {
                           analysis_influence */
     double *recovered; /* [entries of design.place_node] values of the outputs of strains and
                           stresses in the last solution of analysis_solve or analysis_continue; NULL
-                          where the scene has none */
+                          where the scene has no such outputs */
     pzs_status status; /* status of the last computation of a nonlinear equilibrium */
     struct {
         double assemble, factor, solve;
@@ -82,7 +82,7 @@ typedef struct analysis {
     load_path load_path; /* equilibria on the load path to the last displacement; empty unless the
                             user asked for them */
     mesh_error mesh_error; /* estimated discretisation error of the results; empty unless the user
-                              asked for it */
+                              has asked for this estimate */
     plausible warnings; /* plausibility warnings on the scene and on the results computed so far */
 } analysis;
 
@@ -106,8 +106,8 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error);
 int analysis_solve(analysis *analysis, double *displacement, char *error);
 
 /*
- * Check that the scene has a structure and not only a measured influence matrix. Returns 0, or -1
- * with an error text that says that `what` needs a structure.
+ * Check that the scene has a mechanical structure and not only a measured influence matrix. Returns
+ * 0, or -1 with an error text that says that `what` needs a structure.
  */
 int analysis_needs_structure(const analysis *analysis, const char *what, char *error);
 
@@ -188,7 +188,7 @@ double analysis_capacitance(const analysis *analysis, int k, int is_free);
 /*
  * Ratio of the stiffness with open sensor electrodes to the stiffness with short-circuited ones,
  * under the scene's loads without temperature changes, in the reference state. Returns NAN where
- * the scene has no loads or no open sensors, and on a nonlinear structure.
+ * the scene has no loads or no open sensors, and for nonlinear kinematics.
  */
 double analysis_stiffening(analysis *analysis);
 

@@ -12,8 +12,8 @@
 #include "eigen.h"
 
 /*
- * Fraction of the largest eigenvalue of V V' below which an eigenvalue counts as 0, where V
- * [pokes][actuators] holds the voltages of all pokes.
+ * Fraction of the largest eigenvalue of V V' below which an eigenvalue counts as 0, where V [pokes
+ * (shapes measured under known voltages)][actuators] holds the voltages of all pokes.
  */
 static const double negligible = 1e-12;
 
@@ -24,14 +24,16 @@ static const double negligible = 1e-12;
  */
 typedef struct spectrum {
     size_t pokes, actuators, outputs;
-    double *vector; /* [pokes][pokes] eigenvectors of V V' as columns, where V [pokes][actuators]
-                       holds the voltages of all pokes */
-    double *value;  /* [pokes] eigenvalues of V V', where V [pokes][actuators] holds the voltages of
-                       all pokes */
+    double *vector; /* [pokes (shapes measured under known voltages)][pokes] eigenvectors of V V' as
+                       columns, where V [pokes][actuators] holds the voltages of all pokes */
+    double *value;  /* [pokes (shapes measured under known voltages)] eigenvalues of V V', where V
+                       [pokes][actuators] holds the voltages of all pokes */
     double *residual; /* [pokes][outputs] measured shapes minus those that the model predicts */
-    double *rotated;  /* [pokes][outputs] residuals of the shapes multiplied by the transposed
-                         eigenvector matrix */
-    double *inverse;  /* [pokes] reciprocals 1/(eigenvalue + ratio of variances), or 0 */
+    double *rotated;  /* [pokes][outputs] residuals of the measured shapes, multiplied by the
+                         transposed eigenvector matrix */
+    double *inverse;  /* [pokes] reciprocals 1/(eigenvalue + ratio q of the variances of noise and
+                         model error) for each eigenvalue of V V' (voltages V of all measured
+                         shapes), or 0 */
 } spectrum;
 
 static int out_of_memory(char *error)
@@ -65,7 +67,8 @@ static void subtract_model(const pokes *pokes, const double *model, double *resi
 }
 
 /*
- * Compute the eigenvalues and eigenvectors of V V', where V [pokes][actuators] holds the voltages.
+ * Compute the eigenvalues and eigenvectors of V V', where V [pokes (shapes measured under known
+ * voltages)][actuators] holds the voltages.
  *   gram [pokes][pokes] work
  */
 static void decompose(spectrum *spectrum, const pokes *pokes, double *gram)
@@ -173,8 +176,8 @@ static double unlikelihood(const spectrum *spectrum, double ratio)
 /*
  * Choose the most likely ratio of the variances of noise and model error on a logarithmic grid
  * around the mean eigenvalue. Where the smallest ratio is not significantly less likely, as with
- * few orthogonal pokes, the noise cannot be separated from errors of the model; then the smallest
- * ratio is chosen, which trusts the measurements.
+ * few orthogonal pokes (shapes measured under known voltages), the noise cannot be separated from
+ * errors of the model; then the smallest ratio is chosen, which trusts the measurements.
  *   is_separable out  whether noise and errors of the model can be separated
  */
 static double choose_ratio(const spectrum *spectrum, bool *is_separable)
@@ -212,8 +215,8 @@ static void fill_influence(calibration *result, spectrum *spectrum, const pokes 
         result->influence[i] = model ? model[i] : 0;
     for (size_t index = 0; index < count; index++)
         for (size_t k = 0; k < actuators; k++) {
-            double along = 0; /* scalar product of the voltages of actuator k in all pokes with
-                                 eigenvector `index` of V V' */
+            double along = 0; /* scalar product of the voltages of actuator k in all measured shapes
+                                 with eigenvector `index` of V V' */
             for (size_t poke = 0; poke < count; poke++)
                 along +=
                     pokes->voltage[poke * actuators + k] * spectrum->vector[poke * count + index];
@@ -230,9 +233,9 @@ static void fill_influence(calibration *result, spectrum *spectrum, const pokes 
 
 /*
  * Standard error of the entries of each column of the influence matrix. With the voltages V of all
- * pokes and the voltages v of actuator k, the variance is s^2 times the diagonal entry k of
- * (V'V)^-1 without a model, and t^2 (1 - v'(V V' + q I)^-1 v) with one; s is the standard deviation
- * of the noise, t that of the model's entries, q = (s/t)^2.
+ * pokes (shapes measured under known voltages) and the voltages v of actuator k, the variance is
+ * s^2 times the diagonal entry k of (V'V)^-1 without a model, and t^2 (1 - v'(V V' + q I)^-1 v)
+ * with one; s is the standard deviation of the noise, t that of the model's entries, q = (s/t)^2.
  */
 static void fill_errors(calibration *result, const spectrum *spectrum, const pokes *pokes)
 {
@@ -254,7 +257,7 @@ static void fill_errors(calibration *result, const spectrum *spectrum, const pok
 
 /*
  * Compute the influence matrix by least squares without a model. Returns 0, or -1 with error filled
- * where the pokes do not determine every actuator.
+ * where the pokes (shapes measured under known voltages) do not determine every actuator.
  */
 static int fit_alone(calibration *result, spectrum *spectrum, const pokes *pokes, char *error)
 {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Influence matrix from measurements. A poke is one measured shape under one set of voltages; with
- * all pokes as rows, shapes S [pokes][outputs], voltages V [pokes][actuators] and influence matrix
- * B [outputs][actuators] satisfy S = V B' + noise, where ' is the transpose.
+ * Influence matrix from measurements. A poke is one measured shape under known voltages of all
+ * actuators; with all pokes as rows, shapes S [pokes][outputs], voltages V [pokes][actuators] and
+ * influence matrix B [outputs][actuators] satisfy S = V B' + noise, where ' is the transpose.
  *
  * Without a model, B is the least-squares solution, which needs as many independent pokes as there
  * are actuators. With a model B0, the entries of B differ from those of B0 by independent errors of
@@ -16,11 +16,11 @@
 #include <stdbool.h>
 #include "../scene/scene.h"
 
-/* Measured pokes: sets of voltages and the shapes measured under them. */
+/* Measured pokes: known voltages, and the shapes measured under them. */
 typedef struct pokes {
     size_t count, actuators, outputs;
-    const double *voltage; /* [count][actuators] voltages of each poke, a measurement under one set
-                              of voltages (V) */
+    const double *voltage; /* [count][actuators] voltages of each poke, a measurement of the shape
+                              under known voltages (V) */
     const double *shape; /* [count][outputs] measured shape of each poke, in the unit of the outputs
                           */
 } pokes;
@@ -35,13 +35,14 @@ typedef struct calibration {
                      few pokes to separate the noise from errors of the matrix */
     double spread; /* standard deviation by which the model's entries differ from the true influence
                       matrix; 0 without a model */
-    int rank; /* number of linearly independent combinations of actuators that the pokes excite */
+    int rank; /* number of linearly independent combinations of actuators that the voltages of the
+                 measured shapes (pokes) excite */
     double residual; /* root mean square difference between the measured shapes and those that the
                         computed influence matrix predicts */
 } calibration;
 
 /*
- * Compute the influence matrix from pokes.
+ * Compute the influence matrix from pokes (shapes measured under known voltages).
  *   model [outputs][actuators] in   influence matrix of a model, or NULL
  *   error [SCENE_ERROR]        out  message
  * Returns 0, or -1 with error filled: memory ran out, or there is no model and the pokes do not
@@ -51,8 +52,8 @@ int calibrate(calibration *result, const pokes *pokes, const double *model, char
 void calibration_free(calibration *result);
 
 /*
- * Displacement of one output that an influence matrix predicts for the voltages of one poke.
- *   influence [outputs][actuators] in
+ * Displacement of one output that an influence matrix predicts for the voltages of one measured
+ * shape.
  */
 double calibration_predict(const pokes *pokes, const double *influence, size_t poke, size_t output);
 
@@ -66,9 +67,9 @@ double calibration_size(const pokes *pokes, const double *model);
 /* ---- faults ----------------------------------------------------------- */
 
 typedef enum wiring_fault_type {
-    WIRING_DEAD,     /* the electrode does not act on the structure */
-    WIRING_REVERSED, /* the electrode acts with the opposite sign */
-    WIRING_SWAPPED   /* the cables of this electrode and of electrode `other` are exchanged */
+    WIRING_DEAD,     /* fault: the electrode does not act on the structure */
+    WIRING_REVERSED, /* fault: the electrode acts with the opposite sign */
+    WIRING_SWAPPED /* fault: the cables of this electrode and of electrode `other` are exchanged */
 } wiring_fault_type;
 
 typedef struct wiring_fault {
@@ -92,7 +93,7 @@ int wiring_find(wiring_fault fault[WIRING_FAULTS], const pokes *pokes, const dou
 
 /*
  * Voltages that reach the electrodes when the wiring has the given faults.
- *   voltage [pokes][actuators] out  (V)
+ *   voltage [pokes (shapes measured under known voltages)][actuators] out  (V)
  */
 void wiring_apply(const wiring_fault *fault, int faults, const pokes *pokes, double *voltage);
 
@@ -105,7 +106,10 @@ void wiring_apply(const wiring_fault *fault, int faults, const pokes *pokes, dou
 void wiring_matrix(const wiring_fault *fault, int faults, const pokes *pokes, double *influence,
                    double *error);
 
-/* Whether the voltage of an actuator is 0 in all pokes, which then tell nothing of it. */
+/*
+ * Whether the voltage of an actuator is 0 in all pokes (measured shapes), which then contain no
+ * information on this actuator.
+ */
 bool calibration_is_idle(const pokes *pokes, size_t actuator);
 
 /*

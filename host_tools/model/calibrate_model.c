@@ -13,9 +13,9 @@
 
 enum { ITERATIONS = 8, ROUNDS = 6 };
 
-static const double step = 1e-4, settled = 1e-5; /* step of the finite differences, and change at
-                                                    which the iteration ends; both of the logarithm
-                                                    of a factor */
+static const double step = 1e-4, settled = 1e-5; /* changes of the logarithm of a material factor:
+                                                    `step` of the finite differences, and `settled`,
+                                                    below which the iteration ends */
 
 /* ---- model ------------------------------------------------------------ */
 
@@ -85,7 +85,8 @@ static int model_influence(const calibration_model *model, const scene *nominal,
 }
 
 /*
- * Shapes that an influence matrix predicts for the voltages of the pokes.
+ * Shapes that an influence matrix predicts for the voltages of the pokes (shapes measured under
+ * known voltages).
  *   shape [pokes][outputs] out
  */
 static void predict(const pokes *pokes, const double *influence, double *shape)
@@ -99,10 +100,11 @@ static void predict(const pokes *pokes, const double *influence, double *shape)
 
 /* Arrays of one fit of material factors, in one allocation that begins at `shape`. */
 typedef struct fit {
-    size_t entries; /* number of entries of all shapes: pokes times outputs */
+    size_t entries; /* number of values in all measured shapes: number of pokes (measurements) times
+                       number of outputs */
     double *shape;  /* [entries] shapes that the model predicts for the measured voltages */
     double *slope; /* [factors][entries] derivative of the predicted shapes by the logarithm of each
-                      factor */
+                      material factor */
     double *influence; /* [outputs][actuators] influence matrix of the scene with one material
                           factor changed by the step of the finite differences */
     double *normal; /* [factors][factors] matrix of the normal equations for the material factors */
@@ -218,7 +220,10 @@ static double change_factors(fit *fit, calibration_model *model, const pokes *po
     return most;
 }
 
-/* Fit the factors of the material constants to the pokes. Returns 0, or -1 with error filled. */
+/*
+ * Fit the factors of the material constants to the pokes (shapes measured under known voltages).
+ * Returns 0, or -1 with error filled.
+ */
 static int fit_factors(calibration_model *model, const scene *nominal, const pokes *pokes,
                        char *error)
 {

@@ -32,15 +32,16 @@ typedef struct calibration_model {
     int faults;
     wiring_fault fault[WIRING_FAULTS]; /* faults of electrodes and cables, in the order in which
                                           they were found */
-    double *voltage; /* [pokes][amplifiers] voltages that reach the electrodes with the found faults
-                        (V) */
+    double *voltage; /* [pokes (shapes measured under known voltages)][amplifiers] voltages that
+                        reach the electrodes in each measurement (poke), given the faults found (V)
+                      */
 } calibration_model;
 
 /*
- * Fit the factors of the scene's materials to the pokes, find wiring faults, and fit again. The
- * logarithm of each factor has the prior standard deviation MODEL_SPREAD, because pokes may not
- * determine every factor: multiplying all elastic constants by one number does not change a
- * displacement per volt.
+ * Fit the factors of the scene's materials to the pokes (shapes measured under known voltages),
+ * find wiring faults, and fit again. The logarithm of each factor has the prior standard deviation
+ * MODEL_SPREAD, because pokes may not determine every factor: multiplying all elastic constants by
+ * one number does not change a displacement per volt.
  *   nominal in  checked scene with a structure; its target nodes are the outputs of the pokes
  * Returns 0, or -1 with error filled; call calibration_model_free in either case.
  */

@@ -13,20 +13,20 @@
 #include "modal.h"
 
 /*
- * Exponent of decay between two ticks above which a mode counts as static: its vibration decays by
- * more than exp(-20) = 2e-9.
+ * Exponent of the decay of vibration between two ticks above which a vibration mode counts as
+ * static: its amplitude falls to less than exp(-20) = 2e-9.
  */
 static const double decayed = 20;
 
 /* ---- the loop --------------------------------------------------------- */
 
 /*
- * Fill the transition matrix of the control loop over one tick. Its states are, for each mode just
- * before the tick, the deviation e of the modal coordinate from its static equilibrium and the
- * modal velocity p divided by the angular frequency, then the deviations e of past ticks. L is the
- * loop matrix (see `loop`), and r[0] to r[3] are the entries 11, 12, 21 and 22 of the matrix that
- * advances e and p of one mode by the free vibration of one tick. The tick at time t changes the
- * equilibrium from eq = -L e(t - delay - 1) to eq' = -L e(t - delay), so that delay + 1 past
+ * Fill the transition matrix of the control loop over one tick. Its states are, for each vibration
+ * mode just before the tick, the deviation e of the modal coordinate from its static equilibrium
+ * and the modal velocity p divided by the angular frequency, then the deviations e of past ticks. L
+ * is the loop matrix (see `loop`), and r[0] to r[3] are the entries 11, 12, 21 and 22 of the matrix
+ * that advances e and p of one mode by the free vibration of one tick. The tick at time t changes
+ * the equilibrium from eq = -L e(t - delay - 1) to eq' = -L e(t - delay), so that delay + 1 past
  * deviations are needed:
  *   e' = r[0] (e + eq - eq') + r[1] p
  *   p' = r[2] (e + eq - eq') + r[3] p
@@ -58,8 +58,8 @@ static void fill_loop(const double *loop, int stride, const double *square, int 
 }
 
 /*
- * Number of modes whose vibration lasts from tick to tick; the other modes enter with their static
- * response only.
+ * Number of vibration modes whose vibration lasts from tick to tick; the other modes contribute
+ * only their static response to the loop.
  */
 static int lasting_modes(const double *square, int modes, const double *damping, double interval)
 {

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Certificate of stability. The control step treats each shape as an equilibrium; the certificate
- * says whether the loop is stable on the same structure with mass.
+ * says whether the loop is stable on a structure with mass.
  *
- * The plant consists of the lowest modes with their damping ratios, voltages that are constant
- * between the ticks, and the static response of the modes left out. The step is that of pzs_tick
- * without limits. With shape y, voltages v, influence matrix B, mode shapes C, modal coordinates q
- * and their static response g per volt, the voltages compensate the disturbance d = y - B v = C (q
- * - g v) measured `delay` ticks before: v' = -F (q - g v) with F = (B'W^2 B + regularisation)^-1
- * B'W^2 C and the weights W. The deviation q - g v from the static equilibrium depends on the
- * product g F alone, for any number of amplifiers. Voltage limits and step limits only slow the
- * growth of vibration down.
+ * The plant consists of the lowest vibration modes with their damping ratios, voltages that are
+ * constant between the ticks, and the static response of the modes left out. The step is that of
+ * pzs_tick without limits. With shape y, voltages v, influence matrix B, mode shapes C, modal
+ * coordinates q and their static response g per volt, the voltages compensate the disturbance d = y
+ * - B v = C (q - g v) measured `delay` ticks before: v' = -F (q - g v) with F = (B'W^2 B +
+ * regularisation)^-1 B'W^2 C and the weights W. The deviation q - g v from the static equilibrium
+ * depends on the product g F alone, for any number of amplifiers. Voltage limits and step limits
+ * only slow the growth of vibration down.
  */
 #ifndef CERTIFICATE_H
 #define CERTIFICATE_H
@@ -37,15 +37,15 @@ typedef struct certificate_loop {
     bool is_made;
     bool is_stable; /* true where small vibrations decay on every simulated structure and every
                        storm (simulation with fast jumps of the target) settles */
-    int modes;      /* number of modes of the structure in these simulations */
-    int observed;   /* number of modes that the observer of the control tick estimates */
-    double observed_from, observed_to; /* lowest and highest natural frequency of the modes that the
-                                          control tick observes (Hz) */
+    int modes;      /* number of vibration modes of the structure in these simulations */
+    int observed;   /* number of vibration modes that the observer of the control tick estimates */
+    double observed_from, observed_to; /* lowest and highest natural frequency of the vibration
+                                          modes that the control tick observes (Hz) */
     double radius; /* largest growth factor of small vibrations per tick, without limits */
     double at_gain, at_frequency; /* static response to voltages and natural frequencies, relative
                                      to the model, of the structure with the largest growth */
-    int storms, failed; /* number of storms (simulations with fast jumps of the target); number of
-                           those that did not settle */
+    int storms, failed; /* number of storms (simulations with fast jumps of the target), and number
+                           of storms that did not settle */
     double worst; /* largest distance from the best shape at the end of a storm (a simulation with
                      fast jumps of the target), relative to the norm of the target */
     double worst_gain, worst_frequency,
@@ -77,24 +77,25 @@ typedef struct certificate_loop {
 
 typedef struct certificate {
     bool is_made;   /* true after certificate_make has filled the certificate */
-    bool has_modes; /* true where the modes could be computed, which needs all densities */
-    char reason[SCENE_ERROR]; /* why the modes are unknown or the loop was not assessed, and what
-                                 the user can do */
+    bool has_modes; /* true where the vibration modes could be computed, which needs all densities
+                     */
+    char reason[SCENE_ERROR]; /* reason why the vibration modes are unknown or the loop was not
+                                 assessed, and advice to the user */
     vibration vibration;
     bool is_assessed;      /* true where the scene has a target and amplifiers, so that the loop was
                               assessed; the following members are valid only then */
     bool assumes_measured; /* true where the loop was assessed as if every target node were
                               measured, because some readings come from electrodes */
-    int modes;             /* number of modes of the structure with which the loop is assessed */
-    double damping;        /* damping ratio of the structure's first mode */
+    int modes;      /* number of vibration modes of the structure with which the loop is assessed */
+    double damping; /* damping ratio of the structure's first vibration mode */
     bool has_own_damping; /* true where the scene file gives the damping ratio; false where it is an
                              assumption */
     double rate;          /* tick rate of the scene (1/s); 0 where the scene file gives none */
     double radius; /* spectral radius of the loop at the scene's tick rate, the growth factor of
                       vibrations per tick; NAN without a rate */
     double gain;   /* approximately the largest part of the way to the optimum that a stable control
-                      step can go: 2 x damping ratio x angular frequency of the first mode x tick
-                      interval; NAN without a rate */
+                      step can go: 2 x damping ratio x angular frequency of the first vibration
+                      mode x tick interval; NAN without a tick rate */
     bool has_settings; /* true where `settings` were chosen by simulations with fast jumps of the
                           target */
     damper_settings settings; /* settings of the control tick that damps vibration */
@@ -112,7 +113,7 @@ bool certificate_refuses(const certificate *certificate);
 double certificate_first(const certificate *certificate);
 
 /*
- * Spectral radius of the control loop on the modes of a structure.
+ * Spectral radius of the control loop on the vibration modes of a structure.
  *   loop    [modes][modes] in  loop matrix: entry (i, j) is the static coordinate of mode i under
  *       the voltages that the controller subtracts per unit of mode j
  *   square  [modes]        in  squares of the angular frequencies (rad^2/s^2)
@@ -127,8 +128,8 @@ double certificate_radius(const double *loop, const double *square, int modes,
                           const double *damping, int delay, double interval, int squarings);
 
 /*
- * Describe a certificate in sentences separated by line feeds; the text is empty where there is
- * nothing to report.
+ * Describe a certificate in sentences separated by line feeds; the text is empty where the
+ * certificate has nothing to report.
  */
 void certificate_text(const certificate *certificate, char text[CERTIFICATE_TEXT]);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Computation of the stability certificate of a scene's control loop from its modes and gains
- * (certificate_make.h).
+ * Computation of the stability certificate of a scene's control loop from its vibration modes and
+ * gains (certificate_make.h).
  */
 #include "certificate_make.h"
 #include <math.h>
@@ -20,9 +20,9 @@ enum {
                         */
     DELAY_LIMIT = 100, /* largest delay of the measurements for which the certificate is computed
                           (ticks) */
-    RATE_LIMIT = 2000, /* largest number of scanned tick rates */
+    RATE_LIMIT = 2000, /* largest number of tick rates for which stability is checked */
     PHASES = 8, /* number of intervals between ticks that are tried within one period of the first
-                   mode */
+                   vibration mode */
     STARTS = 4  /* largest number of tick rates, each a quarter of the one before, that are tried to
                    find a stable one */
 };
@@ -30,9 +30,10 @@ enum {
 static const double two_pi = 6.283185307179586;
 
 /*
- * Range of the scanned tick rates. Lowest rate (1/s): scan_from times damping ratio times angular
- * frequency of the first mode (rad/s). Highest rate (1/s): scan_to times natural frequency of the
- * last mode of the loop (Hz). Each rate is scan_step times the rate before.
+ * Range of the tick rates for which stability is checked. Lowest rate (1/s): scan_from times
+ * damping ratio times angular frequency of the first vibration mode (rad/s). Highest rate (1/s):
+ * scan_to times natural frequency of the last mode of the loop (Hz). Each rate is scan_step times
+ * the rate before.
  */
 static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 
@@ -84,20 +85,23 @@ static void cholesky_solve(const double *l, size_t n, double *x)
 }
 
 /*
- * Intermediate results for the loop matrix, which says how the controller's reaction to one mode
- * displaces the static equilibrium of every mode.
+ * Intermediate results for the loop matrix, which says how the controller's reaction to one
+ * vibration mode displaces the static equilibrium of every mode.
  */
 typedef struct gains {
     const analysis *analysis;
     const vibration *vibration;
-    size_t modes, moving; /* number of modes; number of amplifiers that are not held */
-    size_t *amplifier;    /* [moving] indices of the amplifiers that are not held */
-    double *factor;   /* [moving][moving] Cholesky factor of the regularised Hessian of the voltage
-                         problem */
-    double *shape;    /* [targets] shape of one mode as the controller measures or estimates it */
+    size_t modes, moving; /* number of vibration modes, and number of amplifiers that are not held
+                             at one voltage */
+    size_t *amplifier;    /* [moving] indices of the amplifiers that are not held at one voltage */
+    double *factor; /* [moving][moving] Cholesky factor of the regularised Hessian of the voltage
+                       problem */
+    double *shape;  /* [targets] shape of one vibration mode at the target nodes, as the controller
+                       measures or estimates it */
     double *gradient; /* [moving] right-hand side of the normal equations of the voltage problem for
-                         one mode, then the voltages that solve them */
-    double *modal_response; /* [modes][moving] static modal coordinate per volt of each amplifier */
+                         one vibration mode, then the voltages that solve them */
+    double *modal_response; /* [modes][moving] static coordinate of each vibration mode per volt of
+                               each amplifier */
     double *loop; /* [modes][modes] loop matrix: entry (i, j) is the static coordinate of mode i
                      under the voltages that the controller subtracts per unit of mode j */
     bool assumes_measured; /* true where the loop is assessed as if every target node were measured
@@ -131,9 +135,8 @@ static bool factor_hessian(gains *gains)
 }
 
 /*
- * Shape that the estimator computes from the noise-free readings in a mode shape.
- *   mode_shape [free_dof] in
- * The result is stored in gains->shape [targets].
+ * Shape that the estimator computes from the noise-free sensor readings of a structure that is
+ * displaced in a mode shape.
  */
 static void estimated_shape(const gains *gains, const estimator *estimator,
                             const double *mode_shape)
@@ -156,8 +159,9 @@ static void estimated_shape(const gains *gains, const estimator *estimator,
 }
 
 /*
- * Compute the column of the loop matrix that belongs to one mode: the static coordinates of all
- * modes under the voltages that the controller subtracts per unit of this mode.
+ * Compute the column of the loop matrix (reaction of the controller to vibration modes) that
+ * belongs to one vibration mode: the static coordinates of all modes under the voltages that the
+ * controller subtracts per unit of this mode.
  */
 static void fill_column(gains *gains, const estimator *estimator, size_t mode)
 {
@@ -211,7 +215,7 @@ static bool fill_gains(gains *gains)
 }
 
 /*
- * Loop matrix [modes][modes] of the lowest modes, rigid motions left out. The caller frees the
+ * Loop matrix [modes][modes] of the lowest modes, without rigid motions. The caller frees the
  * matrix; NULL where it cannot be computed.
  */
 static double *loop_gains(const analysis *analysis, const vibration *vibration, int modes,
@@ -251,9 +255,9 @@ typedef struct assessed_loop {
 } assessed_loop;
 
 /*
- * Whether the loop is stable at a tick rate. Where an interval between ticks contains many periods
- * of the first mode, stability depends on the phase of that mode as well as on its decay; therefore
- * intervals that are up to one period longer must be stable too.
+ * Whether the control loop is stable at a tick rate. Where an interval between ticks contains many
+ * periods of the first vibration mode, stability depends on the phase of the vibration as well as
+ * on its decay; therefore intervals that are up to one period longer must be stable too.
  */
 static bool is_stable(const assessed_loop *loop, double rate)
 {

@@ -6,9 +6,9 @@
 #include "analysis.h"
 
 /*
- * Compute the modes of the scene and the stability of its control loop in the reference state. A
- * certificate that is already computed is left as it is. A scene without modes or without a control
- * loop is not an error; members of the certificate say what is unknown and why.
+ * Compute the vibration modes of the scene and the stability of its control loop in the reference
+ * state. A certificate that is already computed is not changed. A scene without modes or without a
+ * control loop is not an error; members of the certificate say what is unknown and why.
  *   analysis in  after analysis_influence where the scene has a target, and before simulate_tables
  */
 void certificate_make(certificate *certificate, const analysis *analysis);

@@ -17,9 +17,9 @@ static bool is_held(const clipped *clipped, size_t k)
 }
 
 /*
- * Copy the influence matrix without the columns of held amplifiers, and subtract the effect of
- * these amplifiers from the wanted displacements. Returns the mean diagonal entry of the Hessian
- * (m2/V2).
+ * Copy the influence matrix without the columns of amplifiers that are held at one voltage, and
+ * subtract the effect of these amplifiers from the wanted displacements. Returns the mean diagonal
+ * entry of the Hessian (m2/V2).
  */
 static double prepare_arrays(clipped *clipped)
 {
@@ -81,8 +81,8 @@ bool clipped_solve(clipped *clipped, double lambda, double *voltage)
  */
 typedef struct tuning {
     clipped *clipped;
-    double *trial, *best_voltage; /* [amplifiers] voltages of the present trial and of the best one
-                                     (V) */
+    double *trial, *best_voltage; /* [amplifiers] voltages of the present and of the best
+                                     regularisation parameter in a search (V) */
     double best, best_lambda;
 } tuning;
 

@@ -18,14 +18,15 @@ typedef struct clipped {
     const double *lower, *upper; /* [amplifiers] lowest and highest allowed voltage (V) */
     const double *wanted;        /* [targets] displacements that the voltages are to cause */
     pzs_problem problem; /* voltage problem (least squares with voltage limits) in the library's
-                            format; held amplifiers have columns of zeros */
-    double scale;      /* unit of the regularisation parameter lambda: trace(B'W^2 B) divided by the
-                          number of amplifiers (m2/V2), with influence matrix B and weights W */
-    double *arrays;    /* one allocation that holds the arrays influence, required and shape */
-    double *influence; /* [targets][amplifiers] influence matrix with columns of zeros for held
-                          amplifiers */
-    double *required;  /* [targets] wanted displacements minus those caused by held amplifiers */
-    double *shape;     /* [targets] scratch memory for a shape */
+                            format; amplifiers held at one voltage have columns of zeros */
+    double scale;   /* unit of the regularisation parameter lambda: trace(B'W^2 B) divided by the
+                       number of amplifiers (m2/V2), with influence matrix B and weights W */
+    double *arrays; /* one allocation that holds the arrays `influence`, `required` and `shape` */
+    double *influence; /* [targets][amplifiers] influence matrix with columns of zeros for
+                          amplifiers held at one voltage */
+    double *required; /* [targets] wanted displacements minus those caused by amplifiers held at one
+                         voltage */
+    double *shape;    /* [targets] work array for a shape */
     unconstrained solver;
 } clipped;
 

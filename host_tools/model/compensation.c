@@ -14,7 +14,7 @@ static void copy(double *to, const scene_short_list *from)
 }
 
 /*
- * Make the pointers in compensation->tables point to the arrays in the other members of
+ * Let the pointers in compensation->tables point to the arrays in the other members of
  * *compensation.
  */
 static void point(compensation *compensation)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Tables of the control tick that damps vibration, for one scene: choice of the observed modes,
- * mode shapes and readings (damper.h).
+ * Tables of the control tick that damps vibration, for one scene: choice of the observed vibration
+ * modes, mode shapes and readings (damper.h).
  */
 #include "damper.h"
 #include <math.h>
@@ -13,18 +13,18 @@
 #include "mass.h"
 #include "modal.h"
 
-/* Largest number of modes from which the observed modes are chosen. */
+/* Largest number of vibration modes from which the observed modes are chosen. */
 enum { MODE_LIMIT = 200 };
 
 /*
- * Smallest root mean square displacement of the outputs in a mode, relative to the largest
- * displacement of the mode shape, with which the mode is observed.
+ * Visibility of a vibration mode, the root mean square displacement of the outputs in the mode
+ * divided by the largest displacement of the mode shape, below which the mode is not observed.
  */
 static const double visible = 1e-3;
 
 /*
- * Gain of the low-pass filter where no mode is observed: its largest value, and its ratio to the
- * damping ratio of the first mode times the phase angle of that mode in a tick (rad).
+ * Gain of the low-pass filter where no vibration mode is observed: its largest value, and its ratio
+ * to the damping ratio of the first mode times the phase angle of that mode in a tick (rad).
  */
 static const double slow_limit = 0.02, slow_part = 0.5;
 
@@ -35,7 +35,8 @@ typedef struct builder {
     const estimator *estimator; /* estimator of the controller; NULL: every target node is measured
                                  */
     const vibration *vibration;
-    vibration more; /* modes that are computed here, where the certificate has too few modes */
+    vibration more; /* vibration modes that are computed here, where the certificate has too few
+                       modes */
     damper_settings settings;
     damper_model model;
     double interval; /* time between ticks (s) */
@@ -48,17 +49,17 @@ typedef struct builder {
                                                                     sensor */
     double *column; /* [targets] work vector for one mode shape at the target nodes */
     double *shape, *reading, *modal; /* shape [targets][modes]: mode shapes at the outputs; reading
-                                        [sensors][modes]: reading of each sensor per unit of each
-                                        mode; modal [modes][amplifiers]: static modal coordinate per
-                                        volt */
+                                        [sensors][modes]: reading of each sensor per unit of the
+                                        coordinate of each vibration mode; modal
+                                        [modes][amplifiers]: static modal coordinate per volt */
     damper_gains gains;
 } builder;
 
 /* ---- choice of modes -------------------------------------------------- */
 
 /*
- * Displacement of the target nodes in a mode of unit modal mass, without its part along the free
- * functions of the target (shapes that may be added to the target at no cost).
+ * Displacement of the target nodes in a vibration mode of unit modal mass, without its part along
+ * the free functions of the target (shapes that may be added to the target at no cost).
  *   shape [targets] out
  */
 static void mode_shape(const builder *builder, size_t mode, double *shape)
@@ -89,8 +90,8 @@ static double angle_of(const builder *builder, size_t mode)
 }
 
 /*
- * Largest number of modes that may be observed: the number of amplifiers that are not held, and the
- * number of sensors minus 1.
+ * Largest number of vibration modes that may be observed: the smaller of the number of amplifiers
+ * that are not held at one voltage, and the number of sensors minus 1.
  */
 static size_t mode_limit(const builder *builder)
 {
@@ -101,7 +102,7 @@ static size_t mode_limit(const builder *builder)
     return moving < builder->sensors ? moving : builder->sensors - 1;
 }
 
-/* List the modes that the control tick observes. Returns the number of these modes. */
+/* List the vibration modes that the control tick observes. Returns the number of these modes. */
 static size_t list_modes(builder *builder)
 {
     const size_t limit = mode_limit(builder), count = (size_t)builder->vibration->count;
@@ -113,8 +114,8 @@ static size_t list_modes(builder *builder)
 }
 
 /*
- * Whether more modes must be computed: the list of observed modes is not full yet, and even the
- * highest computed mode is slow enough to be observed.
+ * Whether more vibration modes must be computed: the list of observed modes is not full yet, and
+ * even the computed mode of the highest frequency is slow enough to be observed.
  */
 static bool needs_more(const builder *builder, size_t found)
 {
@@ -124,8 +125,8 @@ static bool needs_more(const builder *builder, size_t found)
 }
 
 /*
- * Choose the observed modes, and compute more modes as long as some may be missing. Returns 0, or
- * -1 with error filled.
+ * Choose the observed vibration modes, and compute more modes as long as some may be missing.
+ * Returns 0, or -1 with error filled.
  */
 static int choose_modes(builder *builder, char *error)
 {
@@ -156,7 +157,10 @@ typedef struct array {
     size_t count;
 } array;
 
-/* Allocate all arrays of the tables and of the intermediate results in one block of memory. */
+/*
+ * Allocate all arrays of the vibration damper's tables and of their intermediate results in one
+ * block of memory.
+ */
 static int take_memory(builder *builder)
 {
     damper *damper = builder->damper;
@@ -197,8 +201,8 @@ static double damping_ratio(const builder *builder, size_t mode)
 }
 
 /*
- * Compute the readings of the sensors per unit of one mode, and store them as column `k` of
- * builder->reading [sensors][modes].
+ * Compute the readings of the sensors per unit of one vibration mode, and store them as column `k`
+ * of builder->reading [sensors][modes].
  *   scale in  modal coordinate, at unit modal mass, that counts as one unit
  */
 static void fill_readings(builder *builder, size_t mode, size_t k, double scale)
@@ -217,8 +221,8 @@ static void fill_readings(builder *builder, size_t mode, size_t k, double scale)
 
 /*
  * Compute the mode shapes at the outputs, the readings of the sensors and the static modal
- * coordinates per volt for all observed modes. A unit of a modal coordinate displaces the outputs
- * by a root mean square of 1.
+ * coordinates per volt for all observed vibration modes. A unit of a modal coordinate displaces the
+ * outputs by a root mean square of 1.
  */
 static void fill_modes(builder *builder)
 {
@@ -258,10 +262,10 @@ static void fill_noise(const builder *builder, double *noise)
 }
 
 /*
- * Compute the weight of each sensor, the inverse variance of its noise, for the fit of modes to
- * readings. Where every target node is measured, the weights are 1, or the squared target weights
- * if the target has free functions (shapes that may be added at no cost). All weights are scaled so
- * that the weighted readings of a mode have a root mean square of about 1.
+ * Compute the weight of each sensor, the inverse variance of its noise, for the fit of vibration
+ * modes to readings. Where every target node is measured, the weights are 1, or the squared target
+ * weights if the target has free functions (shapes that may be added at no cost). All weights are
+ * scaled so that the weighted readings of a mode have a root mean square of about 1.
  */
 static void fill_precision(builder *builder)
 {
@@ -286,9 +290,9 @@ static void fill_precision(builder *builder)
 }
 
 /*
- * Compute three weighted sums of products: of the readings of each two modes (over the sensors), of
- * each mode shape with itself, and of each mode shape with each column of the influence matrix
- * (over the targets).
+ * Compute three weighted sums of products: of the readings of every pair of vibration modes (over
+ * the sensors), of each mode shape with itself, and of each mode shape with each column of the
+ * influence matrix (over the targets).
  */
 static void fill_products(builder *builder)
 {
@@ -314,8 +318,9 @@ static void fill_products(builder *builder)
 /* ---- tables ----------------------------------------------------------- */
 
 /*
- * Gain of the low-pass filter of the part of the readings that the observed modes do not explain.
- * The gain is smaller where the first mode is not observed and its vibration decays slowly.
+ * Gain of the low-pass filter of the part of the readings that the observed vibration modes do not
+ * explain. The gain is smaller where the first mode is not observed and its vibration decays
+ * slowly.
  */
 static double residual_gain(const builder *builder)
 {

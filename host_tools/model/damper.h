@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Tables of the control tick that damps vibration (pzs_vibration), for one scene: which modes the
- * tick observes, how the sensors and the outputs move in these modes, and the gains
+ * Tables of the control tick that damps vibration (pzs_vibration), for one scene: which vibration
+ * modes the tick observes, how the sensors and the outputs move in these modes, and the gains
  * (damper_gains.h). The tick observes modes that turn by at most 2 rad in a tick and that move the
  * outputs, from the lowest on: no more modes than there are amplifiers that are not held, and fewer
  * modes than sensors. Modal coordinates are scaled so that a unit moves the outputs by a root mean
@@ -19,9 +19,9 @@ typedef struct damper {
                      only then */
     char reason[SCENE_ERROR]; /* where the control tick must damp vibration but cannot, the reason;
                                  otherwise empty */
-    int modes;                /* number of modes that the control tick observes */
+    int modes;                /* number of vibration modes that the control tick observes */
     double *frequency;        /* [modes] natural frequencies of the observed modes (Hz) */
-    double rate;              /* tick rate (1/s) */
+    double rate;              /* rate of the control tick that damps vibration (1/s) */
     double *memory;           /* one allocation that holds all arrays of the damper */
     pzs_vibration tables;
 } damper;
@@ -31,7 +31,7 @@ typedef struct damper {
  * vibration are made.
  */
 typedef struct damper_options {
-    double rate; /* tick rate (1/s) */
+    double rate; /* rate of the control tick that damps vibration (1/s) */
     int delay;   /* age of the readings of the sensors (ticks) */
     damper_settings settings;
 } damper_options;
@@ -45,7 +45,7 @@ damper_options damper_options_of(const analysis *analysis);
 /*
  * Make the tables of a control tick that damps vibration for given options, whether the loop needs
  * them or not. The other arguments are those of damper_open. Returns 0, or -1 with error filled and
- * the damper unused.
+ * `damper` unchanged.
  */
 int damper_make(damper *damper, const analysis *analysis, const estimator *estimator,
                 const damper_options *options, char *error);
@@ -68,7 +68,7 @@ int damper_open(damper *damper, const analysis *analysis, const estimator *estim
 int damper_allows_blocks(const analysis *analysis, char *error);
 void damper_close(damper *damper);
 
-/* Write one sentence on the observed modes, the tick rate and the delay. */
+/* Write one sentence on the observed vibration modes, the tick rate and the delay. */
 void damper_text(const damper *damper, char text[SCENE_ERROR]);
 
 #endif

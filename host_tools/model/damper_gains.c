@@ -18,8 +18,8 @@ enum { DOUBLINGS = 60 };
 static const double converged = 1e-14;
 
 /*
- * Variance of the process noise that the Kalman filter assumes for the position of a mode in one
- * tick; it keeps the Riccati equation regular.
+ * Variance of the process noise that the Kalman filter assumes for the position of a vibration mode
+ * in one tick; it keeps the Riccati equation regular.
  */
 static const double position_noise = 1e-12;
 
@@ -121,13 +121,17 @@ static int invert(double *a, double *x, size_t order)
 
 /* ---- Riccati equation ------------------------------------------------- */
 
-/* Matrices [n][n] of the structured doubling iteration for the Riccati equation. */
+/*
+ * Work matrices [n][n] of the structured doubling iteration that solves the Riccati equation of the
+ * observer.
+ */
 typedef struct doubling {
     size_t n;
-    double *a, *g, *h; /* [n][n] iterates a, g, h of the doubling; h converges to the solution of
-                          the Riccati equation */
+    double *a, *g, *h; /* [n][n] iterates a, g and h of the doubling iteration; h converges to the
+                          solution of the Riccati equation */
     double *w, *work, *aw, *other; /* [n][n] w: inverse of 1 + g h with the iterates g and h; aw:
-                                      iterate a times this inverse; work matrices */
+                                      iterate a times this inverse; `work` and `other`: work
+                                      matrices */
     double *memory;
 } doubling;
 
@@ -192,8 +196,8 @@ static double double_once(doubling *doubling)
 }
 
 /*
- * Set the initial iterates of the doubling: transposed transition matrix, measurement information
- * and process noise of the modes.
+ * Set the initial iterates of the doubling iteration for the Riccati equation: transposed
+ * transition matrix, measurement information and process noise of the vibration modes.
  */
 static void start_doubling(doubling *doubling, const damper_model *model,
                            const damper_settings *settings)
@@ -286,8 +290,8 @@ static int fill_explain(double *explain, const damper_model *model)
 /* ---- damping ---------------------------------------------------------- */
 
 /*
- * Change of a mode's static equilibrium that the control tick commands to damp the mode, per unit
- * of the mode's deviation from its equilibrium.
+ * Change of a vibration mode's static equilibrium that the control tick commands to damp the mode,
+ * per unit of the mode's deviation from its equilibrium.
  *   angle in  phase angle of the mode in a tick, angular frequency times tick interval (rad)
  */
 static double damping_of(double angle, const damper_settings *settings)

@@ -21,28 +21,29 @@
 #include <stddef.h>
 
 /*
- * Settings of the control tick that damps vibration. The angle of a mode is its angular frequency
- * times the tick interval.
+ * Settings of the control tick that damps vibration. The angle of a vibration mode is its angular
+ * frequency times the tick interval.
  */
 typedef struct damper_settings {
     double damping; /* damping per radian: in a tick, the voltages move the static equilibrium of a
-                       mode by `damping` times the phase angle of the mode in a tick (rad) times the
-                       mode's deviation from its equilibrium */
-    double cut; /* phase angle of a mode in a tick (rad) up to which modes are damped in full; modes
-                   with more than twice this angle are not damped */
-    double observed;     /* largest phase angle of an observed mode in a tick (rad) */
+                       vibration mode by `damping` times the phase angle of the mode in a tick (rad)
+                       times the mode's deviation from its equilibrium */
+    double cut; /* phase angle of a vibration mode in a tick (rad) up to which the mode is damped in
+                   full; modes with more than twice this angle are not damped */
+    double observed;     /* largest phase angle of an observed vibration mode in a tick (rad) */
     double follow;       /* fraction of the distance to the statically optimal voltages that a tick
-                            covers, per radian of the first mode's phase angle in a tick */
+                            covers, per radian of the first vibration mode's phase angle in a
+                            tick */
     double follow_limit; /* upper limit of the fraction of the distance to the statically optimal
                             voltages that a tick covers */
-    double mix;   /* weight, 0 to 1, of the deviation of a mode computed from the change of its
-                     velocity; the deviation computed from its position has the weight 1 - mix */
-    double kick;  /* process noise of the observer: root mean square random change of the first
-                     mode's velocity in a tick, relative to the noise of one sensor */
+    double mix;  /* weight, 0 to 1, of the deviation of a vibration mode computed from the change of
+                    its velocity; the deviation computed from its position has the weight 1 - mix */
+    double kick; /* process noise of the observer: root mean square random change of the first
+                    vibration mode's velocity in a tick, relative to the noise of one sensor */
     double drift; /* process noise of the observer: root mean square random change of the load on
-                     the first mode in a tick, relative to the noise of one sensor */
+                     the first vibration mode in a tick, relative to the noise of one sensor */
     double slow;  /* gain, 0 to 1, of the low-pass filter for the residual readings: readings minus
-                     those of the observed modes */
+                     those of the observed vibration modes */
     int later; /* number of ticks by which the readings are assumed to be older than the scene file
                   states; the observer tolerates newer readings better than older ones */
     bool is_gradient; /* true: damp along the gradient of the vibration energy, which decreases even
@@ -62,14 +63,15 @@ damper_settings damper_default_settings(void);
  */
 typedef struct damper_model {
     size_t modes, inputs, sensors;
-    const double *angle; /* [modes] angle of each mode in a tick, ascending (rad): angular frequency
-                            times tick interval */
-    const double *ratio; /* [modes] damping ratios of the modes */
-    const double *modal; /* [modes][inputs] static modal coordinate per volt of each input */
-    const double *overlap; /* [modes][modes] products of the modes' readings, summed over the
-                              sensors with their inverse variances */
-    const double *lift; /* [inputs][modes] weighted products of the influence columns with the mode
-                           shapes at the outputs */
+    const double *angle;   /* [modes] phase angle of each vibration mode in a tick, ascending (rad):
+                              angular frequency times tick interval */
+    const double *ratio;   /* [modes] damping ratio of each vibration mode */
+    const double *modal;   /* [modes][inputs] static coordinate of each vibration mode per volt of
+                              each input */
+    const double *overlap; /* [modes][modes] products of the readings of every pair of vibration
+                              modes, summed over the sensors with their inverse variances */
+    const double *lift; /* [inputs][modes] weighted products of each input's column of the influence
+                           matrix with the mode shapes at the outputs */
     const double *square; /* [modes] weighted squared norm of each mode shape at the outputs */
 } damper_model;
 
@@ -78,13 +80,17 @@ typedef struct damper_model {
  * all arrays.
  */
 typedef struct damper_gains {
-    double *turn;          /* [4][modes] propagators of free vibration over one tick */
-    double *observer;      /* [3][modes][modes] gains of the observer for position, velocity and
-                              static position of the modes (first index): matrices that multiply
-                              the errors of the fitted modal coordinates */
-    double *explain;       /* [modes][modes] matrix that fits modal coordinates to readings */
-    double *damping;       /* [modes][inputs] damping gradient per unit of each mode's deviation */
-    double *inverse_angle; /* [modes] reciprocal of the angle of each mode in a tick (1/rad) */
+    double *turn; /* [4][modes] propagator of each vibration mode, a 2 x 2 matrix that advances its
+                     free vibration by one tick */
+    double *observer; /* [3][modes][modes] gains of the observer for position, velocity and static
+                         position (first index) of the vibration modes: matrices that multiply the
+                         errors of the fitted modal coordinates */
+    double *explain;  /* [modes][modes] matrix that computes the coordinates of the vibration modes
+                         from readings, by a least-squares fit */
+    double *damping; /* [modes][inputs] damping gradient per unit of each vibration mode's deviation
+                        from its equilibrium */
+    double *inverse_angle; /* [modes] reciprocal of the phase angle of each vibration mode in a tick
+                              (1/rad) */
     double *covariance;    /* [3 modes][3 modes] covariance of the observer's error, or NULL */
     double share, mix, slow;
 } damper_gains;

@@ -42,7 +42,7 @@ void design_release(const void *table)
     free(owned.memory);
 }
 
-/* Append a dense row [dof] as a list of its nonzero entries. */
+/* Append a dense row [dof] to a sparse matrix, as a list of its nonzero entries. */
 static void append_row(row_builder *builder, const double *dense, int dof)
 {
     if (builder->rows + 2 > builder->room_rows) {
@@ -138,7 +138,8 @@ double design_target_gap(const design *design)
 }
 
 /*
- * Write to `error` that the value of a target row of the scene is not a finite number. Returns -1.
+ * Write to `error` that the target value of a controlled displacement is not a finite number.
+ * Returns -1.
  */
 static int refuse_value(const design *design, int target, scene_at at, char *error)
 {
@@ -242,7 +243,8 @@ static int build_places(design *design, int *node)
 
 /*
  * Append the rows of a named output of displacements or strains, one for each of its nodes. Outputs
- * of stresses are no rows: they depend on voltages, too. Returns 0, or -1 with error filled.
+ * of stresses have no rows, because they also depend on voltages. Returns 0, or -1 with error
+ * filled.
  */
 static int append_named(const design *design, int k, row_builder *rows, double *dense, char *error)
 {

@@ -30,15 +30,18 @@ typedef struct common_limits {
     double lower, upper; /* common limits for LIMITS_GIVEN, finite with lower <= upper (V) */
 } common_limits;
 
-/* Arrays of the limit rows of a voltage problem (limits between amplifiers), and their tables. */
+/*
+ * Arrays of the limit rows of a voltage problem (limits of weighted sums of voltages), and the
+ * tables made from them.
+ */
 typedef struct design_rows {
     uint32_t *start; /* [rows + 1] index of the first entry of each limit row in `input` and `value`
                       */
     uint16_t *input; /* [entries] amplifier to whose voltage each entry of a limit row belongs */
     double *value;   /* [entries] factor by which the limit row multiplies the voltage of the
                         amplifier (1) */
-    double *lower, *upper; /* [rows] lowest and highest value of the weighted sum of voltages of
-                              each limit row (V) */
+    double *lower, *upper; /* [rows] lower and upper limit of the weighted sum of voltages of each
+                              limit row (V) */
     double *safe; /* [amplifiers] voltages that obey all voltage limits and limit rows (V) */
     pzs_limit_rows tables;
 } design_rows;
@@ -49,8 +52,8 @@ typedef struct design_rows {
  * design.
  */
 typedef struct design {
-    const scene *scene; /* the scene from which the design is built, for the functions of the design
-                           alone; later stages do not use it */
+    const scene *scene; /* the scene from which the design is built, used only by the functions that
+                           build the design */
     mesh mesh;
     pzs_structure structure; /* Inputs in this order: amplifiers, loads, extra inputs, electrodes of
                                 sensors. Outputs: target nodes, then named outputs. The extra inputs
@@ -63,9 +66,10 @@ typedef struct design {
     int loads;                 /* number of loads; they are the inputs after the amplifiers */
     int sensor_first; /* index of the first input that is an electrode of a sensor; these electrodes
                          are the last inputs */
-    int targets;      /* number of target rows; they are the first outputs */
-    int *target_node; /* [targets] mesh node of each target row */
-    int *named_first; /* [scene outputs + 1] first output row of each named output of the scene */
+    int targets; /* number of target rows (controlled displacements), which are the first outputs */
+    int *target_node; /* [targets] mesh node of each target row (controlled displacement) */
+    int *named_first; /* [scene outputs + 1] index of the first output row of each named output of
+                         the scene */
     int *place_first; /* [scene outputs + 1] first entry in place_node of each named output of the
                          scene */
     int *place_node;  /* mesh nodes of the named outputs, one output after the other; an output
@@ -74,11 +78,13 @@ typedef struct design {
                          (shapes that may be added to the target at no cost) */
     double *wanted;   /* [targets] displacements that the voltages must cause: target minus
                          displacement under the scene's loads */
-    double *weight;   /* [targets] weight of each target row in the error; 0 for rows on constrained
-                         dof */
-    int fixed_rows;   /* number of target rows on constrained dof */
-    double *fixed_weight; /* [targets] for rows on constrained dof, the weight that the row had
-                             before its entry in `weight` was set to 0; 0 for the other rows */
+    double *weight; /* [targets] weight of each controlled displacement (target row) in the error; 0
+                       for rows on constrained dof */
+    int fixed_rows; /* number of controlled displacements (target rows) on constrained dof, which
+                       voltages cannot change */
+    double *fixed_weight; /* [targets] for controlled displacements on constrained dof, the weight
+                             that the row had before its entry in `weight` was set to 0; 0 for the
+                             other rows */
     int free_functions; /* number of free functions of the target: shapes that may be added to it at
                            no cost */
     double *free_value; /* [free_functions][targets] free functions of the target (shapes that may
@@ -94,11 +100,12 @@ typedef struct design {
                                                                voltages (V) */
     double *park; /* [amplifiers] voltages to which the supervisor parks the amplifiers (V) */
     pzs_problem problem;
-    design_rows rows; /* limit rows of the voltage problem (limits between amplifiers); empty if the
-                         scene has none */
+    design_rows rows; /* limit rows of the voltage problem (limits of weighted sums of voltages);
+                         empty if the scene has none */
 
     const char *name, *about, *path; /* name, purpose (may be NULL) and file of the scene */
-    scene_at at, at_layers;          /* positions for errors on the structure and on its layers */
+    scene_at at, at_layers; /* positions in the scene file for error messages about the structure
+                               and about its layers */
     scene_unit_names units;
     char (*amplifier_name)[SCENE_LABEL]; /* [amplifiers] name of the actuator, with the position in
                                             its grid if it has several amplifiers */
@@ -117,12 +124,12 @@ typedef struct design {
     const scene_support *support;   /* [supports] supports of the structure */
     const scene_spring *spring;     /* [springs] springs of the structure */
     const scene_load *load;         /* [loads] loads of the scene */
-    const scene_output *output;     /* [outputs] named outputs */
-    const scene_compare *compare;   /* [compares] voltages given for comparison */
-    const scene_quads *quads;       /* mesh from a file, or NULL */
+    const scene_output *output;     /* [outputs] named outputs of the scene */
+    const scene_compare *compare; /* [compares] voltages whose shape is compared with the optimum */
+    const scene_quads *quads;     /* mesh that is read from a file, or NULL */
     scene_contact contact;
     scene_limits limits;
-    scene_target goal; /* component, place and formula of the target */
+    scene_target goal; /* component, place and formula of the target shape */
     scene_estimate estimate;
     scene_simulate simulate;
     scene_dynamics dynamics;
@@ -169,7 +176,7 @@ int design_limits(const design *design, common_limits common, double *lower, dou
  */
 double design_depolarising_voltage(const scene *scene, const scene_drive *drive);
 
-/* Whether an amplifier is held, that is, whether its limits allow only one voltage. */
+/* Whether an amplifier is held at one voltage, because its limits allow no other voltage. */
 bool design_is_held(const design *design, int amplifier);
 
 void design_free(design *design);
@@ -191,13 +198,13 @@ int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell,
                      double h0[LAMINATE_STRAINS]);
 
 /*
- * One patch of a grid of patches, second grid index fastest, and the part of an element that the
- * patch covers.
+ * One patch of a grid of patches (numbered with the second grid index fastest), and the part of an
+ * element that the patch covers.
  */
 typedef struct design_part {
     int patch;
-    double share; /* covered part of the element, above 0 and up to 1; 1 for patches of whole
-                     elements */
+    double share; /* covered part of the element's area, above 0 and at most 1; 1 for patches of
+                     whole elements */
 } design_part;
 
 /*
@@ -217,9 +224,9 @@ int design_pieces(const design *design, const scene_patches *patches, int electr
                   bool draws_outline, outline_draw *draw, void *context);
 
 /*
- * Index of the value that belongs to a target row, in lists of values that the scene file gives.
- * For a measured influence matrix this is the index of the row in the matrix file, in which other
- * rows may be ignored.
+ * Index of the value that belongs to a controlled displacement (target row), in lists of values
+ * that the scene file gives. For a measured influence matrix this is the index of the row in the
+ * matrix file, in which other rows may be ignored.
  */
 int design_row(const design *design, int target);
 
@@ -240,7 +247,7 @@ int design_target_values(const design *design, const expr *wanted, scene_at at, 
                          char *error);
 
 /*
- * Evaluate a load at the nodes.
+ * Evaluate the value of a load at all nodes.
  *   value [nodes] out
  * Returns 0, or -1 with error filled where a value is not finite.
  */
@@ -253,15 +260,13 @@ int design_load_values(const mesh *mesh, const scene_load *load, double *value, 
 bool design_reads_displacements(const design *design);
 
 /*
- * Applied voltages of the scene's actuators.
- *   voltage [amplifiers] out  (V)
+ * Applied voltages of the actuators, which the scene file gives for solutions without optimisation.
  */
 void design_applied(const design *design, double *voltage);
 
 /*
- * Displacements of the target rows under a displacement vector of the structure.
- *   displacement [free_dof] in
- *   shape        [targets]  out
+ * Displacements of the target rows (controlled displacements) under a displacement vector of the
+ * structure.
  */
 void design_shape(const design *design, const double *displacement, double *shape);
 
@@ -301,14 +306,15 @@ void design_influence_free(const design *design, const double *influence, size_t
                            double *column, double *out);
 
 /*
- * Find the target rows on constrained dof, orthonormalise the free functions (shapes that may be
- * added to the target at no cost), and evaluate the target. Returns 0, or -1 with error filled.
+ * Find the controlled displacements (target rows) on constrained dof, orthonormalise the free
+ * functions (shapes that may be added to the target at no cost), and evaluate the target. Returns
+ * 0, or -1 with error filled.
  */
 int design_target_rows(design *design, char *error);
 
 /*
- * design_grow reallocates an array to `count` items of `size` bytes; where memory runs out, it
- * returns the old array and sets *full to true. design_release frees an array that the library's
+ * design_grow enlarges an allocated array to `count` items of `size` bytes; where memory runs out,
+ * it returns the old array and sets *full to true. design_release frees an array that the library's
  * tables declare const.
  */
 void *design_grow(void *old, size_t count, size_t size, bool *full);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Construction of the design of a scene from its mesh, inputs, outputs, targets and electrodes. */
+/*
+ * Construction of the design of a scene, the data that the library needs, from its mesh, inputs,
+ * outputs, targets and electrodes.
+ */
 #ifndef DESIGN_BUILD_H
 #define DESIGN_BUILD_H
 

@@ -38,7 +38,7 @@ static double build_hessian(design *design)
 /* Voltage limits of all amplifiers while they are being computed. */
 typedef struct limits {
     const scene *scene;
-    double *lower, *upper; /* [amplifiers] lowest and highest voltage (V) */
+    double *lower, *upper; /* [amplifiers] lowest and highest voltage that is allowed (V) */
 } limits;
 
 double design_depolarising_voltage(const scene *scene, const scene_drive *drive)
@@ -103,7 +103,8 @@ static void apply_own_limits(const limits *limits)
 }
 
 /*
- * Narrow the voltage limits by common limits (V). The voltage of a held amplifier does not change.
+ * Narrow the voltage limits of all amplifiers by common limits (V). An amplifier that is held at
+ * one voltage keeps this voltage.
  */
 static void narrow_by_common(const limits *limits, double lower, double upper)
 {
@@ -114,7 +115,7 @@ static void narrow_by_common(const limits *limits, double lower, double upper)
         }
 }
 
-/* Remove the voltage limits of all amplifiers that are not held. */
+/* Remove the voltage limits of all amplifiers that are not held at one voltage. */
 static void remove_limits(const limits *limits)
 {
     for (int k = 0; k < limits->scene->amplifiers; k++)
@@ -141,8 +142,8 @@ static int check_limits(const limits *bounds, const char *which, char *error)
 }
 
 /*
- * Compute the voltage limits from the scene file: those of the amplifier itself, else the common
- * ones, narrowed by the depolarisation fields. Returns 0, or -1 with error filled.
+ * Compute the voltage limits from the scene file: the limits of the single amplifier, or else the
+ * common limits, narrowed by the depolarisation fields. Returns 0, or -1 with error filled.
  */
 static int build_limits(const design *design, char *error)
 {

@@ -8,7 +8,10 @@
 #include <stdlib.h>
 #include "../data/point_area.h"
 
-/* Build the output rows; row i has the single entry 1 at dof i. Returns whether memory sufficed. */
+/*
+ * Build the output rows of a scene with a measured influence matrix; row i has the single entry 1
+ * at dof i. Returns whether memory sufficed.
+ */
 static bool make_outputs(design *design)
 {
     const size_t count = (size_t)design->mesh.free_dof;
@@ -26,8 +29,8 @@ static bool make_outputs(design *design)
 }
 
 /*
- * Compute the weights of the target rows: all 1, or by area with a mean square of 1. Returns 0, or
- * -1 with error filled.
+ * Compute the weights of the controlled displacements (target rows): all 1, or by area and scaled
+ * to a mean square of 1. Returns 0, or -1 with error filled.
  */
 static int make_weights(design *design, char *error)
 {

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Limits between amplifiers as limit rows of the voltage problem (design_rows.h). */
+/*
+ * Limits of sums and differences of voltages as limit rows of the voltage problem (design_rows.h).
+ */
 #include "design_rows.h"
 #include <math.h>
 #include <stdio.h>
@@ -8,16 +10,17 @@
 #include "../../lib/control/limit_rows.h"
 
 enum {
-    SWEEPS = 20000,   /* largest number of projections of voltages on all limit rows and voltage
-                         limits, one after the other */
-    MOST_TRIED = 400, /* largest number of limit rows for which a smallest contradictory set is
-                         looked for */
+    SWEEPS = 20000,   /* largest number of repetitions in which voltages are projected on each limit
+                         row and voltage limit in turn */
+    MOST_TRIED = 400, /* largest number of limit rows (limits of weighted sums of voltages) among
+                         which a smallest contradictory set is searched */
     MOST_NAMED = 4    /* largest number of limit rows that an error message names */
 };
 
 /*
- * Return the distance by which the safe voltages stay inside limit row k (V): twice the margin by
- * which a controller in single precision narrows the row against rounding errors.
+ * Return the distance by which the safe voltages stay inside limit row k, a limit of a weighted sum
+ * of voltages (V): twice the margin by which a controller in single precision narrows the row
+ * against rounding errors.
  */
 static double safe_margin(const design *design, int k)
 {
@@ -33,8 +36,9 @@ static double row_sum(const scene_limit_row *row, const double *voltage)
 }
 
 /*
- * Move voltages [amplifiers] by the shortest distance to limit row k, narrowed on each side by the
- * result of safe_margin. Returns by how much the row was violated (V), up to half of that margin.
+ * Move voltages [amplifiers] by the shortest distance to limit row k, narrowed on each side by a
+ * margin (safe_margin). Returns the violation of the row (V), in which half of the margin is
+ * tolerated.
  */
 static double project(const design *design, int k, double *voltage)
 {
@@ -92,8 +96,8 @@ void design_row_name(const design *design, int k, char *text, size_t size)
 }
 
 /*
- * Write to `text` the names and limits of the limit rows that contradict each other. is_used [rows]
- * is true for these rows.
+ * Write to `text` the names and limits of the limit rows (limits of sums of voltages) that
+ * contradict each other. is_used [rows] is true for these rows.
  */
 static void name_clash(const design *design, const bool *is_used, char *text, size_t size)
 {
@@ -179,8 +183,8 @@ static int check_finite(const design *design, char *error)
 }
 
 /*
- * Check that the limits of every limit row are far enough apart for its rounding errors in single
- * precision. Returns 0, or -1 with error filled.
+ * Check that lower and upper limit of every weighted sum of voltages are farther apart than the
+ * rounding errors of the sum in single precision. Returns 0, or -1 with error filled.
  */
 static int check_width(const design *design, char *error)
 {
@@ -197,7 +201,10 @@ static int check_width(const design *design, char *error)
     return 0;
 }
 
-/* Copy the limit rows of the scene into the arrays of the design's tables. */
+/*
+ * Copy the limits of weighted sums of voltages (limit rows) of the scene into the arrays of the
+ * design's tables.
+ */
 static void copy_rows(design *design)
 {
     design_rows *rows = &design->rows;

@@ -25,13 +25,22 @@ int design_rows_build(design *design, char *error);
 int design_rows_safe(const design *design, const double *lower, const double *upper, double *safe,
                      char *error);
 
-/* Write the name of limit row k, such as `v_1 - v_2`, to `text` of `size` bytes. */
+/*
+ * Write the name of limit row k, a limit of a weighted sum of voltages, such as `v_1 - v_2`, to
+ * `text` of `size` bytes.
+ */
 void design_row_name(const design *design, int k, char *text, size_t size);
 
-/* Return whether voltages [amplifiers] reach a limit of limit row k, except for rounding errors. */
+/*
+ * Return whether voltages [amplifiers] reach the lower or upper limit of limit row k (limit of a
+ * weighted sum of voltages), except for rounding errors.
+ */
 bool design_row_binds(const design *design, int k, const double *voltage);
 
-/* Return the number of limit rows one of whose limits is reached by voltages [amplifiers]. */
+/*
+ * Return the number of limit rows (limits of weighted sums of voltages) whose lower or upper limit
+ * the voltages [amplifiers] reach.
+ */
 int design_rows_active(const design *design, const double *voltage);
 
 #endif

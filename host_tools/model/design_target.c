@@ -22,8 +22,8 @@ static bool is_prescribed(const mesh *mesh, uint16_t dof)
 }
 
 /*
- * Whether the displacement of a target row depends on constrained dof alone, so that the row cannot
- * move.
+ * Whether a controlled displacement (target row) depends on constrained dof alone, so that voltages
+ * cannot change it.
  */
 static bool is_constrained(const design *design, int row)
 {
@@ -35,8 +35,8 @@ static bool is_constrained(const design *design, int row)
 }
 
 /*
- * Set the weights of target rows on constrained dof to 0 and keep their former weights in
- * fixed_weight.
+ * Set the weights of the controlled displacements (target rows) on constrained dof to 0, and keep
+ * their former weights in fixed_weight.
  */
 static void separate_fixed_rows(design *design)
 {
@@ -94,7 +94,10 @@ static void fit(const design *design, const double *shape, const double *wanted,
     }
 }
 
-/* Sum of the squares of a shape [targets], weighted with the weights of the target rows. */
+/*
+ * Sum of the squares of a shape [targets], weighted with the weights of the target rows (controlled
+ * displacements).
+ */
 static double weighted_squares(const design *design, const double *shape)
 {
     double sum = 0;
@@ -104,8 +107,8 @@ static double weighted_squares(const design *design, const double *shape)
 }
 
 /*
- * Bound of the rounding errors in the residual of a least-squares fit to a vector: weighted norm of
- * these errors relative to the weighted norm of the vector.
+ * Bound of the rounding errors in the residual of the least-squares fit of the target's free
+ * functions to a vector: weighted norm of these errors relative to the weighted norm of the vector.
  */
 static double rounding(const design *design)
 {
@@ -131,7 +134,7 @@ static void remove_fit(const design *design, int count, double *shape)
 
 /*
  * Evaluate free function j (a shape that may be added to the target at no cost) at the target
- * nodes, orthogonalise it to the free functions before it and scale it to the weighted norm 1.
+ * nodes, orthogonalise it to the preceding free functions and scale it to the weighted norm 1.
  * Returns 0, or -1 with error filled.
  */
 static int add_free(design *design, int j, char *error)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Eigenvalues of small dense matrices. */
+/* Eigenvalues and spectral radius of small dense matrices. */
 #ifndef EIGEN_H
 #define EIGEN_H
 

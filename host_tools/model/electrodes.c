@@ -8,7 +8,7 @@
 
 /*
  * Voltage that one input applies across one ply of an element: `factor` times the value of the
- * input, on the part `share` of the element's area.
+ * input, on the fraction `share` of the element's area.
  */
 typedef struct across {
     int input, ply;
@@ -23,7 +23,7 @@ typedef struct across_list {
     across *entry;
     design_part *part; /* work array for the patches of one actuator or sensor in the element */
     int count, room;
-    bool is_full; /* true after an allocation of memory has failed */
+    bool is_full; /* whether an allocation of memory has failed */
 } across_list;
 
 /* Enlarge a list so that `more` further entries fit. */

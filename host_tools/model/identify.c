@@ -33,9 +33,9 @@ static const double least_slope = 0.1;
 
 /*
  * Weight of the rows that penalise differences between unknowns, relative to the rows of the
- * samples: between both weights of a play operator, and between the creep amplitudes of
- * neighbouring time constants. A small value suffices to equalise unknowns that the sweep cannot
- * distinguish.
+ * samples: between the two weights of a play operator (element with backlash), and between the
+ * creep amplitudes of neighbouring time constants. A small value suffices to equalise unknowns that
+ * the sweep cannot distinguish.
  */
 static const double likeness = 0.05;
 
@@ -49,11 +49,13 @@ typedef struct fit {
     const sweep *sweep;
     size_t plays, unknowns, rows;
     double middle, half_range; /* middle and half width of the voltage range (V) */
-    double lowest, highest;    /* lowest and highest measured position */
+    double lowest, highest;    /* lowest and highest measured position of the sweep */
     double unit; /* range of the positions over range of the voltages, the unit of the unknowns */
-    double slack[SCENE_PLAYS]; /* slack of each play operator (V) */
-    double *matrix;            /* [rows][unknowns] matrix of the least-squares problem */
-    double *wanted, *weight;   /* [rows] right-hand side and weights of the least-squares problem */
+    double slack[SCENE_PLAYS]; /* slack of each play operator, an element with backlash (V) */
+    double *matrix; /* [rows][unknowns] matrix of the least-squares problem for the hysteresis model
+                     */
+    double *wanted, *weight; /* [rows] right-hand side and weights of the least-squares problem for
+                                the hysteresis model */
     double *bound; /* [4][unknowns] lower bounds, upper bounds, step limits and reference values of
                       the unknowns */
     double *value; /* [unknowns] solution of the least-squares problem */
@@ -203,7 +205,7 @@ static void fill_samples(fit *fit)
     }
 }
 
-/* Fill row i of the least-squares problem, which penalises the difference of two unknowns. */
+/* Fill row i of the least-squares problem so that it penalises the difference of two unknowns. */
 static void make_alike(fit *fit, size_t i, size_t one, size_t other)
 {
     double *row = fit->matrix + i * fit->unknowns;
@@ -228,8 +230,8 @@ static void fill_likeness(fit *fit)
 }
 
 /*
- * Set the bounds of the unknowns: at least least_slope for the slopes, none for the constant, at
- * least 0 for all others.
+ * Set the bounds of the unknowns: at least least_slope for the slopes, no bound for the constant,
+ * at least 0 for all others.
  */
 static void fill_bounds(fit *fit)
 {
@@ -274,9 +276,9 @@ static int solve(fit *fit, char *error)
 /* ---- result ----------------------------------------------------------- */
 
 /*
- * Change of the effect per volt when the voltage goes from its lowest to its highest value, without
- * creep. The position of each play operator changes by the range of the voltages minus twice its
- * slack.
+ * Change of the ceramic's effect (equivalent voltage without hysteresis) per volt when the voltage
+ * goes from its lowest to its highest value, without creep. The position of each play operator
+ * changes by the range of the voltages minus twice its slack.
  */
 static double swing_gain(const fit *fit)
 {
@@ -303,7 +305,8 @@ static void take_list(scene_short_list *list, const double *value, size_t count,
  */
 static double effect_at_start(const fit *fit)
 {
-    const double place = -fit->middle; /* all play operators start at 0 V */
+    const double place = -fit->middle; /* All play operators of the hysteresis model start at 0 V.
+                                        */
     double row[SLOPES], sum = fit->value[fit->unknowns - 1] * fit->half_range;
     fill_slopes(fit, place, row);
     for (int i = 0; i < SLOPES; i++)

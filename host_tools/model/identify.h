@@ -17,10 +17,10 @@
 
 /* Measured sweep: samples of voltage and position at a constant rate. */
 typedef struct sweep {
-    size_t count;          /* number of samples, at most 60000 */
+    size_t count;          /* number of samples of the sweep, at most 60000 */
     const double *voltage; /* [count] voltage that has been applied since the previous sample (V) */
     const double *position; /* [count] measured position, in any unit of length */
-    double rate;            /* sample rate (1/s) */
+    double rate;            /* sample rate of the sweep (1/s) */
 } sweep;
 
 typedef struct identification {

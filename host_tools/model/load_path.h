@@ -10,7 +10,7 @@
 
 #include <stdbool.h>
 
-/* One equilibrium on the load path. */
+/* One equilibrium on the load path, the sequence of equilibria under a growing load. */
 typedef struct load_path_point {
     double load_factor;  /* factor of all input values; 1 is the full load */
     int negative_pivots; /* number of negative pivots of the tangent stiffness; 0: the equilibrium
@@ -41,7 +41,7 @@ typedef struct load_path {
                                                 reference state */
     load_path_event event[LOAD_PATH_EVENTS]; /* critical points in the order of the load path; those
                                                 beyond LOAD_PATH_EVENTS are not stored */
-    int rows;                                /* number of output rows of the structure */
+    int rows;         /* number of output rows (displacements) of the structure */
     double *value;    /* [points][rows] values of all output rows at each point of the load path */
     bool is_complete; /* whether the load path has reached the full load */
 } load_path;

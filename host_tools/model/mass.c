@@ -31,8 +31,9 @@ static const double gauss_w[POINTS] = {0.3478548451374538, 0.6521451548625461, 0
                                        0.3478548451374538};
 
 /*
- * Add weight times f f' to the moments m, where f holds the three displacement functions 1, t and h
- * (1 - 4 t^2/h^2) at the height t above the middle of a laminate of thickness h.
+ * Add weight times f f' to the moments m of the mass over the thickness, where the vector f holds
+ * the three displacement functions 1, t and h (1 - 4 t^2/h^2) at the height t above the middle of a
+ * laminate of thickness h.
  */
 static void add_moments(double t, double h, double weight, double m[FUNCTIONS][FUNCTIONS])
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Material constants multiplied by factors, for structures that differ from the scene file. */
+/* Material constants multiplied by factors, for simulated structures that differ from the scene. */
 #ifndef MATERIAL_SCALE_H
 #define MATERIAL_SCALE_H
 

@@ -19,7 +19,7 @@ typedef struct mesh_values {
     } item[MESH_VALUES];
 } mesh_values;
 
-/* Estimated discretisation error of one result. */
+/* Estimated discretisation error of one result of an analysis. */
 typedef struct mesh_estimate {
     double value;        /* value of the result on the mesh of the scene */
     double extrapolated; /* extrapolated result for infinitely many elements */
@@ -33,7 +33,7 @@ typedef struct mesh_error {
     int meshes; /* number of meshes that were analysed, 2 or 3; 0: no estimate was asked for */
     int elements[MESH_LEVELS][2]; /* number of elements along theta1 and theta2 on each mesh, the
                                      scene's mesh first */
-    mesh_values values;           /* all results on the mesh of the scene */
+    mesh_values values;           /* all results of the analysis on the mesh of the scene */
     mesh_estimate estimate[MESH_VALUES];
     char why_two[SCENE_ERROR]; /* where only two meshes were analysed, the reason why there is no
                                   third one */
@@ -62,13 +62,8 @@ void mesh_values_add(mesh_values *values, const char *name, double value);
 typedef int mesh_measure(const scene *scene, const void *context, mesh_values *values, char *error);
 
 /*
- * Repeat an analysis on coarser meshes and estimate the discretisation error of its results.
- *   scene   in  with an even number of elements, or one, in each direction
- *   values  in  results on the mesh of the scene
- *   measure in  function that computes these results for a scene with another mesh
- * A direction with one element keeps it, so that its discretisation error is not in the estimate.
- * Returns 0, or -1 with error filled where the mesh cannot be halved or the analysis of the half
- * mesh fails.
+ * Repeat an analysis on coarser meshes and estimate the discretisation error of its results by
+ * extrapolation.
  */
 int mesh_error_make(mesh_error *result, const scene *scene, const mesh_values *values,
                     mesh_measure *measure, const void *context, char *error);

@@ -16,8 +16,8 @@ double modal_damping(const scene_dynamics *dynamics, int mode, double frequency)
 }
 
 /*
- * Fill the data of one mode: angular frequency, damping ratio, displacements of the output rows,
- * and static response to the inputs.
+ * Fill the data of one vibration mode: angular frequency, damping ratio, displacements of the
+ * output rows, and static response to the inputs.
  */
 static void fill_mode(modal *modal, const design *design, const vibration *vibration, size_t mode)
 {

@@ -8,16 +8,17 @@
 #include "vibration.h"
 
 /*
- * Damping ratio of a mode by the scene's section `dynamics`: one ratio for all modes; or the entry
- * of a list, whose last entry also applies to all later modes; or Rayleigh damping a/(2 w) + b w/2
- * with the angular frequency w.
+ * Damping ratio of a vibration mode, from the scene's section `dynamics`: one ratio for all modes;
+ * or the entry of a list, whose last entry also applies to all later modes; or Rayleigh damping
+ * a/(2 w) + b w/2 with the angular frequency w.
  *   mode      in  0 for the first mode that is not a rigid motion
  *   frequency in  angular frequency (rad/s)
  */
 double modal_damping(const scene_dynamics *dynamics, int mode, double frequency);
 
 /*
- * Fill the modal description from computed modes of the design. Rigid motions are left out.
+ * Fill the modal description of a structure from its computed vibration modes. Rigid motions are
+ * left out.
  *   inputs in  number of inputs of the structure to include, counted from the first one
  * Returns whether memory sufficed; call modal_close in either case.
  */

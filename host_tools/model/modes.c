@@ -1,12 +1,17 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Errors of each mode of a target, taken as the only target (modes.h). */
+/*
+ * Errors of each alternative target shape (the scene calls them modes of the target), taken as the
+ * only target (modes.h).
+ */
 #include "modes.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "../system/progress.h"
 
-/* Compute the shape error and the largest voltage without limits for one mode of the target. */
+/*
+ * Compute the shape error and the largest voltage without limits for one alternative target shape.
+ */
 static int run_unconstrained(analysis *analysis, mode *mode, char *error)
 {
     voltages result;
@@ -38,7 +43,10 @@ static int run_limited(analysis *analysis, common_limits limit, mode_left *resul
     return failed ? -1 : 0;
 }
 
-/* Root mean square of the target displacements, weighted with the weights of the target rows. */
+/*
+ * Root mean square of the target displacements, weighted with the weights of the target rows
+ * (controlled displacements).
+ */
 static double target_size(const design *design)
 {
     double weights = 0;
@@ -48,8 +56,9 @@ static double target_size(const design *design)
 }
 
 /*
- * Compute the results of mode k of the target.
- *   loaded [targets] in  displacement under the scene's loads, which is subtracted from the mode
+ * Compute the results of number k of the alternative target shapes.
+ *   loaded [targets] in  displacement under the scene's loads, which is subtracted from the target
+ *                        shape
  */
 static int run_mode(modes *modes, int k, analysis *analysis, const double *loaded,
                     const common_limits *limit, char *error)
@@ -76,9 +85,9 @@ int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int 
     modes->limits = limits;
     modes->mode = calloc(count + 1, sizeof *modes->mode);
     modes->left = calloc(count * (size_t)limits + 1, sizeof *modes->left);
-    double *kept = calloc(3 * targets + 1, sizeof *kept); /* [3][targets] copies of the design's
-                                                             target and of its wanted displacements,
-                                                             and their difference */
+    double *kept = calloc(3 * targets + 1,
+                          sizeof *kept); /* [3][targets] copy of the design's target, copy of its
+                                            wanted displacements, and the difference of both */
     int failed =
         !modes->mode || !modes->left || !kept
             ? scene_fault(design->goal.what.at, error, "%zu modes do not fit into memory", count)

@@ -1,39 +1,42 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Results for each mode of a target that is given as a list of modes. Each mode is taken as the
- * only target, and its error is computed without voltage limits, at the optimum within limits, and
- * for clipped least squares.
+ * Results for each shape of a target that is given as a list of alternative shapes (modes of the
+ * target). Each shape is taken as the only target, and its error is computed without voltage
+ * limits, at the optimum within limits, and for clipped least squares.
  */
 #ifndef MODES_H
 #define MODES_H
 
 #include "voltages.h"
 
-/* Errors that remain for one mode of the target within one pair of voltage limits. */
+/* Errors that remain for one alternative target shape within one pair of voltage limits. */
 typedef struct mode_left {
     double limit[2];    /* lowest and highest voltage that any amplifier may give (V) */
     double optimum;     /* relative shape error of the optimum within these limits */
     double clipped;     /* relative shape error of clipped least squares */
     double regularised; /* relative shape error of regularised and then clipped least squares, with
-                           the regularisation parameter that is best for this mode */
+                           the regularisation parameter that is best for this target shape */
     int active_limits;  /* number of amplifiers that are at a limit at the optimum */
 } mode_left;
 
 typedef struct mode {
-    double size; /* root mean square of the mode's displacements at the target nodes */
+    double size; /* root mean square of the target shape's displacements at the target nodes */
     double unconstrained_error; /* relative shape error of the optimum without voltage limits */
     double largest_voltage; /* largest absolute voltage of the optimum without voltage limits (V) */
 } mode;
 
 typedef struct modes {
     int count, limits;
-    mode *mode;      /* [count] results of each mode, in the order of the scene */
-    mode_left *left; /* [count][limits] results of each mode within each pair of voltage limits */
+    mode *mode; /* [count] results of each alternative target shape, in the order of the scene file
+                 */
+    mode_left *left; /* [count][limits] results of each alternative target shape within each pair of
+                        voltage limits */
 } modes;
 
 /*
- * Compute the results of every mode on the structure that analysis->nonlinear selects (1:
- * nonlinear, 0: linear), after analysis_influence. The design's target is restored afterwards.
+ * Compute the results of every alternative target shape on the structure that analysis->nonlinear
+ * selects (1: nonlinear, 0: linear), after analysis_influence. The design's target is restored
+ * afterwards.
  *   limit [limits] in  common voltage limits, as for voltages_optimum
  * Returns 0, or -1 with error filled; call modes_free in either case.
  */

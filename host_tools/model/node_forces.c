@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Displacements and forces at nodes as weights of their dof (node_forces.h). */
+/* Displacements and forces at nodes as weighted sums over the dof of the nodes (node_forces.h). */
 #include "node_forces.h"
 #include "../../lib/model/shell.h"
 

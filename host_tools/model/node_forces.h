@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Displacements and forces at nodes as weights of their dof, and nodal forces of an element, added
- * to dense rows over the free dof of a mesh.
+ * Displacements and forces at nodes as weighted sums over the dof of the nodes, and nodal forces of
+ * an element, added to dense rows over the free dof of a mesh.
  */
 #ifndef NODE_FORCES_H
 #define NODE_FORCES_H
@@ -23,7 +23,7 @@ void node_face_weights(const mesh *mesh, scene_face face, const double direction
                        double weight[7]);
 
 /*
- * Add weights on the free dof of a node, multiplied by a factor, to a dense row.
+ * Add weights on the dof of a node, multiplied by a factor, to a dense row over the free dof.
  *   weight [dof_per_node] in
  *   dense  [free_dof]     in/out
  */

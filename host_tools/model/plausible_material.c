@@ -117,7 +117,7 @@ int measure_piezo(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Permittivity of a material; that of vacuum is the smallest that exists. */
+/* Measure the permittivity of a material. No permittivity is smaller than that of vacuum. */
 int measure_permittivity(const subject *of, int k, measured *found)
 {
     const scene *scene = of->scene;
@@ -132,7 +132,7 @@ int measure_permittivity(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Absolute pyroelectric constant of a material. */
+/* Measure the absolute pyroelectric constant of a material. */
 int measure_pyroelectric(const subject *of, int k, measured *found)
 {
     const scene *scene = of->scene;

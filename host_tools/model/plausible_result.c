@@ -199,7 +199,7 @@ int measure_idle(const subject *of, int k, measured *found)
 /*
  * Measure the largest displacement of the target, divided by the thickness. The rule applies to a
  * control loop whose influence matrix belongs to the undeformed shape (at_target false) or to the
- * shape at the target (at_target true); the number is NAN for a loop of the other type.
+ * shape at the target (at_target true); for any other loop the number is NAN.
  */
 static int measure_target_amplitude(const subject *of, int k, bool at_target, measured *found)
 {

@@ -14,12 +14,13 @@ static const units_unit modulus_unit = {{-2, 1, 0, 0, 0, 0}, 0, 0};
 /* ---- depolarisation fields -------------------------------------------- */
 
 /*
- * Whether the piezoelectric constants of a material across the poling exceed those of polymers and
- * nitrides, as those of ceramics, crystals and composites of them do.
+ * Whether the piezoelectric constants of a material across the poling direction exceed those of
+ * polymers and nitrides, as those of ceramics, crystals and composites of them do.
  */
 static bool is_strong(const scene *scene, const scene_material *material)
 {
-    static const double strongest_polymer = 6e-11; /* m/V */
+    static const double strongest_polymer = 6e-11; /* largest piezoelectric constant of a polymer
+                                                      (m/V) */
     const double stiff = fmax(material->e[0], fmax(material->e[1], material->e[2]));
     const double strain = fmax(fabs(material->d31), fabs(material->d32));
     const double stress = fmax(fabs(material->piezo_e[0]), fabs(material->piezo_e[1]));
@@ -101,14 +102,16 @@ int measure_depolarisation(const subject *of, int k, measured *found)
 enum { STRENGTHS = 5 };
 
 /*
- * Strength of number k % STRENGTHS of a material over the modulus of the same direction, for soft
- * materials or for all others; soft ones are rubbers, foams and, where the units are unknown, all.
+ * Strength of number k % STRENGTHS of a material divided by the elastic modulus of the same
+ * direction, either for soft materials (rubbers, foams) or for all others. Where the units are
+ * unknown, all materials count as soft.
  */
 static int measure_strength_of(const subject *of, int k, bool wants_soft, measured *found)
 {
     static const char *const name[STRENGTHS] = {"tension 1", "tension 2", "compression 1",
                                                 "compression 2", "shear"};
-    static const double softest_solid = 5e8; /* Pa */
+    static const double softest_solid = 5e8; /* smallest Young's modulus of a material that is not
+                                                soft (Pa) */
     const scene *scene = of->scene;
     const int i = k % STRENGTHS;
     if (k >= STRENGTHS * scene->materials)

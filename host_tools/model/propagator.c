@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Propagator of the free vibration of one mode over an interval (propagator.h). */
+/* Propagator of the free vibration of one vibration mode over an interval (propagator.h). */
 #include "propagator.h"
 #include <math.h>
 

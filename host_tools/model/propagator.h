@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Exact free vibration of one mode over a time interval. */
+/* Exact free vibration of one vibration mode over a time interval. */
 #ifndef PROPAGATOR_H
 #define PROPAGATOR_H
 
 /*
- * Propagator of one mode over an interval with constant inputs, exact below and above critical
- * damping. With d the deviation from equilibrium and p = (dd/dt)/w the velocity over the angular
- * frequency w, the values after the interval are r[0] d + r[1] p and r[2] d + r[3] p.
+ * Propagator of one vibration mode over an interval with constant inputs, exact below and above
+ * critical damping. With d the deviation from equilibrium and p = (dd/dt)/w the velocity over the
+ * angular frequency w, the deviation after the interval is r[0] d + r[1] p, and the scaled velocity
+ * r[2] d + r[3] p.
  *   frequency in   angular frequency w (rad/s)
  *   damping   in   damping ratio
  *   interval  in   (s)

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Stresses and strains of a solved structure, with the transverse stresses from equilibrium. */
+/*
+ * Stresses and strains of a solved structure, in which the transverse stresses follow from the
+ * equilibrium of stresses.
+ */
 #ifndef STRESS_H
 #define STRESS_H
 

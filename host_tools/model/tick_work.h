@@ -40,8 +40,8 @@ typedef struct tick_work {
 /*
  * Limit of the optimiser's work in one tick (multiply-adds) that processor clock and tick rate of
  * the scene allow, at least PZS_WORK_LEAST; 0 where the scene file does not give both. With a
- * governor, each tick also computes the static optimum for the moving target; this second voltage
- * problem and the control step may each take half of the tick.
+ * governor, each tick also computes the static optimum for the moving target; the optimisation for
+ * this static optimum and the control step may each take half of the tick.
  */
 uint64_t tick_work_limit(const design *design);
 

@@ -63,9 +63,10 @@ static double diagonal(const unconstrained *solver, size_t k)
 }
 
 /*
- * Next pivot: the input with the largest ratio of its not yet eliminated diagonal entry to its
- * original one, so that it depends least on the inputs eliminated so far. Returns the number of
- * inputs, which is the index of no input, where this ratio is only a rounding error for all inputs.
+ * Choose the next pivot: the input with the largest ratio of its not yet eliminated diagonal entry
+ * to its original one, so that it depends least on the inputs eliminated so far. Returns the number
+ * of inputs, which is the index of no input, where this ratio is only a rounding error for all
+ * inputs.
  */
 static size_t next_pivot(const unconstrained *solver)
 {
@@ -117,8 +118,8 @@ void unconstrained_factor(unconstrained *solver, double regularisation)
 
 /*
  * Compute the negative gradient of half the objective at the present voltages v: B'W^2 (e - B v) +
- * r (v0 - v), with influence matrix B, weights W, error e to be corrected, regularisation r and
- * reference voltages v0.
+ * r (v0 - v), with influence matrix B, weights W, target error e, regularisation r and reference
+ * voltages v0.
  */
 static void renew_gradient(unconstrained *solver, const double *error, const double *voltage)
 {

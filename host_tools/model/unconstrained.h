@@ -21,7 +21,7 @@ typedef struct unconstrained {
     double *normal;    /* [inputs][inputs] normal matrix B'W^2 B of influence matrix B and weights W
                           (m2/V2) */
     double *factor;    /* [inputs][inputs] Cholesky factor of the regularised normal matrix: one row
-                          for each input, one column for each pivot */
+                          for each input, one column for each pivot in the order of elimination */
     double *remaining; /* [inputs] diagonal entries of the part of the normal matrix that is not yet
                           eliminated */
     double *gradient;  /* [inputs] negative gradient of half the objective (m2/V) */

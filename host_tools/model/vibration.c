@@ -17,34 +17,34 @@
 #include "../mesh/springs.h"
 
 /*
- * Number of starting vectors for a supported structure and for one that can move as a rigid body,
- * sweeps of Jacobi's method, largest number of checks for missing modes, and largest number of
- * trial shifts.
+ * Constants of the Lanczos method: number of starting vectors for a supported structure and for one
+ * that can move as a rigid body, sweeps of Jacobi's method, largest number of checks for missing
+ * vibration modes, and largest number of trial shifts.
  */
 enum { BLOCK = 3, BLOCK_LOOSE = 6, SWEEPS = 30, CHECKS = 8, SHIFTS = 80 };
 
-/* Relative residual of a Ritz pair at which its mode counts as converged. */
+/* Relative residual of a Ritz pair at which its vibration mode counts as converged. */
 static const double converged_at = 1e-8;
 
 /*
- * Error of squared frequencies near 0 relative to the shift, and bound relative to the shift below
- * which a mode counts as a rigid motion.
+ * Bounds relative to the shift of the Lanczos method: error of squared frequencies near 0, and
+ * squared frequency below which a vibration mode counts as a rigid motion.
  */
 static const double known_to = 1e-6, rigid_below = 1e-8;
 
 /*
- * Condition of the stiffness matrix above which a structure gets a positive shift, as one that can
- * move as a rigid body.
+ * Condition number of the stiffness matrix above which the Lanczos method uses a positive shift, as
+ * for a structure that can move as a rigid body.
  */
 static const double held_below = 1e10;
 
 static const double two_pi = 6.283185307179586;
 
 /*
- * State of the Lanczos search for the lowest modes. Column j of the projection holds the products
- * of A times basis vector j with the basis, where A = (K + shift M)^-1 M with stiffness matrix K
- * and mass matrix M, for the first `done` vectors. The rows from `done` on measure how far the span
- * of these vectors is from being invariant under A.
+ * State of the Lanczos search for the lowest vibration modes. Column j of the projection holds the
+ * products of A times basis vector j with the basis, where A = (K + shift M)^-1 M with stiffness
+ * matrix K and mass matrix M, for the first `done` vectors. The rows from `done` on measure how far
+ * the span of these vectors is from being invariant under A.
  */
 typedef struct search {
     const design *design;
@@ -53,7 +53,8 @@ typedef struct search {
     void *work;
     uint8_t *held; /* [free_dof] flags of dof with a prescribed displacement, which are fixed at 0
                       for vibration */
-    size_t free_dof, room; /* number of free dof; number of basis vectors that the memory holds */
+    size_t free_dof, room; /* number of free dof, and number of basis vectors for which there is
+                              memory */
     double shift;
     double *basis; /* [room][free_dof] basis vectors, orthonormal with the mass matrix */
     size_t made, done;
@@ -62,8 +63,9 @@ typedef struct search {
     double *next;        /* [free_dof] work vector: the next basis vector */
     double *mass_next;   /* [free_dof] work vector: product of the mass matrix and the next basis
                             vector */
-    double *ritz, *turn; /* ritz [done][done]: Ritz values on the diagonal; turn [done][done]:
-                            eigenvectors as columns */
+    double *ritz, *turn; /* ritz [done][done]: Ritz values (approximate eigenvalues) on the
+                            diagonal; turn [done][done]: eigenvectors of the projection as columns
+                          */
     size_t *order; /* [done] indices of the Ritz pairs (approximate eigenvalues with eigenvectors)
                       by decreasing Ritz value */
     uint64_t seed;
@@ -228,7 +230,10 @@ static void apply(search *search, const double *vector)
     search->solves++;
 }
 
-/* Append a random vector, in which the lowest modes dominate, behind the last basis vector. */
+/*
+ * Append a random vector, in which the lowest vibration modes dominate, behind the last basis
+ * vector.
+ */
 static void append_random(search *search)
 {
     double *vector = search->basis + search->made * search->free_dof;
@@ -264,7 +269,9 @@ static double ritz_value(const search *search, size_t i)
     return search->ritz[k * search->done + k];
 }
 
-/* Squared angular frequency of the i-th lowest Ritz pair. */
+/*
+ * Squared angular frequency of the i-th lowest Ritz pair (approximate eigenvalue and eigenvector).
+ */
 static double square_of(const search *search, size_t i)
 {
     return 1 / ritz_value(search, i) - search->shift;
@@ -299,7 +306,10 @@ static void find_ritz(search *search)
     sort_values(search);
 }
 
-/* Residual norm of the i-th Ritz pair relative to its Ritz value. */
+/*
+ * Residual norm of the i-th Ritz pair (approximate eigenvalue and eigenvector) relative to its Ritz
+ * value.
+ */
 static double residual(const search *search, size_t i)
 {
     double sum = 0;
@@ -313,7 +323,9 @@ static double residual(const search *search, size_t i)
     return sqrt(sum) / ritz_value(search, i);
 }
 
-/* Whether the first `number` Ritz pairs have converged. */
+/*
+ * Whether the first `number` Ritz pairs (approximate eigenvalues and eigenvectors) have converged.
+ */
 static int have_converged(const search *search, size_t number)
 {
     if (search->done < number)
@@ -325,8 +337,8 @@ static int have_converged(const search *search, size_t number)
 }
 
 /*
- * Number of modes to check: the required ones, and those whose frequencies cannot be distinguished
- * from the last required one.
+ * Number of vibration modes to check: the required ones, and those whose frequencies cannot be
+ * distinguished from the last required one.
  */
 static size_t cluster_end(const search *search, size_t number)
 {
@@ -339,8 +351,8 @@ static size_t cluster_end(const search *search, size_t number)
 }
 
 /*
- * Extend the basis until the lowest modes have converged. Returns the number of converged modes, at
- * least `number`, or 0 on failure.
+ * Extend the basis until the lowest vibration modes have converged. Returns the number of converged
+ * modes, at least `number`, or 0 on failure.
  */
 static size_t iterate(search *search, size_t number)
 {
@@ -364,8 +376,8 @@ static size_t iterate(search *search, size_t number)
 /* ---- check ------------------------------------------------------------ */
 
 /*
- * Bound for the squared angular frequencies that lies above the last computed mode and, where the
- * next mode is known, below that one.
+ * Bound for the squared angular frequencies that lies above the last computed vibration mode and,
+ * where the next mode is known, below the next mode.
  */
 static double bound_above(const search *search, size_t found)
 {
@@ -377,9 +389,9 @@ static double bound_above(const search *search, size_t found)
 }
 
 /*
- * Number of modes below a bound of the squared angular frequency, from the pivots of stiffness
- * matrix - bound * mass matrix, or -1 where it is unknown. The factor for linear solves is restored
- * afterwards.
+ * Number of vibration modes below a bound of the squared angular frequency, from the pivots of
+ * stiffness matrix - bound * mass matrix, or -1 where it is unknown. The factor for linear solves
+ * is restored afterwards.
  */
 static int modes_below(search *search, double bound)
 {
@@ -391,8 +403,8 @@ static int modes_below(search *search, double bound)
 }
 
 /*
- * Find the lowest modes, and continue with new random vectors as long as the pivots show that more
- * modes exist. Returns whether this has succeeded.
+ * Find the lowest vibration modes, and continue with new random vectors as long as the pivots show
+ * that more modes exist. Returns whether this has succeeded.
  */
 static int find_modes(search *search, size_t number, char *error)
 {

@@ -16,10 +16,11 @@
 #include "design.h"
 
 typedef struct vibration {
-    int count;   /* number of computed natural frequencies and mode shapes */
-    int rigid;   /* number of rigid motions; they are the first modes and have the frequency 0 */
-    int solves;  /* number of linear solves with the shifted stiffness matrix */
-    double mass; /* mass of the whole structure, constrained nodes included */
+    int count;         /* number of computed natural frequencies and mode shapes */
+    int rigid;         /* number of rigid motions, which are the first vibration modes and have the
+                          frequency 0 */
+    int solves;        /* number of linear solves with the shifted stiffness matrix */
+    double mass;       /* mass of the whole structure, constrained nodes included */
     double *frequency; /* [count] natural frequencies (Hz where the unit of time is the second) */
     double *square;    /* [count] squares of the angular frequencies (rad^2/s^2) */
     double *shape;     /* [count][free_dof] mode shapes, scaled to unit modal mass; in the unit of
@@ -67,7 +68,7 @@ int vibration_first(const vibration *vibration);
 /*
  * Static value of a modal coordinate under a constant unit of one input: (mode shape times
  * force)/w^2 with the angular frequency w. Multiplied by the largest displacement of the mode
- * shape, it is the static displacement of this mode.
+ * shape, this value is the static displacement of the vibration mode.
  *   input in  index of an input of the design's structure
  * Returns NAN for a rigid motion.
  */

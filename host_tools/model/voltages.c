@@ -98,9 +98,9 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
     for (int k = 0; k < problem->inputs; k++)
         result->narrowed += problem->lower[k] != problem->upper[k] &&
                             (problem->lower[k] > lowest || problem->upper[k] < highest);
-    result->limit[0] = fmin(lowest, highest); /* where every amplifier is held at one voltage,
-                                                 `lowest` is still infinite and above `highest`; the
-                                                 minimum restores their order */
+    result->limit[0] = fmin(lowest, highest); /* Where every amplifier is held at one voltage,
+                                                 `lowest` is still infinite and above `highest`;
+                                                 fmin restores their order. */
     result->limit[1] = fmax(lowest, highest);
 }
 
@@ -178,7 +178,10 @@ static int out_of_memory(const analysis *analysis, char *error)
     return analysis_explain(analysis, PZS_E_WORKSPACE, error);
 }
 
-/* Weighted sum of squares of the wanted displacements in the target rows on constrained dof. */
+/*
+ * Weighted sum of squares of the wanted displacements of target rows (controlled displacements) on
+ * constrained dof.
+ */
 static double wanted_fixed(const design *design)
 {
     double sum = 0;
@@ -192,11 +195,7 @@ static double relative(double misfit, double wanted)
     return wanted > 0 ? sqrt(misfit / wanted) : sqrt(misfit);
 }
 
-/*
- * Fill the root mean square and the peak-to-valley value of a result.
- *   misfit [targets] in  difference between shape and target
- *   squares          in  weighted sum of squares of the misfit
- */
+/* Compute the root mean square and the peak-to-valley value of the error of a result. */
 static void measure_misfit(const design *design, const double *misfit, double squares,
                            voltages *result)
 {
@@ -281,8 +280,8 @@ int voltages_linear(analysis *analysis, common_limits common, voltages *result, 
     if (evaluate_or_none(analysis, result, error) < 0)
         return -1;
     if (analysis->is_nonlinear)
-        result->optimality = (double)NAN; /* the voltages are an optimum (KKT conditions) of the
-                                             linear model, not of the nonlinear structure */
+        result->optimality = (double)NAN; /* The voltages are an optimum (KKT conditions) of the
+                                             linear model, not of the nonlinear structure. */
     return 0;
 }
 
@@ -388,9 +387,9 @@ typedef struct newton {
     double *influence;      /* [targets][amplifiers] influence matrix of the voltage problem */
     double *wanted;      /* [targets] displacements that the voltages are to cause in the linearised
                             problem */
-    double *work;        /* [targets] work vector for a shape */
+    double *work;        /* [targets] work array for a shape at the target nodes */
     double trust_radius; /* trust radius: largest change of any voltage (V) */
-    void *state;         /* saved state of the equilibrium solver at the best result */
+    void *state;         /* saved state of the equilibrium solver for the best result so far */
     voltages best;       /* voltages and shape with the smallest objective so far */
 } newton;
 
@@ -453,7 +452,7 @@ static pzs_status relinearise(analysis *analysis, newton *newton, voltages *resu
     return status;
 }
 
-/* Objective that the linearised structure predicts for the voltages of a result. */
+/* Objective that the linearisation at the present shape predicts for the voltages of a result. */
 static double predicted_objective(const analysis *analysis, const newton *newton,
                                   const voltages *result)
 {

@@ -15,40 +15,48 @@ typedef struct voltages {
     double *voltage;      /* [amplifiers] computed voltages (V) */
     double *displacement; /* [free_dof] displacement vector under the voltages and the scene's loads
                            */
-    double *shape; /* [targets] displacements of the target rows under the voltages and the scene's
-                      loads */
+    double *shape; /* [targets] controlled displacements (target rows) under the voltages and the
+                      scene's loads */
     double *aligned_target; /* [targets] target plus the combination of its free functions (shapes
                                that may be added at no cost) that fits the shape best */
     double error; /* relative shape error: weighted norm of shape minus target over that of target
-                     minus shape without voltages, over the rows that can move and without the free
-                     functions (shapes that may be added to the target at no cost). The shape
-                     without voltages is the linear one. NAN: no equilibrium was found */
-    double error_all;   /* relative shape error with the target rows on constrained dof included */
+                     minus shape without voltages, over the controlled displacements that can move
+                     and without the free functions (shapes that may be added to the target at no
+                     cost). The shape without voltages is the linear one. NAN: no equilibrium was
+                     found */
+    double error_all;   /* relative shape error, in which controlled displacements (target rows) on
+                           constrained dof are included */
     double rms, valley; /* weighted root mean square and peak-to-valley value of shape minus target,
-                           over the rows that can move */
-    int fixed_off;      /* number of target rows on constrained dof that differ from the target */
-    double optimality;  /* KKT violation relative to the largest entry of the gradient at zero
-                           voltage; NAN where the result is not an optimum */
-    double limit[2];    /* lowest and highest voltage that any amplifier may give (V) */
-    int held, narrowed; /* number of amplifiers that are held at one voltage; number of other
-                           amplifiers whose range is narrower than `limit` */
-    double residual;    /* relative residual of the linear solver in the displacement */
+                           over the controlled displacements that can move */
+    int fixed_off;      /* number of controlled displacements (target rows) on constrained dof that
+                           differ from the target */
+    double optimality; /* violation of the optimality (KKT) conditions relative to the largest entry
+                          of the gradient at zero voltage; NAN where the result is not an optimum */
+    double limit[2];   /* lowest and highest voltage that any amplifier may give (V) */
+    int held, narrowed;    /* number of amplifiers that are held at one voltage; number of other
+                              amplifiers whose voltage range is narrower than `limit` */
+    double residual;       /* relative residual of the linear solver in the displacement */
     double regularisation; /* regularisation parameter of voltages_regularised, relative to the mean
                               diagonal entry of the Hessian; 0 for other methods */
-    int active_limits, iterations; /* number of amplifiers at a voltage limit, without those held at
-                                      one voltage; number of iterations of the optimiser */
-    int active_rows;   /* number of limits between amplifiers that bind; 0 but for optima */
-    int dependent;     /* number of amplifiers, of those not held, whose influence columns depend
-                          linearly on those of others, without regularisation; 0 but for
-                          voltages_clipped */
+    int active_limits, iterations; /* number of amplifiers at a voltage limit (amplifiers held at
+                                      one voltage do not count), and number of iterations of the
+                                      optimiser */
+    int active_rows; /* number of limits of weighted sums of voltages that bind; 0 unless the result
+                        is an optimum within limits */
+    int dependent;   /* number of amplifiers whose column of the influence matrix is a linear
+                        combination of the columns of others (amplifiers held at one voltage do not
+                        count, regularisation is ignored); computed only by voltages_clipped,
+                        otherwise 0 */
     int relinearised;  /* number of times that the influence matrix was computed again at the last
                           shape */
-    int linear_solves; /* number of linear solves that the nonlinear structure has needed */
+    int linear_solves; /* number of linear solves that the equilibrium of the nonlinear structure
+                          has needed */
 } voltages;
 
 /*
  * Voltages for the scene's target, to be called after analysis_influence. The argument `common`
- * selects the common voltage limits (design.h); the narrowest limit of an amplifier always applies.
+ * selects which limits common to all amplifiers apply (design.h); in addition, the limits of each
+ * amplifier always apply.
  *   voltages_optimum      optimum within the limits. On the nonlinear structure it is found by a
  *       Gauss-Newton method with the influence matrix at the last shape. The method starts from the
  *       linear optimum, or from the part of it that has an equilibrium, within a trust radius that

@@ -50,9 +50,9 @@ typedef struct wiring {
     double *work;     /* [amplifiers] work vector for one column of the normal equations */
     size_t *amplifier; /* [amplifiers] index of the amplifier to which each electrode is connected
                         */
-    double squares;    /* sum of squares of the measured shapes */
-    double entries;    /* number of values of the measured shapes */
-    double variance;   /* variance of the measurement noise */
+    double squares;    /* sum of squares of all values of the measured shapes */
+    double entries;    /* number of values in all measured shapes */
+    double variance;   /* estimated variance of the measurement noise */
 } wiring;
 
 /* ---- sums ------------------------------------------------------------- */

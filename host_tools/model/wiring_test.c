@@ -8,8 +8,9 @@
 #include "../text/append.h"
 
 /*
- * Duration of a test pulse: number of periods of the first vibration mode, and smallest and largest
- * number of ticks. Six periods allow for an error of 10 % in the natural frequency.
+ * Duration of a test pulse of the self-test: number of periods of the first vibration mode, and
+ * smallest and largest number of ticks. Six periods allow for an error of 10 % in the natural
+ * frequency.
  */
 static const double periods = 6, fewest_ticks = 64, most_ticks = 60000;
 
@@ -45,7 +46,7 @@ static double height_of(const design *design, int amplifier, double amplitude)
     return design->step_limit[amplifier] > 0 ? fmin(amplitude, margin * range / 2) : 0;
 }
 
-/* Return the duration of a test pulse (ticks). */
+/* Return the duration of a test pulse of the self-test (ticks). */
 static uint16_t window_of(const analysis *analysis, const double *height)
 {
     const design *design = &analysis->design;
@@ -283,7 +284,7 @@ void wiring_test_remarks(const wiring_test *test, const analysis *analysis, char
 
 /*
  * Append what the self-test found about one amplifier or sensor to a text; `other` is the name of
- * the amplifier or sensor with which this one is exchanged.
+ * the amplifier or sensor whose cable is exchanged with it.
  */
 static void append_finding(char text[SCENE_ERROR], const char *name, const pzs_wiring *finding,
                            const char *other)

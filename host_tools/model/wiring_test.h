@@ -37,7 +37,9 @@ uint32_t wiring_test_ticks(const wiring_test *test);
 /* Number of amplifiers that the self-test moves. */
 int wiring_test_tested(const wiring_test *test);
 
-/* Describe the self-test in one line: heights of the pulses, their duration and that of the test.
+/*
+ * Describe the self-test in one line: heights and duration of the test pulses, and duration of the
+ * whole test.
  */
 void wiring_test_text(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR]);
 

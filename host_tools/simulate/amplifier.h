@@ -9,8 +9,8 @@
 #include <stdbool.h>
 
 typedef struct amplifier {
-    double lower, upper; /* voltage limits (V) */
-    double step_limit;   /* largest change of the voltage in a tick (V) */
+    double lower, upper; /* lower and upper voltage limit of the amplifier (V) */
+    double step_limit;   /* largest change of the amplifier's voltage in a tick (V) */
     double resolution;   /* quantisation step of the digital-to-analogue converter (V); 0: none */
     double dead_band;    /* largest change of the command that the amplifier ignores (V) */
 } amplifier;

@@ -11,15 +11,16 @@
 #include "storm.h"
 
 enum {
-    PLANTS = 5, /* number of structures in storms (simulations with fast jumps of the target): the
-                   model and four around it */
+    PLANTS = 5, /* number of structures that are simulated in storms (fast jumps of the target): the
+                   model and four that differ from it */
     ENOUGH = 3, /* number of failures (simulations with fast target jumps that do not settle) after
                    which no further simulation is run */
     SEEDS = 3,  /* number of random sequences of targets for the simulations with fast target jumps
                  */
     STORMS = PLANTS * 2 * SEEDS,
     CORNERS = 9,  /* number of structures for which the growth of small vibrations is measured */
-    PERIODS = 24, /* periods of the first mode during which the growth of vibrations is measured */
+    PERIODS = 24, /* periods of the first vibration mode during which the growth of vibrations is
+                     measured */
     TICKS_LEAST = 600, /* fewest and most ticks of a simulation that measures the growth of small
                           vibrations */
     TICKS_MOST = 3000,
@@ -45,13 +46,13 @@ static const double missed_share = 0.05;
 
 /*
  * Static responses to voltages (gains) and frequencies, relative to the model, of the structures
- * for which the growth of vibrations is measured; every pair is used.
+ * for which the growth of vibrations is measured; every combination is used.
  */
 static const double gains[3] = {0.8, 1, 1.33}, frequencies[3] = {0.9, 1, 1.1};
 
 /*
- * Limits of the search for margins: largest static response to voltages, lowest frequency and
- * highest frequency of the structure, relative to the model.
+ * Limits of the search for stability margins: largest static response to voltages, lowest frequency
+ * and highest frequency of the structure, relative to the model.
  */
 static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
 
@@ -307,8 +308,9 @@ static int tolerance_of(const certificate_loop *loop)
 }
 
 /*
- * Whether this loop has the best possible score of tolerance_of, so that no further settings need
- * to be tried; if the scene file states readings without delay, they cannot be newer.
+ * Whether a loop has the best possible score for its tolerance of errors of the readings' age, so
+ * that no further settings need to be tried; if the scene file states readings without delay, they
+ * cannot be newer.
  */
 static bool tolerates_all(const certificate_loop *loop)
 {
@@ -451,9 +453,9 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
     *is_stable = false;
     if (retable(trial, &options, error) < 0)
         return -1;
-    for (int i = 0; i < PLANTS; i += 1 + (i == 0) * 2) { /* structures 0, 3 and 4: the model, and
-                                                            those with the largest static response
-                                                            and lower or higher frequencies */
+    for (int i = 0; i < PLANTS;
+         i += 1 + (i == 0) * 2) { /* Structures 0, 3 and 4: the model, and the structures with the
+                                     largest static response and lower or higher frequencies. */
         storm_result result;
         const storm_plant plant = {
             .gain = storm_gain[i], .frequency = storm_frequency[i], .step_limit = 0.25, .seed = 1};

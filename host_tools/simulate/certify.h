@@ -31,8 +31,8 @@ int certify_loop(analysis *analysis, char *error);
 
 /*
  * Find by bisection how far a structure may differ from the model of a certified loop: the largest
- * factor of its response to voltages, and the range of the factor of its natural frequencies. Find
- * too by how many ticks readings may be older or newer than the scene file states.
+ * factor of its response to voltages, and the range of the factor of its natural frequencies. Also
+ * find by how many ticks readings may be older or newer than the scene file states.
  *   with_rates in  true: find the range of stable tick rates too, with tables made for each rate
  * Returns 0, or -1 with error filled.
  */

@@ -159,7 +159,10 @@ static int take_frame(device *device, size_t reals)
     return more != NULL;
 }
 
-/* Send the frame to the device. Returns whether all bytes up to the address `end` were sent. */
+/*
+ * Send the frame (one message of the protocol) to the device. Returns whether all bytes up to the
+ * address `end` were sent.
+ */
 static int send(const device *device, const unsigned char *end)
 {
     for (const unsigned char *at = device->frame; at < end;) {
@@ -221,8 +224,8 @@ static int launch(device *child, const char *folder)
                                               NULL};
     const char *const program[] = {image, NULL};
     snprintf(image, sizeof image, "%s/firmware/%s-loop", folder, child->board->name);
-    signal(SIGPIPE, SIG_IGN); /* A write to a device that has ended must return an error and not end
-                                 this program. */
+    signal(SIGPIPE, SIG_IGN); /* A write to a device that has ended must return an error and must
+                                 not end this program. */
     return child->process =
                program_begin(child->board->machine ? qemu : program, &child->to, &child->from);
 }

@@ -15,14 +15,14 @@ typedef struct device_board {
     const char *machine; /* QEMU's name of the board; NULL: the firmware is a program on this
                             computer */
     int bits;            /* bits of a floating-point number of the firmware: 32 or 64 */
-    const char *twin; /* name of the board entry that runs the firmware's C code in the precision of
-                         this board on this computer */
+    const char *twin; /* name of the table row of the twin, a program on this computer that runs the
+                         firmware's C code in the precision of the board */
 } device_board;
 
 /*
  * Table of the boards that QEMU emulates. A row holds the name of the board, QEMU's name of it, the
- * bits of a floating-point number of its firmware, and its twin; the targets of firmware.mk have
- * the same names.
+ * number of bits of a floating-point number of its firmware, and its twin (a program on this
+ * computer with the same code); the targets of firmware.mk have the same names.
  */
 #define DEVICE_BOARDS(ROW)                                                                         \
     ROW("netduinoplus2", "netduinoplus2", 32, "host-32")                                           \
@@ -83,15 +83,7 @@ void device_skip(device *device, int ticks);
  */
 void device_know(device *device, const double *then, const double *coming, size_t loads);
 
-/*
- * Call pzs_loop_tick in the firmware.
- *   wanted   [outputs]  in   wanted displacements
- *   measured [readings] in   readings of the sensors
- *   voltage  [inputs]   out  (V)
- *   state    [inputs]   out  states of the electrodes, 0 without a fault detector
- *   passes              out  iterations of the optimiser
- * Returns the status of pzs_loop_tick, or -1 with error filled where the firmware does not answer.
- */
+/* Call pzs_loop_tick (one tick of the control loop) in the firmware. */
 int device_tick(device *device, const double *wanted, const double *measured, double *voltage,
                 uint8_t *state, int *passes, char error[DEVICE_ERROR]);
 

@@ -154,7 +154,7 @@ void imperfections_actuate(const imperfections *on, const double *output, double
 
 /*
  * Compute the voltages that act on the ceramic just after all amplifiers have moved to their lower
- * limits, or all to their upper limits. Infinite limits are copied to the result.
+ * limits, or all to their upper limits. Where a limit is infinite, so is the result.
  *   electrode [amplifiers] work  copies of the states of the electrodes
  */
 static void act_at_limit(const imperfections *on, electrode *electrode, const double *limit,
@@ -180,8 +180,8 @@ bool imperfections_stroke(const imperfections *on, double *lowest, double *highe
         return false;
     act_at_limit(on, copy, on->tables.lower, lowest);
     act_at_limit(on, copy, on->tables.upper, highest);
-    for (int k = 0; k < on->tables.amplifiers; k++) { /* an amplifier with exchanged wires exchanges
-                                                         its lowest and its highest voltage */
+    for (int k = 0; k < on->tables.amplifiers; k++) { /* An amplifier with exchanged wires exchanges
+                                                         its lowest and its highest voltage. */
         const double one = lowest[k], other = highest[k];
         lowest[k] = fmin(one, other);
         highest[k] = fmax(one, other);

@@ -62,7 +62,7 @@ typedef struct imperfection_tables {
                        the strain that the voltage causes */
     double drift;   /* largest drift of a sensor (unit of the reading per second) */
     double quantum; /* quantisation step of the readings (unit of the reading) */
-    double outlier_chance; /* probability that a reading is an outlier */
+    double outlier_chance; /* probability that a sensor reading is an outlier */
     double outlier_size;   /* largest error of an outlier (unit of the reading) */
     int reversals;         /* number of amplifiers whose two wires are exchanged */
     const int *reversed;   /* [reversals] indices of the amplifiers with exchanged wires */
@@ -83,7 +83,7 @@ typedef struct imperfections {
     electrode *electrode; /* [amplifiers] state of the electrode of each amplifier */
     sensor *sensor;       /* [sensors] faults and drift of each sensor */
     int sensors;
-    uint64_t *random; /* state of the random number generator */
+    uint64_t *random; /* state of the random number generator of the simulation */
     double time;      /* time since the start of the simulation (s) */
 } imperfections;
 

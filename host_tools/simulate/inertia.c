@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Vibration of a structure about its static equilibrium, mode by mode (inertia.h). */
+/*
+ * Vibration of a structure about its static equilibrium, for one vibration mode after the other
+ * (inertia.h).
+ */
 #include "inertia.h"
 #include <math.h>
 #include <stdlib.h>

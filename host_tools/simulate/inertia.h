@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Vibration of a structure about its static equilibrium, mode by mode. The state of a mode is the
- * deviation d of its coordinate q from the equilibrium under the present inputs, and the scaled
- * velocity p = (dq/dt)/w with the angular frequency w. While the inputs are constant, an exact
- * propagator advances (d, p) over any interval. A jump of an input leaves q unchanged and moves the
- * equilibrium, so that d jumps by the opposite amount.
+ * Vibration of a structure about its static equilibrium, for one vibration mode after the other.
+ * The state of a mode is the deviation d of its coordinate q from the equilibrium under the present
+ * inputs, and the scaled velocity p = (dq/dt)/w with the angular frequency w. While the inputs are
+ * constant, an exact propagator advances (d, p) over any interval. A jump of an input leaves q
+ * unchanged and moves the equilibrium, so that d jumps by the opposite amount.
  */
 #ifndef INERTIA_H
 #define INERTIA_H
@@ -14,22 +14,25 @@
 
 typedef struct inertia {
     const modal *modal;
-    double gain;    /* factor of the static response to the inputs; 1: the response of `modal` */
-    double stretch; /* factor of all natural frequencies; 1: the frequencies of `modal` */
-    double *memory; /* allocation that holds the arrays deviation, velocity, input and propagator;
-                       NULL if the caller provides their memory */
-    double *deviation; /* [modes] deviation of each modal coordinate from its equilibrium */
-    double *velocity;  /* [modes] velocity of each modal coordinate divided by the angular frequency
-                          of the mode */
+    double gain;       /* factor of the static response of the vibration modes to the inputs; 1: the
+                          response in the modal description */
+    double stretch;    /* factor of all natural frequencies; 1: the frequencies in the modal
+                          description */
+    double *memory;    /* one allocation that holds the arrays `deviation`, `velocity`, `input` and
+                          `propagator`; NULL if the caller provides their memory */
+    double *deviation; /* [modes] deviation of the coordinate of each vibration mode from its
+                          equilibrium */
+    double *velocity;  /* [modes] velocity of the coordinate of each vibration mode, divided by the
+                          angular frequency of the mode */
     double *input;     /* [inputs] present inputs of the structure */
-    double *propagator; /* [modes][2][2] propagator of (deviation, scaled velocity) over the time
-                           `interval` */
+    double *propagator; /* [modes][2][2] propagator of each vibration mode: 2 x 2 matrix that
+                           advances its deviation and its scaled velocity by the time `interval` */
     double interval;    /* time interval of the propagator (s); 0: not computed */
 } inertia;
 
 /*
- * Number of reals in the memory for the vibration of a structure with given numbers of modes and
- * inputs.
+ * Number of reals in the memory for the vibration of a structure with given numbers of vibration
+ * modes and inputs.
  */
 #define INERTIA_REALS(modes, inputs) (6 * (modes) + (inputs) + 1)
 
@@ -47,7 +50,7 @@ bool inertia_open(inertia *inertia, const modal *modal);
 void inertia_close(inertia *inertia);
 
 /*
- * Set all modes to rest in the equilibrium under given inputs.
+ * Set all vibration modes to rest in the equilibrium under given inputs.
  *   input [inputs] in
  */
 void inertia_rest(inertia *inertia, const double *input);
@@ -76,8 +79,8 @@ void inertia_advance(inertia *inertia, double interval);
 void inertia_observe(const inertia *inertia, size_t first, size_t rows, double *out);
 
 /*
- * Energy of the vibration: the sum over all modes of w^2 (d^2 + p^2)/2 with angular frequency w,
- * deviation d and scaled velocity p (unit of force times unit of length).
+ * Energy of the vibration: the sum over all vibration modes of w^2 (d^2 + p^2)/2 with angular
+ * frequency w, deviation d and scaled velocity p (unit of force times unit of length).
  */
 double inertia_energy(const inertia *inertia);
 

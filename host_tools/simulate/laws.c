@@ -31,7 +31,7 @@ void law_close(law *law)
 
 /* ---- limits ----------------------------------------------------------- */
 
-/* Pass the clipped voltages of a control law to the controller. */
+/* Copy the clipped voltages of a control law into the controller of the loop. */
 static void set_voltages(const law *law, pzs_control *control)
 {
     const pzs_control_info *info = &control->info;

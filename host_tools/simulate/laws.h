@@ -2,8 +2,8 @@
 /*
  * Control laws for comparison with the library's control step. Each is a step block, the block of a
  * control tick that computes the voltages, for a list of blocks (pzs_loop.h). All laws enforce the
- * voltage limits and the step limits by clipping. A held amplifier has no step limit, because its
- * voltage is set at once.
+ * voltage limits and the step limits by clipping. An amplifier that is held at one voltage has no
+ * step limit, because its voltage is set at once.
  */
 #ifndef LAWS_H
 #define LAWS_H
@@ -12,8 +12,9 @@
 #include "pzs_loop.h"
 
 /*
- * Tables of a control law for comparison, which is a block of the control tick (pzs_block). Each
- * loop needs its own tables, because they contain the memory of the block.
+ * Tables of a control law for comparison, such as clipped least squares, which is a block of the
+ * control tick (pzs_block). Each loop needs its own tables, because they contain the memory of the
+ * block.
  */
 typedef struct law {
     pzs_problem problem; /* voltage problem; the library requires it as first member */
@@ -28,7 +29,7 @@ typedef struct law {
 /*
  * Prepare a control law for a voltage problem, which is copied. The value `regularisation` (m2/V2)
  * is added to the problem's regularisation. law_open returns whether memory sufficed; law_close is
- * called in either case. The law must not be moved in memory between both calls.
+ * called in either case. The struct must not be moved in memory between both calls.
  */
 bool law_open(law *law, const pzs_problem *problem, double regularisation);
 void law_close(law *law);

@@ -130,8 +130,8 @@ static int choose_motion(plant *plant, char *error)
 }
 
 /*
- * Compute the modes of a plant with inertia and prepare its motion. Returns 0, or -1 with error
- * filled.
+ * Compute the vibration modes of a plant with inertia and prepare its motion. Returns 0, or -1 with
+ * error filled.
  */
 static int prepare_motion(plant *plant, char *error)
 {
@@ -402,8 +402,8 @@ const plant_motion plant_quasi_static = {"quasi-static",
 /* ---- optimum ---------------------------------------------------------- */
 
 /*
- * Compute the displacements at the target rows that the voltages must cause on the linear
- * structure: target minus displacements under the present loads.
+ * Compute the displacements at the target rows (controlled displacements) that the voltages must
+ * cause on the linear structure: target minus displacements under the present loads.
  */
 static void set_wanted(plant *plant, const double *target)
 {

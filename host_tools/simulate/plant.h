@@ -5,7 +5,8 @@
  *
  * Each row of a table in plant.c is one way in which a plant moves (plant_motion.h):
  *   quasi-static  every shape is the static equilibrium
- *   modal         vibration about the static equilibrium in the modes of the undeformed state
+ *   modal         vibration about the static equilibrium in the vibration modes of the undeformed
+ *   state
  *       (inertia.h); modes that are left out follow without delay. The equilibrium may be that of a
  *       nonlinear structure, whose modes are then still those of the undeformed state: this is
  * valid as long as the deformation changes the natural frequencies only slightly nonlinear     all
@@ -31,14 +32,15 @@ typedef struct plant {
     double *computed_input; /* [inputs] inputs with which the latest shape was computed */
     double *scene_input; /* [inputs] values of all inputs at full load, as given in the scene file,
                             such as loads and support displacements */
-    double *value;       /* [output rows] output values of the latest shape */
+    double *value;       /* [output rows] values of all outputs in the latest shape */
     int temperature;     /* index of the temperature change among the inputs, or -1 if the plant has
                             none */
     bool has_shape;      /* whether at least one shape of the plant has been computed */
     bool is_at_rest;     /* true: plant_rest has just set the plant to rest, and no time has passed
                             since */
     long linear_solves;  /* number of linear solves of the nonlinear equilibrium solver */
-    const struct plant_motion *motion; /* how the plant moves: quasi-static, modal or nonlinear */
+    const struct plant_motion *motion; /* way in which the motion of the plant is computed:
+                                          quasi-static, modal or nonlinear */
     bool has_inertia;
     char reason[SCENE_ERROR]; /* the reason why a plant has no inertia, as text for the report */
     vibration vibration;      /* natural frequencies and mode shapes of a plant with inertia */
@@ -54,8 +56,8 @@ typedef struct plant {
 
 /*
  * Build the structure with the material constants and kinematics of the scene's `simulate` section.
- * All loads have the factor 1, and the temperature change is zero. Returns 0, or -1 with error
- * filled and the plant empty.
+ * All loads have the factor 1 (their values in the scene file), and the temperature change is zero.
+ * Returns 0, or -1 with error filled and the plant empty.
  */
 int plant_open(plant *plant, const design *nominal, char *error);
 void plant_close(plant *plant);
@@ -116,11 +118,7 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
  */
 int plant_readings(plant *plant, double *reading, char *error);
 
-/*
- * Displacement vector of the latest shape.
- *   displacement [free_dof] out
- * Returns 0, or -1 with error filled.
- */
+/* Displacement vector of the latest shape of the plant. */
 int plant_displacement(plant *plant, double *displacement, char *error);
 
 /*

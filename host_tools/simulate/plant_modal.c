@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Motion of a plant in the modes of its undeformed state, about its static equilibrium
+ * Motion of a plant in the vibration modes of its undeformed state, about its static equilibrium
  * (plant_motion.h).
  */
 #include <stdlib.h>
@@ -25,8 +25,8 @@ static void close_modal(plant *plant)
 }
 
 /*
- * Set the inputs of the modal model to their present values. At the first call after plant_rest the
- * plant is at rest in the equilibrium under these inputs.
+ * Set the inputs of the modal model to their present values. At the first call after plant_rest,
+ * which requests a state of rest, the plant is at rest in the equilibrium under these inputs.
  */
 static void set_modal_inputs(plant *plant)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The ways in which the plant of a simulation moves, each one row of the table in plant.c, and the
- * static results that they share.
+ * The ways in which the motion of a simulated plant is computed, each one row of the table in
+ * plant.c, and the static results that they share.
  */
 #ifndef PLANT_MOTION_H
 #define PLANT_MOTION_H
@@ -9,12 +9,16 @@
 struct plant;
 
 /*
- * One way in which a plant moves. The functions that may fail return 0, or -1 with error filled.
- * The inputs of the plant (`input`: voltages, loads, temperature) are set before each call.
+ * One way in which the motion of a plant is computed. The functions that may fail return 0, or -1
+ * with error filled. The inputs of the plant (`input`: voltages, loads, temperature) are set before
+ * each call.
  */
 typedef struct plant_motion {
     const char *name;
-    /* Prepare the motion, after the modes of the plant are computed; close releases its memory. */
+    /*
+     * Prepare the computation of the motion, after the vibration modes of the plant are computed;
+     * close releases its memory.
+     */
     int (*open)(struct plant *plant, char *error);
     void (*close)(struct plant *plant);
     /* Apply the force of a load during `seconds`, at one instant. */
@@ -45,8 +49,8 @@ int plant_input(const struct plant *plant, int load);
 
 /*
  * Results of the static equilibrium under the present inputs: displacements of the target rows
- * [targets]; values of all outputs, into the member `value`, after plant_static_shape; displacement
- * vector [free_dof], after plant_static_shape.
+ * (controlled displacements) [targets]; values of all outputs, into the member `value`, after
+ * plant_static_shape; displacement vector [free_dof], after plant_static_shape.
  */
 int plant_static_shape(struct plant *plant, double *shape, char *error);
 int plant_static_outputs(struct plant *plant, char *error);

@@ -23,8 +23,8 @@ static void close_nonlinear(plant *plant)
 }
 
 /*
- * At the first call after plant_rest, set the plant to rest in the equilibrium under the present
- * inputs.
+ * At the first call after plant_rest, which requests a state of rest, set the plant to rest in the
+ * equilibrium under the present inputs.
  */
 static int settle(plant *plant, char *error)
 {

@@ -88,7 +88,7 @@ static size_t count_followed(const vibration *vibration, double step)
 
 /*
  * Choose the viscosity (s) if the scene file states damping ratios: the largest viscosity with
- * which no mode that the time steps resolve has more than its stated damping ratio.
+ * which no vibration mode that the time steps resolve has more than its stated damping ratio.
  */
 static double viscosity_of(const shell_motion *motion, const scene_dynamics *dynamics)
 {
@@ -346,10 +346,10 @@ static void subtract_load_tangent(shell_motion *motion)
 }
 
 /*
- * Subtract the forces of inertia, of mass-proportional damping and of the individually damped modes
- * from the force imbalance of a time step. The matrix of the step does not contain the damped
- * modes, because they would make it dense. In Newton's method, errors in these modes therefore
- * decrease in each iteration only by a factor of about their damping ratio.
+ * Subtract the forces of inertia, of mass-proportional damping and of the individually damped
+ * vibration modes from the force imbalance of a time step. The matrix of the step does not contain
+ * the damped modes, because they would make it dense. In Newton's method, errors in these modes
+ * therefore decrease in each iteration only by a factor of about their damping ratio.
  */
 static void subtract_inertia(shell_motion *motion, double step, double *imbalance)
 {

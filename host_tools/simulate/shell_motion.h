@@ -10,8 +10,8 @@
  * mean of the stress resultants at u0 and at u1. Because the strains are quadratic in the
  * displacement, L(m) (u1 - u0) is exactly the change of the strains. Without damping and loads the
  * step therefore keeps the energy, and on a free structure the linear and the angular momentum, for
- * any h. The error is of second order: the period of a mode of angular frequency w is too long by
- * about (w h)^2/12.
+ * any h. The error is of second order: the period of a vibration mode of angular frequency w is too
+ * long by about (w h)^2/12.
  *
  * Damping has three parts, none of which can add energy, whatever the step:
  *   - damping of mass, a M (u1 - u0)/h
@@ -60,7 +60,7 @@ typedef struct shell_motion {
                              its start (m and 1) */
     double *increment;    /* [free_dof] last increment of Newton's method (m and 1) */
     double *end;          /* [free_dof] displacement at the end of the time step (m and 1) */
-    double *scratch;      /* [free_dof] work vector */
+    double *scratch;      /* [free_dof] work array of the motion */
     double (*start_resultant)[22]; /* [elements] stress resultants of each element at the start of
                                       the time step (N m) */
     long steps;                    /* number of time steps of the motion so far */
@@ -73,7 +73,7 @@ typedef struct shell_motion {
  * Prepare the motion of a structure, which starts undeformed and at rest.
  *   equilibrium in   nonlinear equilibrium of the structure; must outlive the motion. The two share
  *                    the memory of the stiffness matrix, so that each factors it anew
- *   vibration   in   modes to damp; NULL: the motion is not damped
+ *   vibration   in   vibration modes to damp; NULL: the motion is not damped
  *   step_most   in   longest time step (s)
  * Returns 0, or -1 with error filled; call shell_motion_close in either case.
  */
@@ -83,17 +83,13 @@ void shell_motion_close(shell_motion *motion);
 
 /*
  * Longest time step for control ticks: a whole part of the tick interval, with at most half a
- * radian a step for the highest natural frequency that a control tick can follow (one of at most
- * two radians a tick), or for the first one where all are faster. The period of that mode is then
- * at most 2 % too long. interval in  time between two ticks (s)
+ * radian a step for the highest natural frequency that a control tick can follow (at most two
+ * radians a tick), or, where all are faster, for the first natural frequency. The period of that
+ * vibration mode is then at most 2 % too long. interval in  time between two ticks (s)
  */
 double shell_motion_step(const vibration *vibration, double interval);
 
-/*
- * Put the motion at rest in a displacement, with zero velocity.
- *   displacement [free_dof] in
- *   value        [inputs]   in  input values under which the structure is at rest
- */
+/* Set the motion to a state of rest: a given displacement, with zero velocity. */
 void shell_motion_rest(shell_motion *motion, const double *displacement, const double *value);
 
 /*
@@ -123,8 +119,8 @@ double shell_motion_kinetic(shell_motion *motion);
 double shell_motion_strain_energy(shell_motion *motion);
 
 /*
- * Potential energy of the input values at the present displacement (N m): that of the loads of
- * constant direction and of the prescribed stress resultants.
+ * Potential energy of the input values at the present displacement (N m): the energy of the loads
+ * of constant direction and of the prescribed stress resultants.
  */
 double shell_motion_potential(shell_motion *motion, const double *value);
 

@@ -16,9 +16,11 @@
 #include "../tables/tables.h"
 
 enum {
-    LAST = 20,       /* fewest ticks that count as the end of a phase of the simulation */
-    LAST_MOST = 500, /* most ticks that count as the end of a phase; the end is one period of the
-                        first mode where that is shorter */
+    LAST = 20, /* smallest number of ticks, at the end of a phase of the simulation, over which the
+                  results are averaged */
+    LAST_MOST = 500, /* largest number of ticks over which results are averaged at the end of a
+                        phase; usually one period of the first vibration mode where that is shorter
+                      */
     WINDOW = 1000    /* number of ticks in which the settling time is measured */
 };
 
@@ -43,8 +45,8 @@ static int allocate_course(simulate_course *course, const design *design)
 }
 
 /*
- * Add a phase that lasts from a tick to the end of the simulation. Returns whether memory was
- * available.
+ * Add a phase (interval between events of the scene) that lasts from a tick to the end of the
+ * simulation. Returns whether memory was available.
  */
 static int begin_phase(simulation *simulation, int tick, int first)
 {
@@ -109,8 +111,9 @@ static int check_readings(const design *design, char *error)
 }
 
 /*
- * Where the scene asks for it, replace the influence matrix of the controller's model by that at
- * the optimal shape of the nonlinear structure. Returns 0, or -1 with error filled.
+ * Where the scene asks for it, replace the influence matrix of the controller's model by the
+ * influence matrix at the optimal shape of the nonlinear structure. Returns 0, or -1 with error
+ * filled.
  */
 int simulate_tables(analysis *nominal, char *error)
 {
@@ -313,7 +316,7 @@ typedef struct course_log {
     double *window; /* [WINDOW][targets] shapes of the plant in the first ticks of the phase */
     double *last;   /* [end_ticks][targets] shapes of the plant in the last ticks of the phase */
     double *mean;   /* [targets] mean of the shapes at the end of the phase */
-    int end_ticks;  /* number of ticks that count as the end of a phase of the simulation */
+    int end_ticks;  /* number of ticks at the end of a phase over which the results are averaged */
     double error[LAST_MOST], measurement_error[LAST_MOST], vibration[LAST_MOST];
     double *initial_voltage; /* [amplifiers] output voltages before the phase of the simulation (V)
                               */
@@ -321,8 +324,8 @@ typedef struct course_log {
 } course_log;
 
 /*
- * Number of ticks at the end of a phase: at least one period of the first mode, so that the mean
- * shape is the shape about which the structure vibrates.
+ * Number of ticks at the end of a phase over which the results are averaged: at least one period of
+ * the first vibration mode, so that the mean shape is the shape about which the structure vibrates.
  */
 static int ticks_of_end(const simulation *simulation)
 {

@@ -159,7 +159,7 @@ static void random_fault(loop *loop, int tick)
         event.announced_after =
             random_int(&loop->random, 2) ? random_int(&loop->random, event.ticks) : ANNOUNCED_NEVER;
     if (event.type == EVENT_NAN && random_int(&loop->random, 4) == 0)
-        event.size = 1; /* every sensor gives not-a-number readings */
+        event.size = 1; /* Every sensor gives readings that are not numbers (NaN). */
     if (event.type == EVENT_TARGET || event.type == EVENT_LOAD)
         event.size = 2 * event.size - 1;
     event.load = random_int(&loop->random, loop->design->loads + 1);
@@ -241,7 +241,7 @@ static void set_waves(loop *loop, double time)
     }
 }
 
-/* Whether voltages or loads vary between this tick and the next one. */
+/* Whether voltages on the ceramic or loads vary between this tick and the next one. */
 static bool varies(const loop *loop)
 {
     const imperfection_tables tables = imperfections_of_scene(loop->design);
@@ -251,12 +251,7 @@ static bool varies(const loop *loop)
     return is_varying;
 }
 
-/*
- * Let time pass while the amplifiers are to give constant voltages.
- *   output [amplifiers] in  (V)
- *   seconds             in  (s)
- * Returns 0, or -1 with error filled.
- */
+/* Let time pass while the amplifiers are commanded to constant voltages. */
 static int advance_plant(loop *loop, const double *output, double seconds, char *error)
 {
     const int parts = varies(loop) ? IMPERFECTION_PARTS : 1;
@@ -304,7 +299,7 @@ static int elapse_interval(loop *loop, int tick, char *error)
 /* ---- step limit ------------------------------------------------------------- */
 
 /*
- * Step limit of an electrode (V). An electrode that the controller treats as held has no step
+ * Step limit of an electrode (V). An electrode that the controller holds at one voltage has no step
  * limit, because its voltage is set at once.
  */
 static double step_limit_of(const loop *loop, int amplifier)
@@ -411,7 +406,8 @@ static pzs_status open_controller(loop *loop)
 }
 
 /*
- * Count the electrodes that the fault detector has reported in this tick, and treat them as held.
+ * Count the electrodes that the fault detector has reported in this tick, and mark them as held at
+ * one voltage.
  */
 static void count_detections(loop *loop, int tick)
 {
@@ -645,7 +641,10 @@ static void fail_first_sensors(loop *loop, int ticks)
     loop->has_failed_sensors = true;
 }
 
-/* End the self-test: shift the ends of the sensor failures to the ticks of the schedule. */
+/*
+ * End the self-test: shift the ends of the sensor failures by the duration of the self-test, so
+ * that they agree with the schedule.
+ */
 static void shift_first_sensors(loop *loop, int ticks)
 {
     for (int i = 0; i < loop->sensors; i++) {

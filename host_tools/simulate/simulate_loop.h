@@ -10,7 +10,7 @@
 #include "laws.h"
 #include "simulation.h"
 
-/* Sinusoidal part of the factor of a load. */
+/* Sinusoidal part of the factor by which a load is multiplied. */
 typedef struct wave {
     double amplitude, frequency; /* amplitude of the load factor (no unit); frequency (Hz) */
     double start;                /* time at which the sine is 0 and increasing (s) */
@@ -67,8 +67,9 @@ typedef struct loop {
     double *load, *scheduled_load; /* [loads + 1] factors of the loads: present values, and values
                                       by the schedule alone, without random events; the last entry
                                       is the temperature change (K) */
-    double *shape;   /* [targets] present displacements of the plant at the target rows */
-    double *scratch; /* [targets] scratch memory for a shape */
+    double *shape;   /* [targets] present displacements of the plant of the target nodes (controlled
+                        displacements) */
+    double *scratch; /* [targets] work array for a shape */
     double *command; /* [amplifiers] voltages that the controller commands (V) */
     double *output;  /* [amplifiers] output voltages of the amplifiers (V) */
     double *effect;  /* [amplifiers] voltages that act on the ceramic, after faults and hysteresis
@@ -76,17 +77,17 @@ typedef struct loop {
     double *previous_output; /* [amplifiers] output voltages of the amplifiers before the last
                                 change (V) */
     double time;             /* time since the start of the simulation (s) */
-    wave *wave;              /* [loads] sinusoidal part of each load */
+    wave *wave;              /* [loads] sinusoidal part of the factor of each load */
     disturbance late, jitter, delay; /* temporary disturbances: late: voltages are set later than
                                         the tick (fraction of the tick interval); jitter: the
                                         interval between ticks varies (fraction of the tick
                                         interval); delay: readings arrive later (ticks) */
-    double vibration; /* weighted norm of the deviation from the static equilibrium relative to that
-                         of the scene's target; 0 for a quasi-static plant */
+    double vibration; /* weighted norm of the deviation from the static equilibrium relative to the
+                         weighted norm of the scene's target; 0 for a quasi-static plant */
     double *twin_command, *last_voltage; /* [amplifiers] voltages of the board's twin (the
                                             firmware's C code on this computer); voltages before the
                                             tick (V) */
-    electrode *electrode;                /* [amplifiers] state of each electrode */
+    electrode *electrode;                /* [amplifiers] state of the electrode of each amplifier */
     int sensors;    /* number of sensors: one for each target, or those of the scene's `estimate`
                        section */
     sensor *sensor; /* [sensors] faults and drift of each sensor */
@@ -98,30 +99,31 @@ typedef struct loop {
     bool has_failed_sensors; /* the self-test has already begun the sensor failures of tick 0 */
     int history_ticks;       /* number of ticks whose readings are stored: the delay, plus
                                 the largest additional delay of an event, plus 1 */
-    double *late_reading;    /* [history_ticks][sensors] noise-free readings of the last ticks */
-    double *late_load; /* [history_ticks][loads] load factors known to the controller in the last
-                          ticks */
+    double *late_reading; /* [history_ticks][sensors] noise-free readings of the last ticks, which
+                             the controller receives later */
+    double *late_load;    /* [history_ticks][loads] load factors known to the controller in the last
+                             ticks */
     double *known_load, *next_load; /* [loads] load factors known to the controller, of the present
                                        tick and of the next one */
     const double *load_when_read;   /* [loads] load factors known to the controller for the time at
                                        which the readings were taken */
     double measurement_error;    /* weighted norm of the difference between true and measured shape,
-                                    relative to that of the scene's target */
+                                    relative to the weighted norm of the scene's target */
     uint8_t *state, *twin_state; /* [amplifiers] electrode states by the fault detector, of the loop
                                     and of the board's twin (the firmware's C code on this computer)
                                   */
     void *controller_memory;     /* memory that the library's control loop works in */
     double error;      /* relative shape error at the start of the last tick: weighted norm of shape
-                          minus wanted shape over that of the scene's target */
+                          minus wanted shape divided by the weighted norm of the scene's target */
     pzs_status status; /* status of the controller in the last tick */
     int iterations;
     bool twin_agrees; /* true: the board and its twin (the firmware's C code on this computer) gave
                          bit-identical results in the last tick */
-    int detected, falsely_detected, detection_ticks; /* number of electrodes that the fault detector
-                                                        reported in the last tick; number of those
-                                                        without a fault; longest time from a fault
-                                                        to its detection (ticks) */
-    bool is_missed;                                  /* whether the last tick was missed */
+    int detected, falsely_detected,
+        detection_ticks; /* number of electrodes that the fault detector reported in the last tick;
+                            number of reported electrodes without a fault; longest time from a fault
+                            to its detection (ticks) */
+    bool is_missed;      /* whether the last tick was missed */
     int beyond_limits, not_finite; /* for the last tick: number of voltages or steps beyond their
                                       limits; number of voltages that are not finite */
     int beyond_rows; /* for the last tick: number of limits between amplifiers (differences and sums

@@ -36,11 +36,13 @@ typedef struct simulate_sample {
     simulate_law law;
     int tick;
     double error; /* relative shape error at the start of the tick: weighted norm of shape minus
-                     wanted shape over that of the scene's target */
+                     wanted shape divided by the weighted norm of the scene's target */
     double measurement_error; /* relative measurement error: weighted norm of true shape minus shape
-                                 measured by the controller, over that of the scene's target */
+                                 measured by the controller, divided by the weighted norm of the
+                                 scene's target */
     double vibration; /* relative vibration: weighted norm of shape minus static equilibrium of the
-                         plant, over that of the scene's target; 0 for a quasi-static plant */
+                         plant, divided by the weighted norm of the scene's target; 0 for a
+                         quasi-static plant */
     const double *command;  /* [amplifiers] commanded voltages (V) */
     const double *voltage;  /* [amplifiers] output voltages of the amplifiers (V) */
     int active, iterations; /* number of commanded voltages at a limit; number of iterations of the
@@ -51,7 +53,9 @@ typedef struct simulate_sample {
 
 typedef void simulate_tick_callback(void *context, const simulate_sample *sample);
 
-/* Results of one control law in one phase of a simulation. */
+/*
+ * Results of one control law in one phase of a simulation (interval between events of the scene).
+ */
 typedef struct simulate_course {
     double steady; /* relative shape error, root mean square over the last ticks of the phase;
                       infinite where a control law for comparison has diverged */
@@ -68,7 +72,8 @@ typedef struct simulate_course {
                              the final voltages */
     double *voltage; /* [amplifiers] output voltages at the end of the phase of the simulation (V)
                       */
-    double *shape;   /* [targets] displacements of the target rows at the end of the phase */
+    double *shape;   /* [targets] displacements of the target rows (controlled displacements) at the
+                        end of the phase */
     double *displacement; /* [free_dof] displacement vector of the plant at the end of the phase */
 } simulate_course;
 
@@ -85,7 +90,7 @@ typedef struct simulate_phase {
                        is the temperature change (K) */
     double *lowest; /* [amplifiers] voltages that would act on the ceramic at the end of the phase
                        if all amplifiers moved to their lower limits, after hysteresis and creep;
-                       the voltage of a faulty electrode (V) */
+                       for a faulty electrode its present voltage (V) */
     double *highest; /* [amplifiers] voltages that would act on the ceramic at the end of the phase
                         if all amplifiers moved to their upper limits (V) */
 } simulate_phase;
@@ -93,7 +98,7 @@ typedef struct simulate_phase {
 /* Number of status values below the first error: PZS_OK and all warnings. */
 enum { SIMULATE_STATUSES = PZS_E_ARGUMENT };
 
-/* Sums over all ticks of one control law. */
+/* Numbers that are summed over all ticks of the simulation of one control law. */
 typedef struct simulate_count {
     long beyond_limits; /* number of voltages, commanded by the controller or put out by the
                            amplifiers, that violate a voltage limit or the step limit */
@@ -105,8 +110,8 @@ typedef struct simulate_count {
     long status[SIMULATE_STATUSES]; /* number of ticks with each warning of the controller; ticks
                                        without a warning at index 0 */
     long missed_ticks;
-    long detected, falsely_detected; /* number of electrodes that the fault detector reported;
-                                        number of those without a fault */
+    long detected, falsely_detected; /* number of electrodes that the fault detector reported, and
+                                        number of reported electrodes without a fault */
     int detection_ticks;             /* longest time from a fault to its detection (ticks) */
     long agreeing_ticks; /* number of ticks in which the board and its twin (the firmware's C code
                             on this computer) gave bit-identical results */
@@ -133,8 +138,8 @@ typedef struct simulation {
     bool quantises;   /* whether the amplifiers have a resolution or a dead band */
     double reference; /* weighted norm of the scene's target, the denominator of all relative errors
                        */
-    double compared_regularisation; /* regularisation that LAW_REGULARISED adds to that of the scene
-                                       (m2/V2) */
+    double compared_regularisation; /* regularisation that the control law LAW_REGULARISED adds to
+                                       the regularisation of the scene (m2/V2) */
     double regularisation;     /* regularisation parameter of LAW_REGULARISED, relative to the mean
                                   diagonal entry of the Hessian of the voltage problem */
     const device_board *board; /* board that runs the controller; NULL: the controller runs on the
@@ -182,7 +187,7 @@ int simulate_run(simulation *simulation, simulate_law law, simulate_tick_callbac
 /* Compute the optimum of each phase, after simulate_run. Returns 0, or -1 with error filled. */
 int simulate_optima(simulation *simulation, char *error);
 
-/* Number of ticks in which the control law ran. */
+/* Number of ticks in which a control law ran. */
 long simulate_ran(const simulate_count *count);
 
 #endif

@@ -13,14 +13,15 @@
 enum {
     TARGETS = 10, /* number of targets in a storm (a simulation with fast target jumps) before the
                      last target */
-    REST_PERIODS = 12, /* periods of the first mode during which the last target stays */
+    REST_PERIODS = 12, /* periods of the first vibration mode during which the last target stays */
     EVERY_LEAST = 10,  /* fewest and most ticks between two jumps of the target */
     EVERY_MOST = 1200,
     REST_LEAST = 1200, /* fewest ticks during which the last target stays: six time constants of the
                           low-pass filter of the residual readings, the part of the readings that
-                          the modes do not explain */
+                          the vibration modes do not explain */
     REST_MOST = 20000,
-    END_LEAST = 20, /* fewest and most ticks that count as the end of the simulation */
+    END_LEAST = 20, /* smallest and largest number of ticks, at the end of a storm (simulation with
+                       fast jumps of the target), over which the results are averaged */
     END_MOST = 500
 };
 
@@ -46,7 +47,8 @@ static int no_memory(const analysis *analysis, char *error)
 }
 
 /*
- * List the output rows of the sensors: all target rows, or those of the scene's `estimate` section.
+ * List the output rows of the sensors: all target rows (controlled displacements), or those of the
+ * scene's `estimate` section.
  */
 static void list_rows(storm_rig *rig)
 {
@@ -168,7 +170,7 @@ typedef struct storm {
     int tick, history_ticks; /* present tick; number of ticks whose readings are stored */
     int missed_ticks; /* number of missed ticks since the last tick in which the control loop ran */
     double noise;     /* standard deviation of the noise of a reading, in the unit of the reading */
-    double *memory;   /* one allocation that holds the arrays from `limits` on */
+    double *memory;   /* one allocation that holds `limits` and all arrays declared after it */
     double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
                        the simulation (V) */
     double *voltage; /* [amplifiers] voltages in the present tick (V) */
@@ -189,7 +191,7 @@ typedef struct storm {
     double *best_shape;  /* [targets] best shape for the last target that the limits allow on the
                             simulated structure */
     double *shape;       /* [targets] shape of the structure in the present tick */
-    double *part;        /* [targets] work vector for a part of the shape */
+    double *part;        /* [targets] work array for a part of the shape */
     double *sensed;      /* [sensors] readings that the control loop receives in the present tick */
     double *reading;     /* [history_ticks][sensors] noise-free readings of the last ticks */
 } storm;
@@ -235,7 +237,7 @@ static void multiply(double *product, const double *matrix, const double *vector
         product[i] *= factor;
 }
 
-/* Set the limits of the voltage problem to those of the simulation. */
+/* Set the limits of the voltage problem to the limits of the simulation. */
 static void set_limits(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers;
@@ -353,8 +355,9 @@ static void append_block(storm *storm, const pzs_block *given)
 
 /*
  * Copy the blocks of the control tick. A simulation without limits omits two kinds of blocks: those
- * behind the step block, because converter steps and held electrodes would hide the growth of
- * vibrations, and the compensation of hysteresis, which has no inverse without limits.
+ * that follow the block that computes the voltages, because converter steps and held electrodes
+ * would hide the growth of vibrations, and the compensation of hysteresis, which has no inverse
+ * without limits.
  */
 static void set_tables(storm *storm)
 {

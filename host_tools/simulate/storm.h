@@ -4,10 +4,10 @@
  * its model, while the target jumps so fast that the voltage and step limits are always active. A
  * loop that is stable without limits may end such a storm in a limit cycle.
  *
- * A storm sets 10 targets, one every 0.6 periods of the first mode: the scene's target, its
- * negative, or the shape under random voltages of up to twice the limits. Then the scene's target
- * stays for 12 periods. A storm settles where the shape ends within 5 % (of the norm of the target)
- * of the best shape that the limits allow on that structure.
+ * A storm sets 10 targets, one every 0.6 periods of the first vibration mode: the scene's target,
+ * its negative, or the shape under random voltages of up to twice the limits. Then the scene's
+ * target stays for 12 periods. A storm settles where the shape ends within 5 % (of the norm of the
+ * target) of the best shape that the limits allow on that structure.
  */
 #ifndef STORM_H
 #define STORM_H
@@ -61,19 +61,20 @@ typedef struct storm_plant {
  */
 typedef struct storm_rig {
     const analysis *analysis;
-    const estimator *estimator; /* estimator of the controller; NULL: the target rows are measured
-                                 */
+    const estimator *estimator; /* estimator of the controller; NULL: the target rows (controlled
+                                   displacements) are measured */
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
     int delay;       /* age of the readings that the scene file states (ticks) */
-    double interval; /* time between ticks (s) */
+    double interval; /* time between control ticks (s) */
     size_t sensors, targets, amplifiers;
     compensation ceramic; /* hysteresis and creep of the ceramic as the scene file describes them */
     vibration vibration;
     modal modal;
-    double *memory;    /* one allocation that holds the arrays from `direct` on */
+    double *memory;    /* one allocation that holds `direct` and all arrays declared after it */
     double *direct;    /* [sensors][amplifiers] static reading of each sensor per volt */
-    double *influence; /* [targets][amplifiers] static displacements of the target rows per volt */
+    double *influence; /* [targets][amplifiers] static displacements of the target rows (controlled
+                          displacements) per volt */
     uint32_t *row;     /* [sensors] index of the structure's output row that each sensor measures */
     double *lower, *upper; /* [amplifiers] finite limits within which random voltages are drawn (V)
                             */
@@ -114,9 +115,9 @@ int storm_run(const storm_rig *rig, const storm_plant *plant, storm_result *resu
 
 /*
  * Measure the growth factor per tick of a small vibration without any limits, which is the spectral
- * radius of the loop. The simulation starts from random positions and velocities of all modes and
- * ends when the vibration has grown or decayed by a factor of 1e6, or after `ticks`. Returns 0, or
- * -1 with error filled.
+ * radius of the loop. The simulation starts from random positions and velocities of all vibration
+ * modes and ends when the vibration has grown or decayed by a factor of 1e6, or after `ticks`.
+ * Returns 0, or -1 with error filled.
  */
 int storm_growth(const storm_rig *rig, const storm_plant *plant, int ticks, storm_result *result,
                  char *error);

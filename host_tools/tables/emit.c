@@ -23,8 +23,8 @@ uint32_t emit_crc_reals(uint32_t crc, const double *value, size_t count)
 /* ---- comments --------------------------------------------------------- */
 
 /*
- * Write a text into a C comment. A blank is inserted into each mark in the text that would begin or
- * end a comment.
+ * Write a text into a C comment. A blank is inserted wherever the text contains the two characters
+ * that begin or end a comment.
  */
 static void write_text(FILE *file, const char *text)
 {
@@ -84,8 +84,8 @@ void emit_real(FILE *file, double value)
 {
     if (isinf(value))
         fprintf(file, "%sHUGE_VAL", value < 0 ? "-" : "");
-    else if (value == 0 && signbit(value)) /* -0 without a decimal point would be the integer 0 in C
-                                            */
+    else if (value == 0 && signbit(value)) /* Without a decimal point, -0 would be the integer 0 in
+                                              C. */
         fputs("-0.0", file);
     else
         fprintf(file, "%.17g", value);

@@ -9,7 +9,8 @@
 typedef struct emitter {
     FILE *file;
     const char *prefix;
-    char upper[64]; /* `prefix` in capital letters, with which the names of macros begin */
+    char upper[64]; /* `prefix` (start of all names in the tables) in capital letters, with which
+                       the names of macros begin */
     uint32_t crc32; /* checksum of the data written so far, with reals rounded to single precision
                      */
     size_t reals, bytes; /* size of the data written so far: number of reals, and bytes of other
@@ -26,8 +27,8 @@ void emit_count_reals(emitter *emitter, const double *value, size_t count);
 void emit_count_bytes(emitter *emitter, const void *value, size_t bytes);
 
 /*
- * Write a comment on one line. Where the text contains the mark that begins or ends a comment, a
- * blank is inserted into the mark, so that texts of a scene cannot end the comment.
+ * Write a comment on one line. Where the text contains the two characters that begin or end a
+ * comment, a blank is inserted between them, so that texts of a scene cannot end the comment.
  */
 void emit_comment(const emitter *emitter, const char *format, ...);
 
@@ -36,8 +37,8 @@ void emit_comment_begin(const emitter *emitter);
 void emit_comment_end(const emitter *emitter);
 
 /*
- * Write the lines of a text into a comment of several lines; an empty text gives no line. Marks
- * that begin or end a comment are changed as by emit_comment.
+ * Write the lines of a text into a comment of several lines; an empty text gives no line. Where the
+ * text contains the two characters that begin or end a comment, a blank is inserted between them.
  */
 void emit_comment_lines(const emitter *emitter, const char *text);
 
@@ -75,8 +76,8 @@ const double *emit_nested(FILE *file, const double *value, const int *length, in
 void emit_vector(emitter *emitter, const double value[3]);
 
 /*
- * Write the first members of a structure of the library: table format, checksum of the scene,
- * checksums of the data in single and in double precision.
+ * Write the first members of a C struct of the library's tables: table format, checksum of the
+ * scene, checksums of the data in single and in double precision.
  */
 void emit_begin(const emitter *emitter, const char *type, const char *name, uint32_t scene,
                 uint32_t crc);

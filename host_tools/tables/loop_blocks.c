@@ -248,8 +248,8 @@ static const void *supervision_tables(loop_blocks *blocks)
 /* ---- tables as source ------------------------------------------------- */
 
 /*
- * Write the name of an array that several blocks of the control loop use, or NULL where the scene
- * has no estimator of the shape.
+ * Write the name of the estimator's array that several blocks of the control loop use, or NULL
+ * where the scene has no estimator of the shape.
  */
 static void write_shared(const emitter *emitter, const void *table, const char *name)
 {
@@ -456,18 +456,18 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
 /* ---- memory ------------------------------------------------------------ */
 
 /*
- * Numbers of signals, modes and ticks on which the memory of the blocks of the control tick
- * depends.
+ * Numbers of signals, vibration modes and ticks on which the memory of the blocks of the control
+ * tick depends.
  */
 typedef struct block_counts {
     size_t inputs, outputs, rows, readings, modes, plays, creeps;
-    size_t delay, damper_delay; /* age of the readings that the scene file states, and that the
-                                   block that damps vibration assumes (ticks) */
+    size_t delay, damper_delay; /* age of the sensor readings (ticks): `delay` as the scene states,
+                                   `damper_delay` as the block that damps vibration assumes */
 } block_counts;
 
 /*
- * Define the memory of a block in bytes, by the macro of the library for either precision, and the
- * text of that macro for the generated header. Pointers, and reals in structs, count as on this
+ * Define the memory of a block in bytes, by the library's macro in both precisions, and the text of
+ * the macro for the generated header. Pointers, and reals in structs, have their size on this
  * computer, so that in single precision the number is an upper bound.
  */
 #define BLOCK_BYTES(name, expression)                                                              \
@@ -509,9 +509,9 @@ static const struct {
     const pzs_block_type *type;
     bool (*is_present)(const loop_blocks *l);
     const void *(*tables)(loop_blocks *l);
-    void (*write)(emitter *w, const loop_blocks *l); /* function that writes the tables of the
-                                                        block; NULL: the tables are written together
-                                                        with their arrays */
+    void (*write)(emitter *w, const loop_blocks *l); /* function that writes the tables of a block;
+                                                        NULL: the tables are written together with
+                                                        their arrays */
     const char *type_name, *tables_name;
     size_t (*bytes)(const block_counts *of, bool is_single);
     const char *bytes_macro;

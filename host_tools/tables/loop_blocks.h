@@ -16,7 +16,8 @@ typedef struct loop_blocks {
     const design *design;
     const estimator *estimator;
     const damper *damper;
-    const wiring_test *wiring; /* self-test before the loop takes control; NULL: none */
+    const wiring_test *wiring; /* tables of the self-test before the loop takes control; NULL: the
+                                  loop has no self-test */
     /*
      * Tables of those blocks of the control tick whose data are not stored in the design, the
      * estimator or the damper.

@@ -107,7 +107,7 @@ static void name_or_null(const emitter *emitter, int is_written, const char *nam
 
 /*
  * Number of entries that the factor of the stiffness matrix takes in memory if `tile` rows form a
- * panel (linalg.h), with the padding of the panels.
+ * panel, with the padding of the panels.
  */
 static size_t padded_entries(const mesh *mesh, int tile)
 {
@@ -136,8 +136,8 @@ static pzs_structure controlled(const analysis *analysis)
 }
 
 /*
- * Return the structure that the tables contain: the whole one or that of the controller, in compact
- * tables without the stiffness matrices of the element types.
+ * Return the structure that the tables contain: with all inputs and outputs (`whole`), or only with
+ * those of the controller. Compact tables have no stiffness matrices of the element types.
  */
 static pzs_structure structure_of_tables(const analysis *analysis, int whole)
 {
@@ -169,7 +169,7 @@ static void write_mesh(emitter *emitter, const mesh *mesh, bool is_compact)
     write_element_types(emitter, mesh);
 }
 
-/* Write the structure itself, after its arrays. */
+/* Write the C struct of the structure (pzs_structure), after its arrays. */
 static void write_structure_struct(const emitter *emitter, const pzs_structure *structure)
 {
     const char *prefix = emitter->prefix;
@@ -303,7 +303,10 @@ static void write_limits(emitter *emitter, const design *design)
                "voltage to which the regularisation draws each amplifier (V)");
 }
 
-/* Write the limits between amplifiers, if there are any, in the order of the checksum. */
+/*
+ * Write the limits of sums and differences of voltages, if there are any, in the order in which the
+ * checksum covers them.
+ */
 static void write_limit_rows(emitter *emitter, const design *design)
 {
     const uint16_t count = (uint16_t)design->limits.rows;
@@ -325,7 +328,7 @@ static void write_limit_rows(emitter *emitter, const design *design)
             emitter->prefix, emitter->prefix);
 }
 
-/* Write the structure of the voltage problem, after its arrays. */
+/* Write the C struct of the voltage problem (pzs_problem), after its arrays. */
 static void write_problem_struct(const emitter *emitter, const pzs_problem *problem)
 {
     char influence_name[128], hessian_name[128], rows_name[128];
