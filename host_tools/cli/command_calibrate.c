@@ -27,8 +27,8 @@ typedef struct run {
                                 gives a measured matrix, or without a scene */
     int faults;
     wiring_fault fault[WIRING_FAULTS];
-    double size;    /* size of the measured shapes relative to those that the scene predicts
-                       (calibration_size); 0 without a scene */
+    double size;    /* size of the measured shapes relative to those that the scene predicts ; 0
+                       without a scene */
     double *acting; /* [pokes][actuators] voltages that reach the electrodes in each poke (shape
                        measured under known voltages), with the found wiring faults taken into
                        account (V) */
@@ -157,8 +157,8 @@ static size_t idle_names(const run *run, char text[IDLE_TEXT])
 }
 
 /*
- * Compute the influence matrix without a model, which needs a voltage on every actuator. Returns 0,
- * or -1 with error filled.
+ * Compute the influence matrix without a model, which requires that every actuator has a voltage in
+ * some measurement. Returns 0, or -1 with error filled.
  */
 static int fit_alone(run *run, char *error)
 {
@@ -246,8 +246,8 @@ static void print_faults(const run *run)
 }
 
 /*
- * Unit of the shapes with a blank before it: the scene's unit of length; empty without a scene,
- * where the shapes may have any unit.
+ * Text of the unit of the shapes, with a blank before it: the scene's unit of length. The text is
+ * empty without a scene, where the shapes may have any unit.
  */
 static const char *length_unit(const run *run)
 {
@@ -256,7 +256,10 @@ static const char *length_unit(const run *run)
     return run->scene && run->scene->units.length[0] ? text : "";
 }
 
-/* Warn where the sizes of the measured shapes and of those of the scene's model differ too much. */
+/*
+ * Warn where the size of the measured shapes differs too much from that of the shapes that the
+ * scene's model predicts.
+ */
 static void print_scale(const run *run)
 {
     static const double most = 30;
@@ -269,7 +272,7 @@ static void print_scale(const run *run)
             run->size, length_unit(run));
 }
 
-/* Print how a scene uses the file that the matrix was written to. */
+/* Print how a scene file can use the file to which the influence matrix was written. */
 static void print_use(const run *run, const char *path)
 {
     if (path && run->scene)

@@ -74,19 +74,20 @@ enum { COMMAND_EXAMPLES = 4 };
 
 typedef struct command_entry {
     const char *name;
-    const char *argument; /* argument as the help prints it, in brackets where it is optional; ""
-                             for none */
+    const char *argument; /* argument as the help prints it, in brackets where it is optional; "":
+                             no argument */
     argument_kind kind;
     const char *const *choices; /* permitted words of an ARGUMENT_CHOICE, ended by NULL; NULL for
                                    other arguments */
-    const char *summary;        /* one-line summary in the output of pzs --help */
-    const char *about;          /* paragraph in the output of pzs help COMMAND */
+    const char *summary; /* summary of the command in one line, for the output of pzs --help */
+    const char *about;   /* description of the command in one paragraph, for the output of pzs help
+                            COMMAND */
     const char *example[COMMAND_EXAMPLES + 1]; /* example shell commands, ended by NULL */
 } command_entry;
 
 typedef struct option_entry {
-    const char *name, *other; /* name of the option, and its second name or NULL */
-    const char *argument;     /* argument as the help prints it; "" for none */
+    const char *name, *other; /* name of the option, and its second name, or NULL */
+    const char *argument;     /* argument of an option as the help prints it; "": no argument */
     argument_kind kind;
     const char *const *choices; /* permitted words of an ARGUMENT_CHOICE, ended by NULL; NULL for
                                    other arguments */
@@ -98,7 +99,7 @@ typedef struct option_entry {
 extern const command_entry command_table[COMMANDS];
 extern const option_entry option_table[OPTIONS];
 
-/* Title of the help, and the paragraphs below its examples, ended by NULL. */
+/* Title of the help text of pzs, and the paragraphs below its examples, ended by NULL. */
 extern const char *const command_title;
 extern const char *const command_notes[];
 

@@ -13,12 +13,15 @@
 #include "../text/words.h"
 #include "outfile.h"
 
-/* Arrays to be written, with the memory of those arrays that were computed for this purpose. */
+/*
+ * Arrays to be written to files, with the memory of those arrays that were computed for this
+ * purpose.
+ */
 typedef struct arrays {
     named_array array[NAMED_ARRAY_MOST];
     double *owned[NAMED_ARRAY_MOST];
     size_t count, owners;
-    bool is_full; /* true after an allocation of memory has failed */
+    bool is_full; /* whether an allocation of memory has failed */
 } arrays;
 
 bool export_is_wanted(const options *options)
@@ -86,7 +89,7 @@ static int write_folder(const char *folder, const arrays *arrays)
     return status;
 }
 
-/* Write the arrays to the files that the options name, and release their memory. */
+/* Write the arrays to the files that the command-line options name, and release their memory. */
 static int write_arrays(const options *options, arrays *arrays)
 {
     int status = arrays->is_full;
@@ -116,7 +119,9 @@ static void add_places(arrays *arrays, const design *design, const char *name, c
     add_array(arrays, name, design->units.length, count, 3, place);
 }
 
-/* Append the stress and the strain of each height of each layer of each element, NAN where absent.
+/*
+ * Append the stress and the strain of each height of each layer of each element, NAN where the
+ * layer is absent from the element.
  */
 static void add_points(arrays *arrays, const stress_field *field, const char *unit)
 {
@@ -186,7 +191,10 @@ int export_solve(const options *options, const analysis *analysis, const double 
     return write_arrays(options, &arrays);
 }
 
-/* Append voltages, shapes and misfits of all results as matrices with one row for each result. */
+/*
+ * Append voltages, shapes and misfits of all results as matrices with one row for each result of
+ * `pzs shape`.
+ */
 static void add_results(arrays *arrays, const shape_run *run)
 {
     const design *design = &run->analysis->design;
@@ -213,7 +221,7 @@ static void add_results(arrays *arrays, const shape_run *run)
 }
 
 /*
- * Add the influence matrix and the voltage limits.
+ * Append the influence matrix and the voltage limits to the arrays.
  *   unit out  unit of the influence matrix, to which the array refers until it is written
  */
 static void add_problem(arrays *arrays, const design *design, char unit[WORDS_UNIT])

@@ -18,9 +18,9 @@ bool export_is_wanted(const options *options);
  * exit code after printing an error message.
  *   export_solve       displacement [free_dof], values of the output rows, and the stresses; NULL:
  *                      without stresses
- *   export_shape       every set of voltages with its shape
+ *   export_shape       the voltages of every result with their shape
  *   export_modes       natural frequencies and mode shapes
- *   export_simulation  values of every tick
+ *   export_simulation  values of every tick of a simulation
  */
 int export_solve(const options *options, const analysis *analysis, const double *displacement,
                  const double *value, const stress_field *stress);

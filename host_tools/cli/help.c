@@ -8,9 +8,9 @@
 enum { OPTION_COLUMN = 22, COMMAND_COLUMN = 30 };
 
 /*
- * Print the commands that accept an option before the help of the option. Nothing is printed where
- * all commands on a scene accept the option, or in the help of a single command. Returns the number
- * of characters printed.
+ * Print the commands that accept an option before the help of the option. Nothing is printed if all
+ * commands that take a scene accept the option, or in the help of a single command. Returns the
+ * number of characters printed.
  */
 static int print_takers(FILE *file, option_id option)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* List of the keys of a scene with types and help sentences (keys.h). */
+/* List of the keys of a scene file with types and help sentences (keys.h). */
 #include "keys.h"
 #include <math.h>
 #include <string.h>
@@ -9,7 +9,10 @@
 
 enum { KEY_COLUMN = 32, KIND_TEXT = 600 };
 
-/* Description of the type of a value, composed piece by piece; what exceeds its size is cut off. */
+/*
+ * Description of the type of a value in a scene file, composed piece by piece; what exceeds the
+ * size of the text is cut off.
+ */
 typedef struct kind_text {
     char text[KIND_TEXT];
     size_t length;
@@ -48,8 +51,8 @@ static void append_words(kind_text *to, const choice *words)
 static void append_kind(kind_text *to, const form *form);
 
 /*
- * Append the type of a list to a description: "[number, number]" for a list of fixed length,
- * otherwise "list of number".
+ * Append the type of a list to the description of a value: "[number, number]" for a list of fixed
+ * length, otherwise "list of number".
  */
 static void append_list(kind_text *to, const form *form)
 {
@@ -125,8 +128,8 @@ static void print_form(FILE *file, const form *form, int depth)
 }
 
 /*
- * Section of a scene with index k, counted over the alternative forms that a scene may have, or
- * NULL behind the last section.
+ * Return the section of a scene file with index k, or NULL behind the last section. The index
+ * counts the sections of all alternative forms that a scene file may have.
  */
 static const field *section_of(int k)
 {
@@ -138,8 +141,8 @@ static const field *section_of(int k)
 }
 
 /*
- * Whether the section of a scene with index k also occurs in an earlier one of the alternative
- * forms that a scene may have.
+ * Whether section number k of a scene file also occurs in an earlier one of the alternative forms
+ * that a scene file may have.
  */
 static bool is_repeated(int k)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* List of the keys of a scene, generated from the tables of keys of the scene reader. */
+/* List of the keys of a scene file, generated from the tables of keys of the scene reader. */
 #ifndef KEYS_H
 #define KEYS_H
 
@@ -8,7 +8,7 @@
 #include "../text/suggest.h"
 
 /*
- * Print the keys of a scene, each with the type of its value and a help sentence.
+ * Print the keys of a scene file, each with the type of its value and a help sentence.
  *   section in  key of a section, or NULL for all sections
  */
 void keys_print(FILE *file, const char *section);

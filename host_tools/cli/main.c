@@ -110,8 +110,8 @@ static int check_sensors(analysis *analysis, char *error)
 typedef int command(const options *o, analysis *a);
 
 /*
- * Run a command, then print the warnings at the end of the text or in the JSON document. With
- * --strict, a warning leads to the exit code of a failure.
+ * Run a command of pzs, then print the plausibility warnings at the end of the text or in the JSON
+ * document. With --strict, a warning leads to the exit code of a failure.
  */
 static int run_with_warnings(const options *options, analysis *analysis, command *run)
 {
@@ -186,8 +186,9 @@ static int write_reports(const options *options, write_report *write, const void
 /* ---- solve ------------------------------------------------------------ */
 
 /*
- * Displacement vector [free_dof], the values of the output rows computed from it, and the stresses
- * recovered from it, or NULL where they are not asked for.
+ * Solution for the displacement of a scene: displacement vector [free_dof], the values of the
+ * output rows computed from it, and the stresses recovered from it, or NULL where the user has not
+ * asked for them.
  */
 typedef struct solution {
     const analysis *analysis;
@@ -230,7 +231,10 @@ static int solve_error(const options *options, analysis *analysis, const double 
                           &analysis->mesh_error);
 }
 
-/* Add warnings where the equilibrium is unstable or depends on the number of load steps. */
+/*
+ * Add plausibility warnings where the equilibrium is unstable or depends on the number of load
+ * steps.
+ */
 static void check_path(analysis *analysis, const double *displacement)
 {
     const int is_followed = analysis->load_path.points > 0;
@@ -257,7 +261,10 @@ static int write_solution(const options *options, analysis *analysis, solution *
                        : status;
 }
 
-/* Recover the stresses of a displacement, and write the solution with them. */
+/*
+ * Recover the stresses of a displacement, and write the displacement and the stresses as the
+ * solution.
+ */
 static int write_stressed(const options *options, analysis *analysis, solution *result)
 {
     const stress_state state = {&analysis->design, result->displacement, analysis->input_value,
@@ -347,10 +354,10 @@ static int shape_before(shape_run *run, char *error)
 }
 
 /*
- * Compute all sets of voltages: the optimum without limits; for each pair of limits the optimum, on
- * a nonlinear structure also the optimum of the linear model, clipped least squares and clipped
- * regularised least squares with the best parameter; then the sets of voltages that the scene file
- * gives for comparison.
+ * Compute the voltages of all results of `pzs shape`: the optimum without limits; for each pair of
+ * limits the optimum, on a nonlinear structure also the optimum of the linear model, clipped least
+ * squares and clipped regularised least squares with the best parameter; then the sets of voltages
+ * that the scene file gives for comparison.
  */
 static int shape_results(shape_run *run, const options *options, char *error)
 {
@@ -405,8 +412,8 @@ static int shape_error(shape_run *run, const options *options)
 }
 
 /*
- * Numbers for the plausibility rules on the target, from the shape without voltages and the first
- * optimum.
+ * Compute the numbers for the plausibility rules on the target, from the shape without voltages and
+ * the first optimum.
  */
 static plausible_optimum optimum_of(const shape_run *run)
 {
@@ -505,7 +512,7 @@ static void check_phases(plausible *warnings, const simulation *run)
     }
 }
 
-/* A simulation with its record of every tick. */
+/* A simulation of the control loop with its record of every tick. */
 typedef struct simulated {
     const simulation *run;
     const simulate_record *record;
@@ -678,8 +685,8 @@ static const char *output_path(const options *options, const char *name, const c
 }
 
 /*
- * Whether the control tick with the constants that `pzs tables` writes would damp vibration; if
- * not, `reason` says why.
+ * Whether the control tick of a firmware with the constants that `pzs tables` writes would damp
+ * vibration; if not, `reason` says why.
  */
 static int is_damped(const analysis *analysis, char *reason)
 {
@@ -911,7 +918,7 @@ static int command_check(const options *options, analysis *analysis)
     return 0;
 }
 
-/* Print name and purpose of a scene in at most 100 columns, cut off after a word. */
+/* Print name and purpose of a scene in one line of at most 100 columns, cut off after a word. */
 static void list_line(const char *name, const char *about)
 {
     enum { COLUMNS = 100 };
@@ -946,7 +953,7 @@ static int command_list(void)
     return failed ? OPTIONS_WRONG : 0;
 }
 
-/* Run the command `calibrate`, with a scene as the model where one is named. */
+/* Run the command `calibrate`, with a scene as the model if the command line names one. */
 static int run_calibrate(const options *options)
 {
     scene scene;

@@ -36,7 +36,10 @@ static void paragraph(FILE *file, const char *text)
     fputc('\n', file);
 }
 
-/* Write the commands that accept an option in italics, after the help of the option. */
+/*
+ * Write to the manual page, in italics, the commands that accept an option, after the help of the
+ * option.
+ */
 static void page_takers(FILE *file, option_id option)
 {
     const char *between = "Commands: ";

@@ -18,14 +18,14 @@ enum { OPTIONS_WRONG = 2, OPTIONS_PATH = SHIPPED_PATH, MOST_SETS = 64, MOST_LIMI
 typedef struct options {
     command_id command;
     const char *scene; /* scene name or file, for a command on a scene */
-    const char *word;  /* argument of any other command, NULL where there is none */
+    const char *word;  /* argument of a command that takes no scene, or NULL */
     const char *set[MOST_SETS];
     common_limits limit[MOST_LIMITS];
     int sets, limits;
     bool as_json, is_strict;
     int number;      /* number of vibration modes; 0: not given */
     bool is_compact; /* whether to write tables without the stiffness matrices of the element types
-                      */
+                        (option --compact) */
     bool quasi_static;
     bool follows_path;    /* whether to follow the load path through limit points */
     bool estimates_error; /* whether to estimate the discretisation error from coarser meshes */
@@ -36,11 +36,11 @@ typedef struct options {
                                       where they are not wanted */
     const char *voltages, *shapes; /* files of measured voltages and shapes, for the command
                                       calibrate */
-    double sample_rate; /* samples per second of a measured hysteresis sweep, for the command
-                           calibrate; 0: the files contain pokes (shapes under known voltages)
-                           instead */
-    int words;          /* number of arguments of the whole command line, which reports print */
-    char *const *words_given; /* [words] arguments of the whole command line */
+    double sample_rate;       /* samples per second of a measured hysteresis sweep, for the command
+                                 calibrate; 0: the files contain shapes measured under known
+                                 voltages (pokes) */
+    int words;                /* number of words of the whole command line, which reports print */
+    char *const *words_given; /* [words] words of the whole command line */
     const device_board *device;
     tables_image image;
     bool wants_plant, wants_controller, builds; /* what the command fmu exports, and whether it

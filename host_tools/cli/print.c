@@ -27,16 +27,16 @@ static const char *precision_needed(const analysis *analysis)
 {
     if (tables_allow_float(analysis))
         return "float or double";
-    if (analysis->model.info.condition > 1e14) /* the stiffness matrix of the reference state is too
-                                                  close to singular for pzs_factor */
+    if (analysis->model.info.condition > 1e14) /* The stiffness matrix of the undeformed state is
+                                                  too close to singular for pzs_factor. */
         return "double; loose at rest, held by a contact or by its prescribed displacements alone";
     return analysis->is_nonlinear ? "the nonlinear path needs double"
                                   : "double, or float with refinement, which says where it ends";
 }
 
 /*
- * Description of the integration through the thickness: with the exact metric of the curved shell,
- * or with the metric of a flat plate.
+ * Return a text that says with which metric strains are integrated through the thickness: the exact
+ * metric of the curved shell, or that of a flat plate.
  */
 static const char *metric_word(const design *design)
 {
@@ -147,7 +147,7 @@ static void json_head(json *json, const analysis *analysis)
 /* ---- check ------------------------------------------------------------ */
 
 /*
- * Compute the device memory for the constants (`pzs tables`) of one kind of firmware: control,
+ * Compute the device memory for the constants (`pzs tables`) of one image of the firmware: control,
  * linear or nonlinear. The constants are written to a file that is discarded. Returns 0, or -1
  * where they cannot be made for the scene.
  */
@@ -387,7 +387,8 @@ static void json_linear(json *json, const analysis *analysis)
 
 /*
  * Write the computation times (s) as JSON. On a nonlinear structure `solve` is the time of all load
- * steps; the stiffness matrix of the reference state is assembled and factored before.
+ * steps; the stiffness matrix of the reference state is assembled and factored before these load
+ * steps.
  */
 static void json_seconds(json *json, const analysis *analysis)
 {
@@ -448,7 +449,7 @@ static void limit_text(const voltages *result, char text[32])
         snprintf(text, 32, "%g .. %g", result->limit[0], result->limit[1]);
 }
 
-/* Voltage for printing (V): values that would be printed as -0.00 become 0. */
+/* Return a voltage for printing (V): a value that would be printed as -0.00 becomes 0. */
 static double rounded_volt(double voltage)
 {
     return fabs(voltage) < 0.005 ? 0 : voltage;
@@ -470,8 +471,8 @@ static int is_list(const design *design, const scene_actuator *actuator)
 }
 
 /*
- * Print the voltages of a list of amplifiers (V), several on a line after the number of the first
- * of them.
+ * Print the voltages of a list of amplifiers (V), several on a line, which begins with the number
+ * of the first amplifier in the line.
  */
 static void print_list(const scene_actuator *actuator, const double *voltage)
 {
@@ -524,8 +525,9 @@ static void print_voltages(const design *design, const voltages *result)
 }
 
 /*
- * Increase of the shape error on the nonlinear structure when its voltages are optimised with the
- * linear instead of the nonlinear model, as a firmware without the nonlinear solver does.
+ * Return how much larger the shape error on the nonlinear structure is if the voltages are
+ * optimised with the linear instead of the nonlinear model, as a firmware without the nonlinear
+ * solver does.
  */
 static double cost_of_linear(const shape_run *run)
 {
@@ -550,7 +552,7 @@ static void print_choice(const shape_run *run)
                                                      : "needs the nonlinear image");
 }
 
-/* Whether the output with index k is a displacement of a single node. */
+/* Whether the output of the scene with index k is a displacement of a single node. */
 static int is_single(const analysis *analysis, int k)
 {
     return print_is_displacement(analysis, k) && analysis_outputs(analysis, k) == 1;
@@ -563,8 +565,8 @@ static double reached(const analysis *analysis, int k, const voltages *result)
 }
 
 /*
- * Print the displacements of single nodes that the scene file lists as outputs, under each set of
- * voltages.
+ * Print the displacements of single nodes that the scene file lists as outputs, under the voltages
+ * of each result.
  */
 static void print_reached(const shape_run *run)
 {
@@ -590,8 +592,8 @@ static void print_reached(const shape_run *run)
 }
 
 /*
- * Print how many amplifiers have narrower voltage limits than the printed table of results states,
- * and how many are held at one voltage.
+ * Print how many amplifiers have narrower voltage limits than the table of results states, and how
+ * many are held at one voltage.
  */
 static void print_narrower(const voltages *result, int amplifiers)
 {
@@ -602,9 +604,9 @@ static void print_narrower(const voltages *result, int amplifiers)
 }
 
 /*
- * Print how many target rows lie on constrained dof and differ from the wanted value, which the
- * shape error does not include, and the names of the free functions (shapes that may be added to
- * the target at no cost).
+ * Print how many controlled displacements (target rows) lie on constrained dof and differ from the
+ * wanted value; the shape error does not include them. Print also and the names of the free
+ * functions (shapes that may be added to the target at no cost).
  */
 static void print_target_rows(const design *design, const voltages *result)
 {
@@ -721,7 +723,8 @@ void print_shape(const shape_run *run)
 }
 
 /*
- * Write the displacements that the scene file lists as outputs, under one set of voltages, as JSON.
+ * Write the displacements that the scene file lists as outputs, under the voltages of one result,
+ * as JSON.
  */
 static void json_reached(json *json, const analysis *analysis, const voltages *result)
 {
@@ -763,7 +766,7 @@ static void json_voltages(json *json, const analysis *analysis, const voltages *
 
 /*
  * Write the results of `pzs shape` as JSON: the optimum within the first limits at the top level,
- * then every set of voltages.
+ * then the voltages of every result.
  */
 void print_shape_json(const shape_run *run)
 {

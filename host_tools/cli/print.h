@@ -11,13 +11,13 @@
 /* Results of the command `pzs shape`. */
 typedef struct shape_run {
     analysis *analysis;
-    voltages *results; /* [count] sets of voltages: optimum without limits; for each pair of limits
-                          the optimum, on a nonlinear structure also that of the linear model,
-                          clipped and regularised clipped least squares; then the sets that the
-                          scene file gives */
+    voltages *results; /* [count] voltages of all results: optimum without limits; for each pair of
+                          limits the optimum, on a nonlinear structure also the optimum of the
+                          linear model, clipped and regularised clipped least squares; then the sets
+                          that the scene file gives */
     voltages before;   /* displacements and shape error with all voltages zero */
     int count, compared; /* number of results; index of the first result whose voltages the scene
-                            file gives */
+                            gives for comparison */
     modes modes; /* results for each alternative shape of the target; empty where the target is no
                     list of modes */
 } shape_run;
@@ -40,7 +40,8 @@ void print_check(const analysis *analysis);
 void print_check_json(const analysis *analysis);
 
 /*
- * Print the outputs under a displacement, then springs and electrodes.
+ * Print the outputs of the scene under a displacement, then the forces of springs and the voltages
+ * and charges of electrodes.
  *   displacement [free_dof]    in
  *   value        [output rows] in
  */
@@ -56,7 +57,7 @@ void print_solve_json(analysis *analysis, const double *displacement, const doub
 void print_electrodes(analysis *analysis);
 void print_electrodes_json(json *json, analysis *analysis);
 
-/* Print all sets of voltages with their errors. */
+/* Print the voltages of all results with their shape errors. */
 void print_shape(const shape_run *run);
 void print_shape_json(const shape_run *run);
 

@@ -5,7 +5,7 @@
 #include "print.h"
 #include "../text/words.h"
 
-/* Description of the electrical connection of electrode k. */
+/* Return a text that describes the electrical connection of electrode k. */
 static const char *connection(const design *design, int k)
 {
     if (design->electrodes.input[k] < design->amplifiers)

@@ -79,7 +79,7 @@ int print_run(simulation *simulation, const simulate_sinks *sinks, char *error)
 
 /*
  * Print the time steps of a nonlinear motion: their number in a tick, and the mean numbers of
- * linear solves and of factorisations of the matrix in one.
+ * linear solves and of factorisations of the matrix in a time step.
  */
 static void print_steps(const plant *plant)
 {
@@ -150,7 +150,7 @@ static void print_settled(const simulate_phase *phase)
     printf(" %6d", course->step_limit_ticks);
 }
 
-/* Print a relative error (%) in a column, or that the control law has diverged. */
+/* Print a relative error (%) in a column of a table, or that the control law has diverged. */
 static void print_share(int width, double value)
 {
     if (isinf(value))
@@ -191,7 +191,7 @@ static void print_phases(const simulation *simulation)
          "  the answer");
 }
 
-/* Largest recorded value in one of `parts` equal parts of the simulated time. */
+/* Return the largest recorded value in one of `parts` equal parts of the simulated time. */
 static double largest(const simulate_record *record, const double *value, int part, int parts)
 {
     double most = 0;
@@ -237,7 +237,10 @@ static void print_count(const simulation *simulation, simulate_law law)
                run ? (double)count->iterations / (double)run : 0, count->iterations_most);
 }
 
-/* Print that the self-test before the schedule has found nothing, and what it did not test. */
+/*
+ * Print that the self-test, which runs before the schedule of the simulation, has found nothing,
+ * and which amplifiers and sensors it could not test.
+ */
 static void print_selftest(const simulation *simulation)
 {
     char text[SCENE_ERROR];
@@ -255,7 +258,10 @@ static void print_selftest(const simulation *simulation)
         printf("  warning: self-test: %s\n", text);
 }
 
-/* Write the self-test before the schedule, which has passed. */
+/*
+ * Write the results of the self-test, which ran before the schedule of the simulation without
+ * findings, as JSON.
+ */
 static void json_selftest(json *json, const simulation *simulation)
 {
     char text[SCENE_ERROR];

@@ -8,8 +8,8 @@
 #include "../text/words.h"
 
 /*
- * Number of entries of the scene that may consist of springs: its spring entries and its actuators,
- * which may be stack actuators.
+ * Return the number of items of the scene that may consist of springs: its spring entries and its
+ * actuators, which may be stack actuators.
  */
 static int items_of(const design *design)
 {

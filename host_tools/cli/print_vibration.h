@@ -18,7 +18,8 @@ void print_vibration_json(const design *design, const vibration *vibration,
 
 /*
  * Print in one line which vibration modes the control tick damps and in how many simulated tests
- * with fast target jumps the shape settles; nothing where the stability of the loop is not known.
+ * with fast target jumps the shape settles; print nothing if the stability of the loop is not
+ * known.
  */
 void print_vibration_summary(const certificate *certificate);
 

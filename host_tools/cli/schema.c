@@ -121,7 +121,7 @@ static bool is_required(const field *field, const form_case *one)
 
 /*
  * Write to the schema which words are permitted as value of a key. The words are separated by '/'
- * in an entry of a permitted combination of keys.
+ * in an entry of the list of a permitted combination of keys.
  */
 static void write_item_words(json *json, const case_item *item)
 {

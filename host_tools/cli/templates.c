@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Example scenes and data files of `pzs new` (templates.h). Each source line contains one line of a
- * file.
+ * Example scene files and data files of `pzs new` (templates.h). Each source line contains one line
+ * of a file.
  */
 #include "templates.h"
 #include <string.h>

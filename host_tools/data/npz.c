@@ -12,7 +12,8 @@
 
 enum {
     NPY_HEADER = 128, /* size of the header of a .npy file, a multiple of 64 (bytes) */
-    NPY_VERSION = 10, /* offset of the text in the header of a .npy file (bytes) */
+    NPY_VERSION = 10, /* offset, in the header of a .npy file, of the text that describes the array
+                         (bytes) */
     TEXT = 96         /* size of each text in the array `units` (bytes) */
 };
 
@@ -70,8 +71,8 @@ static int put_array(zip_archive *archive, const named_array *array)
 }
 
 /*
- * Write the array `units`, a list of texts "NAME: UNIT". Returns 0, or -1 if memory runs out or the
- * archive is full.
+ * Write the array `units` of an .npz file: texts "NAME: UNIT" with the unit of each array. Returns
+ * 0, or -1 if memory runs out or the archive is full.
  */
 static int put_units(zip_archive *archive, const named_array *array, size_t count)
 {

@@ -9,7 +9,7 @@
 
 static const char npy_magic[] = "\x93NUMPY", fits_magic[] = "SIMPLE  =";
 
-/* Write an error message that begins with the name of the file. Returns -1. */
+/* Write an error message that begins with the name of the file of a table. Returns -1. */
 static int fault(const char *path, const char *message, char *error)
 {
     const char *separator = *message >= '0' && *message <= '9' ? ":" : ": ";

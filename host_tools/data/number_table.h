@@ -23,11 +23,12 @@ typedef char number_name[NUMBER_NAME];
 typedef struct number_table {
     size_t rows, columns;
     double *value;            /* [rows][columns] numbers of the table, possibly NAN or infinite */
-    number_name *column_name; /* [columns] names of the columns, or NULL if the file has none */
-    number_name *row_name;    /* [rows] names of the rows, or NULL if the file has none */
+    number_name *column_name; /* [columns] names of the columns, or NULL if the file has no column
+                                 names */
+    number_name *row_name;    /* [rows] names of the rows, or NULL if the file has no row names */
     uint32_t *line; /* [rows] line of each row in a text file, counted from 1; NULL for binary files
                      */
-    uint32_t hash;  /* FNV-1a hash of the bytes of the file that the table was read from */
+    uint32_t hash;  /* FNV-1a hash of the bytes of the file from which the table was read */
 } number_table;
 
 /*
@@ -40,7 +41,7 @@ void number_table_free(number_table *table);
 
 /*
  * Return the index of a column that is given by its name, or by its number counted from 1 if no
- * column has this name; -1 if there is none.
+ * column has this name; -1 if there is no such column.
  */
 int number_table_column(const number_table *table, const char *name);
 

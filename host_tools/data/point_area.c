@@ -36,7 +36,7 @@ static int left_first(const void *left, const void *right)
 
 /*
  * Find the convex hull of points that are sorted by x, by the monotone chain algorithm (hull [2
- * count + 2] out). Returns the number of its corners.
+ * count + 2] out). Returns the number of corners of the hull.
  */
 static size_t hull_of(const point *sorted, size_t count, point *hull)
 {
@@ -111,7 +111,7 @@ static double cell_area(const point *points, size_t count, size_t own, const pol
     double reach = reach_of(cell, centre);
     /*
      * The points are sorted by x. A point farther away than twice the largest distance of the
-     * cell's corners does not cut the cell.
+     * Voronoi cell's corners does not cut the cell.
      */
     for (size_t step = 1; step < count; step++) {
         int is_near = 0;
@@ -140,7 +140,7 @@ static double cell_area(const point *points, size_t count, size_t own, const pol
 }
 
 /*
- * Compute the lengths that belong to points on a line: half of the sum of the distances to both
+ * Compute the lengths that belong to points on a line: half of the sum of the distances to the two
  * neighbours.
  */
 static void lengths(const point *sorted, size_t count, double *area)

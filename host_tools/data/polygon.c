@@ -123,7 +123,7 @@ static double height_at(const side *line, double x)
     return line->y[0] + part * (line->y[1] - line->y[0]);
 }
 
-/* Return the area of the region above the horizontal line y = base and below both of two sides. */
+/* Return the area of the region above the horizontal line y = base and below two polygon sides. */
 static double area_below(const side *one, const side *other, double base)
 {
     const double from = fmax(one->x[0], other->x[0]), to = fmin(one->x[1], other->x[1]);
@@ -136,8 +136,8 @@ static double area_below(const side *one, const side *other, double base)
     if (gap[0] * gap[1] >= 0)
         return (to - from) * lower;
     /*
-     * The two sides cross each other: the boundary of the area consists of the lower end on the
-     * left, the crossing and the lower end on the right.
+     * The two sides cross each other: the upper boundary of the area below both sides consists of
+     * the lower end on the left, the crossing and the lower end on the right.
      */
     const double part = gap[0] / (gap[0] - gap[1]), middle = left[0] + part * (right[0] - left[0]);
     return (to - from) *
@@ -149,8 +149,8 @@ static double area_below(const side *one, const side *other, double base)
 /*
  * Return the area common to two polygons: the sum, over all pairs of a side of one and a side of
  * the other, of the area between the x axis and the lower of both sides where their ranges of x
- * overlap. A pair counts as positive where both sides run in the same direction of x, else as
- * negative. one, other  work  memory for the sides of each polygon
+ * overlap. The area of a pair counts as positive where both sides run in the same direction of x,
+ * otherwise as negative. one, other  work  memory for the sides of each polygon
  */
 static double sum_pairs(const double (*one_points)[2], size_t a_count, side *one,
                         const double (*b)[2], size_t b_count, side *other, double base)
@@ -202,7 +202,7 @@ double polygon_common_area(const polygon *one, const polygon *other)
 
 /* ---- check ------------------------------------------------------------ */
 
-/* Return whether point c, known to lie on the line through a and b, lies between them. */
+/* Return whether point c, which lies on the straight line through a and b, lies between a and b. */
 static bool lies_between(const double a[2], const double b[2], const double c[2])
 {
     return c[0] >= fmin(a[0], b[0]) && c[0] <= fmax(a[0], b[0]) && c[1] >= fmin(a[1], b[1]) &&
@@ -223,7 +223,7 @@ static bool do_cross(const double a[2], const double b[2], const double c[2], co
 
 /*
  * Find two sides of a polygon that cross or touch, apart from the common point of neighbouring
- * sides. Returns whether there are any.
+ * sides. Returns whether there are two such sides.
  */
 static bool find_crossing(const double (*point)[2], size_t count, size_t at[2])
 {
@@ -245,7 +245,7 @@ static bool find_crossing(const double (*point)[2], size_t count, size_t at[2])
     return false;
 }
 
-/* Find the first point that is not finite or that equals the next point. */
+/* Find the first point of an outline that is not finite or that equals the next point. */
 static polygon_fault check_points(const double (*point)[2], size_t count, size_t at[2])
 {
     for (size_t i = 0; i < count; i++) {

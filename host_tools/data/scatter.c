@@ -25,14 +25,15 @@ struct scatter {
 typedef struct neighbours {
     size_t count, most;
     size_t index[NEAREST];
-    double square[NEAREST]; /* squared distances of the nearest points from the place */
+    double square[NEAREST]; /* squared distances of the nearest points from the place of
+                               interpolation */
 } neighbours;
 
 /* ---- tree ------------------------------------------------------------- */
 
 /*
- * Range of the array of points that forms a k-d tree: the middle point of a range divides it along
- * an axis that changes with the depth, and both halves are divided in the same way.
+ * Range of the array of points that forms a k-d tree: the middle point of a range divides the range
+ * along an axis that changes with the depth, and both halves are divided in the same way.
  */
 typedef struct tree_range {
     size_t first, end;
@@ -137,12 +138,13 @@ static double square_distance(const double *first, const double *second)
 }
 
 /*
- * Range of the k-d tree that is still to be searched; it is skipped if it is farther from the place
- * than the nearest points found so far.
+ * Range of the k-d tree that is still to be searched; the range is skipped if it is farther from
+ * the place of interpolation than the nearest points found so far.
  */
 typedef struct search_range {
     tree_range range;
-    double beyond; /* square of a lower bound of the distance to any point of the range */
+    double beyond; /* square of a lower bound of the distance from the place of interpolation to any
+                      point of the range */
 } search_range;
 
 static void search(const scatter *scatter, const double place[SCATTER_AXES], neighbours *found)
@@ -162,8 +164,8 @@ static void search(const scatter *scatter, const double place[SCATTER_AXES], nei
         const search_range low = {{range.first, middle, axis}, across > 0 ? across * across : 0};
         const search_range high = {{middle + 1, range.end, axis}, across < 0 ? across * across : 0};
         offer(found, middle, square_distance(place, point));
-        stack[waiting++] = across > 0 ? low : high; /* the half of the range that is nearer to the
-                                                       place is searched first */
+        stack[waiting++] = across > 0 ? low : high; /* The half of the range that is nearer to the
+                                                       place of interpolation is searched first. */
         stack[waiting++] = across > 0 ? high : low;
     }
 }
@@ -185,8 +187,9 @@ static moments moments_of(const scatter *scatter, const neighbours *found)
     double sum = 0, weight[NEAREST];
     memset(&moments, 0, sizeof moments);
     for (size_t k = 0; k < found->count; k++) {
-        weight[k] = found->square[0] / found->square[k]; /* weights are inverse squared distances,
-                                                            relative to that of the nearest point */
+        weight[k] = found->square[0] / found->square[k]; /* Weights are inverse squared distances,
+                                                            multiplied by the squared distance of
+                                                            the nearest point. */
         sum += weight[k];
     }
     for (size_t k = 0; k < found->count; k++) {
@@ -237,8 +240,9 @@ static void rotate(double matrix[SCATTER_AXES][SCATTER_AXES],
 }
 
 /*
- * Return the value of the fitted linear function at a place. The function is constant in directions
- * in which the points spread less than 1e-4 of their largest spread.
+ * Return the value at a place of the linear function that was fitted to the nearest points. The
+ * function is constant in directions in which the points spread less than 1e-4 of their largest
+ * spread.
  */
 static double linear_value(moments *moments, const double place[SCATTER_AXES])
 {

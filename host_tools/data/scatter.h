@@ -25,8 +25,8 @@ scatter *scatter_open(int axes, size_t count, const double *point, const double 
 void scatter_close(scatter *scatter);
 
 /*
- * Return the interpolated value at a place [axes]. If distance is not NULL, it becomes the distance
- * to the nearest point.
+ * Return the interpolated value at a place [axes]. If `distance` is not NULL, *distance becomes the
+ * distance to the nearest point.
  */
 double scatter_value(const scatter *scatter, const double *place, double *distance);
 

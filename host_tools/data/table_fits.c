@@ -18,7 +18,7 @@ static int fault(char *error, const char *message)
     return -1;
 }
 
-/* Write an error message with cfitsio's description of a status. Returns -1. */
+/* Write an error message with the text of the library cfitsio for an error status. Returns -1. */
 static int explain(int status, char *error)
 {
     char words[FLEN_STATUS];
@@ -84,7 +84,7 @@ static int take_size(number_table *table, fitsfile *file, int dimensions, char *
 static int read_image(number_table *table, fitsfile *file, int dimensions, char *error)
 {
     LONGLONG first[FITS_DIMENSIONS] = {1, 1, 1};
-    double blank = (double)NAN; /* value of pixels that the FITS file marks as undefined */
+    double blank = (double)NAN; /* Value of pixels that the FITS file marks as undefined. */
     int status = 0, has_blank = 0;
     if (take_size(table, file, dimensions, error) < 0)
         return -1;

@@ -17,7 +17,8 @@ typedef struct npy_header {
     size_t size;        /* size of a number in the file (bytes) */
     bool is_big_endian; /* whether the most significant byte of a number comes first */
     bool is_fortran;    /* whether the first index runs fastest in the file (Fortran order) */
-    int dimensions; /* number of dimensions in the file, 1 or 2; `shape` always has two entries */
+    int dimensions; /* number of dimensions in the file, 1 or 2; the member `shape` has two entries
+                       in any case */
     size_t shape[2];
 } npy_header;
 
@@ -30,8 +31,8 @@ static int fault(char *error, const char *message)
 /* ---- header ----------------------------------------------------------- */
 
 /*
- * Return the text behind a key of the header's dictionary and its colon, or NULL if there is no
- * such key.
+ * Return the text behind a key and its colon in the dictionary of a .npy header, or NULL if there
+ * is no such key.
  */
 static const char *value_of(const char *header, const char *key)
 {

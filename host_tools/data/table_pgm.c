@@ -10,7 +10,7 @@
 
 typedef struct pgm_reader {
     const unsigned char *at, *end;
-    char *error; /* [NUMBER_ERROR] memory of the error message of the reader */
+    char *error; /* [NUMBER_ERROR] memory of the error message of the PGM reader */
 } pgm_reader;
 
 static int fault(const pgm_reader *reader, const char *message)
@@ -19,7 +19,10 @@ static int fault(const pgm_reader *reader, const char *message)
     return -1;
 }
 
-/* Move to the next number, past blanks and past comments from # to the end of a line. */
+/*
+ * Move the reading position to the next number, past blanks and past comments from # to the end of
+ * a line.
+ */
 static void skip_blanks(pgm_reader *reader)
 {
     bool is_comment = false;
@@ -34,7 +37,7 @@ static void skip_blanks(pgm_reader *reader)
     }
 }
 
-/* Return the integer of at most 9 digits at the reading position, or -1 if there is none. */
+/* Return the integer of at most 9 digits at the reading position, or -1 if there is no integer. */
 static long read_whole(pgm_reader *reader)
 {
     long value = 0;
@@ -47,7 +50,8 @@ static long read_whole(pgm_reader *reader)
 }
 
 /*
- * Return the next grey value, or -1 if the file ends or the value is no integer from 0 to `white`.
+ * Return the next grey value, or -1 if the file ends or the value is no integer from 0 to `white`,
+ * the value of white pixels.
  */
 static long read_grey(pgm_reader *reader, bool is_text, long white)
 {
@@ -76,7 +80,8 @@ int table_pgm_read(number_table *table, const char *bytes, size_t count, char *e
     if (rows > NUMBER_VALUES / columns)
         return fault(&reader, "too many pixels; a picture of at most 8 million is read");
     if (!is_text)
-        reader.at++; /* exactly one blank separates the header of the picture from its pixels */
+        reader.at++; /* Exactly one blank separates the header of the PGM picture from its pixels.
+                      */
     table->rows = (size_t)rows;
     table->columns = (size_t)columns;
     table->value = calloc(table->rows * table->columns, sizeof *table->value);

@@ -16,13 +16,14 @@ typedef struct cell {
 
 typedef struct text_reader {
     number_table *table;
-    const char *at, *end; /* next byte to be read, and the end of the file */
+    const char *at, *end; /* next byte of the text to be read, and the end of the text */
     char delimiter; /* delimiter between cells: ',', ';' or a tab, or ' ' for any number of blanks
                      */
     cell comment;   /* text of the last line that begins with #, without the # */
-    unsigned long line;       /* number of the line whose cells are in `cell`, counted from 1 */
-    unsigned long first_line; /* number of the first line with cells, counted from 1 */
-    cell *cell;               /* [cells] cells of the present line of the text */
+    unsigned long line; /* number of the line of the file whose cells are in `cell`, counted from 1
+                         */
+    unsigned long first_line; /* number of the first line of the file with cells, counted from 1 */
+    cell *cell;               /* [cells] cells of the present line of the text table */
     size_t cells, room_cells, room_rows;
     char *error;
 } text_reader;
@@ -67,7 +68,7 @@ static int add_cell(text_reader *reader, const char *from, const char *to)
     return 0;
 }
 
-/* Split the text of a line into cells. Returns 0, or -1 with error filled. */
+/* Split the text of a line into the cells of a table. Returns 0, or -1 with error filled. */
 static int split(text_reader *reader, const char *from, const char *to)
 {
     reader->cells = 0;
@@ -82,15 +83,15 @@ static int split(text_reader *reader, const char *from, const char *to)
         while (reader->delimiter == ' ' && from < to && is_blank(*from))
             from++;
         if (from == to && stop < to && reader->delimiter != ' ')
-            return add_cell(reader, to, to); /* behind the last delimiter of the line there is an
-                                                empty cell */
+            return add_cell(reader, to, to); /* Behind the last delimiter of the line there is an
+                                                empty cell. */
     }
     return 0;
 }
 
 /*
- * Return the delimiter of a line: the first of semicolon, comma and tab that occurs in it, or else
- * a blank.
+ * Return the delimiter between the cells of a line: the first of semicolon, comma and tab that
+ * occurs in it, or else a blank.
  */
 static char delimiter_of(const char *from, const char *to)
 {
@@ -103,7 +104,7 @@ static char delimiter_of(const char *from, const char *to)
 
 /* ---- lines ------------------------------------------------------------ */
 
-/* Return whether a line contains a byte that does not occur in text. */
+/* Return whether a line contains a byte that does not occur in a text file. */
 static bool is_binary(const char *from, const char *to)
 {
     for (; from < to; from++)
@@ -142,7 +143,10 @@ static int next_line(text_reader *reader)
 
 /* ---- numbers ---------------------------------------------------------- */
 
-/* Return whether a cell is a number, and store the number in *value; nan and inf are numbers. */
+/*
+ * Return whether a cell of a text table is a number, and store the number in *value; nan and inf
+ * are numbers.
+ */
 static bool is_number(const cell *cell, double *value)
 {
     char text[64], *end;
@@ -207,7 +211,7 @@ static int keep_column_names(text_reader *reader, bool with_units)
 
 /* ---- rows ------------------------------------------------------------- */
 
-/* Make room for one more row of the table. Returns 0, or -1 with error filled. */
+/* Make room for one more row of a table. Returns 0, or -1 with error filled. */
 static int grow(text_reader *reader, bool has_row_names)
 {
     number_table *table = reader->table;
@@ -226,7 +230,7 @@ static int grow(text_reader *reader, bool has_row_names)
     return 0;
 }
 
-/* Return whether a cell is a number with a decimal comma. */
+/* Return whether a cell of a text table is a number with a decimal comma. */
 static bool has_decimal_comma(const cell *found)
 {
     char text[64];
@@ -318,7 +322,7 @@ static bool holds_words(const text_reader *reader)
     return true;
 }
 
-/* Refuse names that are nearly as many as the columns, but not as many. */
+/* Refuse a line of names whose number differs slightly from the number of columns. */
 static int refuse_names(const text_reader *reader, size_t names, size_t columns)
 {
     char message[NUMBER_ERROR];
@@ -330,8 +334,8 @@ static int refuse_names(const text_reader *reader, size_t names, size_t columns)
 
 /*
  * Take the last comment above the first numbers as the names of the columns if it has one word for
- * each column, as numpy.savetxt writes a header; the words may have another delimiter than the
- * numbers. Returns 0, or -1 with error filled.
+ * each column, as in a header that numpy.savetxt writes. The words may have another delimiter than
+ * the numbers. Returns 0, or -1 with error filled.
  */
 static int take_comment(text_reader *reader)
 {
@@ -363,8 +367,8 @@ static int take_comment(text_reader *reader)
 }
 
 /*
- * Read all lines of the file: names of the columns if the first line has no numbers, then the rows.
- * Returns 0, or -1 with error filled.
+ * Read all lines of a text table: names of the columns if the first line has no numbers, then the
+ * rows. Returns 0, or -1 with error filled.
  */
 static int read_lines(text_reader *reader)
 {
@@ -404,7 +408,8 @@ static int read_lines(text_reader *reader)
 
 int table_text_read(number_table *table, const char *bytes, size_t count, char *error)
 {
-    static const char mark[] = "\xef\xbb\xbf"; /* byte order mark at the start of a file in UTF-8 */
+    static const char mark[] = "\xef\xbb\xbf"; /* Byte order mark at the start of a text file in
+                                                  UTF-8. */
     text_reader reader = {.table = table, .at = bytes, .end = bytes + count, .error = error};
     if (count >= 3 && memcmp(bytes, mark, 3) == 0)
         reader.at += 3;

@@ -22,22 +22,24 @@ static void put_number(zip_archive *archive, uint32_t number, int bytes)
 }
 
 /*
- * Write the fields that the header of an archive member and the entry of the member in the
- * archive's directory have in common.
+ * Write the fields that occur both in the header of an archive member and in the entry of the
+ * member in the archive's directory.
  */
 static void put_member(zip_archive *archive, const zip_member *member)
 {
-    put_number(archive, 20, 2); /* version of the ZIP format that is needed to read the member */
-    put_number(archive, 0, 2);  /* flags of the archive's member: none */
-    put_number(archive, 0, 2);  /* compression method of the member: none */
-    put_number(archive, 0, 2);  /* modification time of the member: midnight */
+    put_number(archive, 20, 2); /* version of the ZIP format that is needed to read the archive's
+                                   member */
+    put_number(archive, 0, 2);  /* flags of the archive's member: none is set */
+    put_number(archive, 0, 2);  /* compression method of the archive's member: stored without
+                                   compression */
+    put_number(archive, 0, 2);  /* modification time of the archive's member: midnight */
     put_number(archive, 33, 2); /* modification date: 1 January 1980, so that equal members give
                                    equal archives */
     put_number(archive, member->crc, 4);
     put_number(archive, member->bytes, 4);
     put_number(archive, member->bytes, 4);
     put_number(archive, (uint32_t)strlen(member->name), 2);
-    put_number(archive, 0, 2); /* length of the member's extra field: 0 bytes */
+    put_number(archive, 0, 2); /* length of the extra field of the archive's member: 0 bytes */
 }
 
 /* ---- archive ---------------------------------------------------------- */
@@ -72,16 +74,16 @@ int zip_add(zip_archive *archive, const char *name, const zip_part *part, size_t
     return 0;
 }
 
-/* Write the entry of a member in the directory of the archive. */
+/* Write the entry of a member in the directory of the ZIP archive. */
 static void put_entry(zip_archive *archive, const zip_member *member)
 {
     put_bytes(archive, "PK\1\2", 4);
     put_number(archive, 20, 2); /* version of the ZIP format with which the archive is written */
     put_member(archive, member);
-    put_number(archive, 0, 2); /* length of the member's comment: 0 bytes */
-    put_number(archive, 0, 4); /* number of the disk on which the member starts, then internal
-                                  attributes of the member: all 0 */
-    put_number(archive, 0, 4); /* external attributes of the member: none */
+    put_number(archive, 0, 2); /* length of the comment on the archive's member: 0 bytes */
+    put_number(archive, 0, 4); /* number of the disk on which the archive's member starts, then the
+                                  internal attributes of the member: all 0 */
+    put_number(archive, 0, 4); /* external attributes of the archive's member: none is set */
     put_number(archive, member->offset, 4);
     put_bytes(archive, member->name, strlen(member->name));
 }

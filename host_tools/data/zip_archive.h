@@ -14,8 +14,8 @@
 enum { ZIP_NAME = 96, ZIP_MOST = 256 };
 
 /*
- * Facts about a member of a ZIP archive. They are written before the contents of the member, and
- * again in the directory at the end of the archive.
+ * Data about a member (file) of a ZIP archive, which are written before the contents of the member,
+ * and again in the directory at the end of the archive.
  */
 typedef struct zip_member {
     char name[ZIP_NAME]; /* path of the member inside the archive */
@@ -26,7 +26,7 @@ typedef struct zip_archive {
     FILE *file;
     zip_member member[ZIP_MOST];
     size_t members;
-    uint64_t offset; /* number of bytes of the archive written so far */
+    uint64_t offset; /* number of bytes of the ZIP archive written so far */
 } zip_archive;
 
 /*

@@ -22,11 +22,11 @@ typedef enum fmu_kind { FMU_PLANT, FMU_CONTROLLER } fmu_kind;
 enum { FMU_IDENTIFIER = SCENE_NAME + 16 };
 void fmu_identifier(const design *design, fmu_kind kind, char *name);
 
-/* Facts about a written FMU, for a message to the user. */
+/* Numbers that describe a written FMU, for a message to the user. */
 typedef struct fmu_summary {
     int inputs, outputs; /* number of input variables, and number of output variables, of the FMU */
-    int left_out;  /* number of events of the scene that the FMU does not contain, such as faults of
-                      electrodes and sensors */
+    int left_out; /* number of simulation events of the scene that the FMU does not contain, such as
+                     faults of electrodes and sensors */
     double period; /* period of a control tick, the length of each step of the FMU (s) */
 } fmu_summary;
 
@@ -36,7 +36,7 @@ typedef struct fmu_summary {
  *   nominal in   analysis of the scene after analysis_influence; for a controller, also after the
  *       tables for a firmware with the control image have been prepared
  *   builds  in   true: compile the sources of the FMU with the C compiler of this computer
- *   summary out  facts about the FMU
+ *   summary out  numbers that describe the FMU
  * Returns 0, or -1 with a message in `error`.
  */
 int fmu_write(FILE *file, const analysis *nominal, fmu_kind kind, bool builds, fmu_summary *summary,

@@ -28,7 +28,7 @@ static bool write_sources(const fmu *fmu, const char *folder)
 
 /*
  * Compile all C files of a folder to a shared library, with the C compiler that the environment
- * variable CC names. A compiler that does not exist is looked for first, so that the shell prints
+ * variable CC names. The function first checks that the compiler exists, so that the shell prints
  * no message of its own. Returns 0, or -1 on failure.
  */
 static int compile(const char *folder, const char *library)

@@ -29,7 +29,7 @@ static bool is_supervised(const fmu *fmu)
 
 /*
  * Append the integer and text variables of a controller to an FMU: status and number of iterations,
- * and, if the scene has a supervisor, the command to it and its mode.
+ * and, if the scene has a supervisor, the command to the supervisor and its operating mode.
  */
 static void add_states(fmu *fmu)
 {

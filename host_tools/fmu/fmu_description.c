@@ -27,8 +27,8 @@ static bool is_defined(const fmu *fmu, int index)
 }
 
 /*
- * Write the XML definition of a unit, with its exponents of the SI base units if pzs knows the
- * unit.
+ * Write the XML definition of a unit, with the exponents of the SI base units in it, if pzs knows
+ * the unit.
  */
 static void put_unit_definition(FILE *file, const char *text)
 {

@@ -39,8 +39,8 @@ typedef struct fmu_file {
 
 typedef struct fmu {
     const analysis *nominal;
-    const design *design; /* design from which the controller is made, without the deviations that
-                             the scene file gives the plant */
+    const design *design; /* design (structure, inputs and outputs) from which the controller is
+                             made, without the deviations that the scene gives the plant */
     fmu_kind kind;
     char identifier[FMU_IDENTIFIER]; /* name of the FMU, which is a C identifier */
     char guid[FMU_GUID]; /* identifier that modelDescription.xml and the shared library must share
@@ -52,7 +52,7 @@ typedef struct fmu {
     int variables;
     fmu_file file[FMU_FILES]; /* source files of the FMU */
     int files;
-    bool is_full; /* true after memory has run out or the FMU has more files than fit into `file` */
+    bool is_full; /* whether memory has run out, or the FMU has more files than fit into `file` */
 } fmu;
 
 /* ---- fmu_variables.c -------------------------------------------------- */
@@ -69,7 +69,7 @@ void fmu_add_indexed(fmu *fmu, fmu_variable kind, const char *group, int index);
 
 /*
  * fmu_count returns the number of variables of a type. fmu_count_settable returns the number of
- * those that a simulator may set, which are the inputs and parameters.
+ * variables of a type that a simulator may set, which are the inputs and parameters.
  */
 int fmu_count(const fmu *fmu, fmu_type type);
 int fmu_count_settable(const fmu *fmu, fmu_type type);

@@ -52,8 +52,8 @@ static int check_plant(const fmu *fmu, const plant *plant, char *error)
 }
 
 /*
- * Return the number of events of the scene that a simulator cannot repeat by setting the inputs of
- * the plant.
+ * Return the number of simulation events of the scene that a simulator cannot repeat by setting the
+ * inputs of the plant.
  */
 static int count_left_out(const scene_simulate *simulate)
 {
@@ -119,18 +119,19 @@ static void add_variables(fmu *fmu, const plant *plant, const double *start)
 /* ---- tables ----------------------------------------------------------- */
 
 /*
- * Rows of the matrices that describe the response of a plant: displacements of the target nodes
- * and, if the scene estimates the shape from sensors, displacements at these sensors.
+ * Rows of the matrices that describe the response of a plant, which are displacements of the target
+ * nodes and, if the scene estimates the shape from sensors, displacements at these sensors.
  */
 typedef struct plant_rows {
     int count, sensors, first_sensor; /* number of rows, number of sensors, and index of the first
                                          row that belongs to a sensor */
-    int *row;      /* [count] index of each row in the list of all outputs of the structure */
+    int *row;      /* [count] index of each row among all outputs of the structure */
     double *noise; /* [sensors] standard deviation of the noise of each sensor (unit of the reading)
                     */
-    double *influence; /* [count][inputs] static displacement of each row per unit of each input */
-    double *shape;     /* [count][modes] displacement of each row per unit of each vibration mode's
-                          modal coordinate */
+    double *influence; /* [count][inputs] influence matrix: static displacement of each row per unit
+                          of each input */
+    double *shape;     /* [count][modes] displacement of each row per unit of the coordinate of each
+                          vibration mode */
 } plant_rows;
 
 static void close_rows(plant_rows *rows)

@@ -15,24 +15,28 @@ enum {
 }; /* number of loads whose factors the simulator announces to the controller */
 
 /*
- * FMI value reference of the first variable of each group of variables, counted separately for
- * real, integer and text variables.
+ * FMI value reference (number) of the first variable of each group of variables of the FMU, counted
+ * separately for real, integer and text variables.
  */
 enum {
-    TARGET = 0,                            /* wanted displacements of the target nodes */
-    READING = TARGET + CONTROLLER_OUTPUTS, /* readings of the sensors; NaN where a sensor gives no
-                                              reading */
-    NOW = READING + CONTROLLER_READINGS,   /* announced load factors at the time of the readings */
-    NEXT = NOW + LOADS,     /* announced load factors at the time when the next voltages act */
-    VOLTAGE = NEXT + LOADS, /* voltages that the amplifiers are to output (V) */
+    TARGET = 0, /* variables for the wanted displacements of the target nodes */
+    READING = TARGET + CONTROLLER_OUTPUTS, /* variables for the readings of the sensors; NaN where a
+                                              sensor gives no reading */
+    NOW = READING + CONTROLLER_READINGS, /* variables for the announced load factors at the time of
+                                            the readings */
+    NEXT = NOW + LOADS,     /* variables for the announced load factors at the time when the next
+                               voltages act */
+    VOLTAGE = NEXT + LOADS, /* variables for the voltages that the amplifiers are to output (V) */
     REALS = VOLTAGE + CONTROLLER_INPUTS, /* number of real variables of the FMU */
-    COMMAND = 0, /* command to the supervisor; only in an FMU of a supervised control loop */
-    STATUS = CONTROLLER_SUPERVISED, /* status of the latest tick of the control loop, a value of
-                                       pzs_status */
-    ITERATIONS = STATUS + 1,        /* iterations of the optimiser in the latest tick */
-    MODE = ITERATIONS + CONTROLLER_SUPERVISED, /* mode of the supervisor; only in an FMU of a
-                                                  supervised control loop */
-    STATUS_TEXT = 0 /* status of the latest tick of the control loop as a text */
+    COMMAND = 0, /* variable for the command to the supervisor; only in an FMU of a supervised
+                    control loop */
+    STATUS = CONTROLLER_SUPERVISED, /* variable for the status of the latest tick of the control
+                                       loop, a value of pzs_status */
+    ITERATIONS = STATUS + 1, /* variable for the number of iterations of the optimiser in the latest
+                                tick */
+    MODE = ITERATIONS + CONTROLLER_SUPERVISED, /* variable for the operating mode of the supervisor;
+                                                  only in an FMU of a supervised control loop */
+    STATUS_TEXT = 0 /* variable for the text of the latest tick's status */
 };
 
 /*
@@ -124,6 +128,6 @@ fmi2Status fmu_model_step(void *memory, fmu_values *values)
     publish(controller, status, values);
     if (PZS_IS_ERROR(status) && status != PZS_E_LATCHED)
         return refuse(controller, status, values);
-    return fmi2OK; /* After a stop that the supervisor has latched, the park voltages are valid
-                      outputs. */
+    return fmi2OK; /* After the supervisor has ended the control loop (latched stop), the park
+                      voltages are valid outputs. */
 }

@@ -61,7 +61,7 @@ typedef struct {
 #define FMI2_NAME(name) name
 #endif
 
-/* Beginning of the definition of a function of the standard: its return type and its name. */
+/* Beginning of the definition of a function of the FMI standard: its return type and its name. */
 #define FMI2_FUNCTION(type, name) FMI2_EXPORT type FMI2_NAME(name)
 
 #endif

@@ -14,12 +14,12 @@
 typedef enum instance_mode { INSTANTIATED, INITIALISING, STEPPING, TERMINATED } instance_mode;
 
 typedef struct instance {
-    fmi2CallbackFunctions tool; /* callback functions that the simulator provides */
-    char *name;                 /* name of the instance in messages to the simulator */
+    fmi2CallbackFunctions tool; /* callback functions that the simulator provides to the FMU */
+    char *name;                 /* name of the FMU's instance in messages to the simulator */
     instance_mode mode;
     double time; /* simulated time at the end of the latest step of the FMU (s) */
     fmu_values values;
-    void *model; /* memory of the model, fmu_model_bytes() bytes */
+    void *model; /* memory of the model in the FMU, fmu_model_bytes() bytes */
 } instance;
 
 /*
@@ -71,8 +71,9 @@ static fmi2Status unsupported(fmi2Component component, const char *name)
 }
 
 /*
- * Check that an instance of the FMU is in the mode that a function requires. Returns fmi2OK, or
- * fmi2Error after a message that names the function called too early or too late.
+ * Check that an instance of the FMU is in the state of initialisation or simulation that a function
+ * requires. Returns fmi2OK, or fmi2Error after a message that names the function called too early
+ * or too late.
  */
 static fmi2Status demand(const instance *of, instance_mode mode, const char *function)
 {
@@ -128,7 +129,7 @@ static void set_start(instance *of)
     of->time = 0;
 }
 
-/* Return the reason why an instance of the FMU cannot be created, or NULL if there is none. */
+/* Return the reason why an instance of the FMU cannot be created, or NULL if it can be created. */
 static const char *refusal(fmi2Type type, fmi2String guid)
 {
     if (type != fmi2CoSimulation)
@@ -191,7 +192,9 @@ DEFINE(fmi2Status, fmi2EnterInitializationMode, fmi2Component component)
     return status;
 }
 
-/* Start the model with the present input values, and compute its outputs at the start. */
+/*
+ * Start the model in the FMU with the present input values, and compute its outputs at the start.
+ */
 static fmi2Status start_model(instance *of)
 {
     return report_model(of, fmu_model_start(of->model, &of->values));

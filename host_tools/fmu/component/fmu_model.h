@@ -22,7 +22,7 @@ typedef struct fmu_values {
     fmi2Real real[FMU_REALS];
     fmi2Integer integer[FMU_INTEGERS];
     fmi2String text[FMU_STRINGS];
-    char message[FMU_MESSAGE]; /* reason for the latest warning or error */
+    char message[FMU_MESSAGE]; /* text with the reason for the latest warning or error of the FMU */
 } fmu_values;
 
 extern const fmi2Real fmu_real_start[FMU_REALS];

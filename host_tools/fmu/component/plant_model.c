@@ -19,19 +19,20 @@
 #include "fmu_tables.h"
 
 /*
- * FMI value reference of the first variable of each group of real variables, and of the seed among
- * the integer variables.
+ * FMI value reference (number) of the first variable of each group of real variables, and of the
+ * seed among the integer variables.
  */
 enum {
-    VOLTAGE = 0,                       /* commands of the controller to the amplifiers (V) */
-    LOAD = VOLTAGE + PLANT_AMPLIFIERS, /* load factors, followed by the temperature change of the
-                                          structure (K) */
-    READING = LOAD + PLANT_LOADS,      /* readings of the sensors that the controller receives */
-    SHAPE = READING + PLANT_SENSORS,   /* true displacements of the target nodes */
-    OUTPUT = SHAPE + PLANT_TARGETS,    /* output voltages of the amplifiers (V) */
+    VOLTAGE = 0, /* variables for the commands of the controller to the amplifiers (V) */
+    LOAD = VOLTAGE + PLANT_AMPLIFIERS, /* variables for the load factors, followed by the
+                                          temperature change of the structure (K) */
+    READING = LOAD + PLANT_LOADS, /* variables for the readings of the sensors that the controller
+                                     receives */
+    SHAPE = READING + PLANT_SENSORS, /* variables for the true displacements of the target nodes */
+    OUTPUT = SHAPE + PLANT_TARGETS,  /* variables for the output voltages of the amplifiers (V) */
     REALS = OUTPUT + PLANT_AMPLIFIERS, /* number of real variables of the FMU */
     INPUTS = PLANT_AMPLIFIERS + PLANT_LOADS,
-    SEED = 0 /* seed of the random numbers for the sensor noise */
+    SEED = 0 /* variable for the seed of the random numbers for the sensor noise */
 };
 
 /*
@@ -77,8 +78,9 @@ static imperfections imperfections_of(plant *plant)
 }
 
 /*
- * Replace the static equilibrium by that under the present inputs. The displacement of each
- * vibration mode stays the same at this instant, so its deviation from the equilibrium changes.
+ * Replace the static equilibrium of the plant by the equilibrium under the present inputs. The
+ * displacement of each vibration mode stays the same at this instant, so its deviation from the
+ * equilibrium changes.
  */
 static void jump(plant *plant)
 {
