@@ -164,6 +164,8 @@ $(call for_variants,control,64 32 san64 san32,@tests/rigs/testdata.o)
 $(call for_variants,step,$(ALL),)
 $(call for_variants,tick,64 32 san64 san32,)
 $(call for_variants,work,64 32 san64 san32,)
+$(call for_variants,dual,64 32 32t8 san64 san32,)
+$(call for_variants,product,$(ALL),)
 $(call for_variants,limit_rows,64 32 san64 san32,)
 $(call for_variants,faults,64 32 san64 san32,@tests/rigs/testdata.o)
 $(call for_variants,estimate,64 32 san64 san32,)
@@ -279,6 +281,9 @@ check-long: setup-test
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DRANDOM_PROBLEMS=10000 $(INCLUDE) tests/unit/test_limit_rows.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-rows && $(B)/long-rows $(B)/rows.dump || exit 1; done
 	$(PYTHON) -B tests/oracle/limit_rows.py $(B)/rows.dump
+	for bits in 32 64; do for test in control work; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DPZS_DUAL_INPUTS=1u \
+	    -DPZS_NONLINEAR=1 $(FOLDERS) $(INCLUDE) tests/unit/test_$$test.c tests/rigs/testdata.c $(LIB) -lcmocka -lm -o $(B)/long-dual \
+	    && $(B)/long-dual || exit 1; done; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DWORK_TICKS=1000000 $(INCLUDE) tests/unit/test_work.c \
 	    $(B)/$$bits/libpiezoshape.a -lcmocka -lm -o $(B)/long-work && $(B)/long-work || exit 1; done
 	for bits in 32 64; do $(CC) $(WARN) -O2 -DPZS_REAL_BITS=$$bits -DLONG_TICKS=1000000 $(INCLUDE) tests/unit/test_faults.c tests/rigs/testdata.c \

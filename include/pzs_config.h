@@ -31,9 +31,18 @@
 #endif
 
 /*
- * PZS_WIDE: 1 compiles the innermost loop of the factorisation in double also for x86-64 processors
- * with the vector unit AVX2, which the library looks for at run time. It is for hosts: factors have
- * the same bits and take about half the time. It needs gcc or clang and PZS_TILE 4.
+ * PZS_DUAL_INPUTS: number of inputs from which on the optimiser of the voltages uses its dual
+ * active-set method (lib/control/boxls_dual.c), which is faster there and takes a quarter more
+ * memory. A number above PZS_INPUT_LIMIT leaves the method out.
+ */
+#ifndef PZS_DUAL_INPUTS
+#define PZS_DUAL_INPUTS 64u
+#endif
+
+/*
+ * PZS_WIDE: 1 compiles the innermost loops of factorisations and products in double also for x86-64
+ * processors with the vector unit AVX2, which the library looks for at run time. It is for hosts:
+ * results have the same bits and take about half the time. It needs gcc or clang and PZS_TILE 4.
  */
 #ifndef PZS_WIDE
 #define PZS_WIDE 0

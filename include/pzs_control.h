@@ -120,7 +120,8 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
  * multiply-adds): with it a voltage step makes at least one iteration.
  */
 #define PZS_WORK_LEAST(inputs)                                                                     \
-    (4u * PZS_PRODUCT_WORK(inputs) + PZS_ROUND_WORK(inputs) + PZS_ITERATION_WORK(inputs))
+    (((size_t)(inputs) < PZS_DUAL_INPUTS ? 4u : 14u) * PZS_PRODUCT_WORK(inputs) +                  \
+     PZS_ROUND_WORK(inputs) + PZS_ITERATION_WORK(inputs))
 
 /*
  * Default of the optimiser's work limit (member work_limit of pzs_control_settings): number of
@@ -178,10 +179,14 @@ typedef struct pzs_control {
     pzs_control_state state;
 } pzs_control;
 
-/* Size of the workspace of a controller (bytes). */
+/*
+ * PZS_CONTROL_BYTES is the size of the workspace of a controller (bytes); PZS_CONTROL_ROWS is the
+ * number of vectors of PZS_CONTROL_WIDTH reals at its start.
+ */
+#define PZS_CONTROL_ROWS(inputs) (2u * (size_t)(inputs) + 23u + PZS_PENDING)
 #define PZS_CONTROL_BYTES(inputs, outputs)                                                         \
-    (sizeof(pzs_real) * ((2u * (size_t)(inputs) + 23u + PZS_PENDING) * PZS_CONTROL_WIDTH(inputs) + \
-                         5u * (size_t)(outputs)) +                                                 \
+    (sizeof(pzs_real) * (PZS_CONTROL_ROWS(inputs) * PZS_CONTROL_WIDTH(inputs) +                    \
+                         PZS_DUAL_REALS(inputs) + 5u * (size_t)(outputs)) +                        \
      (size_t)(inputs) + (size_t)(outputs))
 
 /*

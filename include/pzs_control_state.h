@@ -42,6 +42,13 @@ struct pzs_block;
     (PZS_PRODUCT_WORK(inputs) + PZS_ROUND_LOOPS * PZS_CONTROL_WIDTH(inputs))
 
 /*
+ * Number of reals that the dual active-set method of the optimiser needs in addition
+ * (PZS_DUAL_INPUTS): a Cholesky factor and two vectors.
+ */
+#define PZS_DUAL_REALS(inputs)                                                                     \
+    ((size_t)(inputs) < PZS_DUAL_INPUTS ? 0u : (size_t)(inputs) * ((size_t)(inputs) + 5u) / 2u)
+
+/*
  * One pivot exchange, which moves an input between the free set and the active set of the
  * optimiser. The matrix row that belongs to the exchange is stored in pzs_optimiser.pending.
  */
@@ -76,6 +83,11 @@ typedef struct pzs_optimiser {
                           pivot exchange that is collected but not yet applied to the tableau */
     pzs_real *waiting; /* [width] 1 for an input that is to join the free set again while the
                           tableau is recomputed, else 0 */
+    pzs_real *factor;  /* [inputs (inputs + 1) / 2] dual method: Cholesky factor of the inverse of
+                          the Hessian restricted to the active set, lower triangle row by row */
+    pzs_real *side;    /* [inputs] dual method: bound at which an active input stays, -1 for the
+                          lower and +1 for the upper one */
+    uint16_t *order;   /* [inputs] dual method: input to which each row of `factor` belongs */
     pzs_real *voltage; /* [width] present voltages (V) */
     pzs_real *lower, *upper; /* [width] lower and upper bounds of the voltages in this step (V) */
     pzs_real *free_set; /* [width] 1 for an input of the free set, 0 for one of the active set; real
@@ -153,6 +165,8 @@ typedef struct pzs_optimiser {
                       round of iterations that ended at the optimum */
     bool is_verified; /* whether the last round of iterations with the present tableau ended at the
                          optimum */
+    bool is_dual;     /* whether the tableau is the negative inverse of the whole Hessian and is not
+                         exchanged, because the dual method handles the active set */
     bool is_optimal;
 } pzs_optimiser;
 

@@ -25,6 +25,10 @@
  * faces thus falls strictly, no face occurs twice, and the number of faces is finite. Releases
  * together never raise the objective, and their number in a round is limited.
  *
+ * Many inputs. From PZS_DUAL_INPUTS inputs on, if none depends linearly on the others, the tableau
+ * stays the negative inverse of the whole Hessian, and the iterations of a round are those of the
+ * dual method (boxls_dual.h). Rounds begin and end in the same way.
+ *
  * Work. Multiply-adds are counted, and nothing is begun that could exceed the limit together with
  * the product that ends the round. What the limit cuts off is continued in the next step, from
  * feasible voltages and with the free set reached so far.
@@ -49,6 +53,7 @@
  */
 #include <string.h>
 #include "boxls.h"
+#include "boxls_dual.h"
 #include "boxls_tableau.h"
 #include "../core/numbers.h"
 #include "../core/product.h"
@@ -220,6 +225,8 @@ uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding)
 {
     multiply_symmetric(optimiser, optimiser->direction, optimiser->tableau,
                        optimiser->next_voltage);
+    if (optimiser_is_dual(optimiser) && optimiser->active_count > 0)
+        return pzs_dual_predict_step(optimiser, rounding);
     return predict_step(optimiser->direction, optimiser->next_voltage, optimiser->scratch,
                         optimiser->free_set, optimiser->gradient, optimiser->voltage,
                         optimiser->lower, optimiser->upper, optimiser->base, rounding,
@@ -585,11 +592,13 @@ static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
 }
 
 /*
- * Whether no free input has a gradient above its rounding-error bound. next_voltage holds these
- * gradients.
+ * Whether no free input has a gradient above its rounding-error bound, and no active input of the
+ * dual method is away from its bound. next_voltage holds the gradients of the free inputs.
  */
 static bool is_stationary(const pzs_optimiser *optimiser)
 {
+    if (optimiser_is_dual(optimiser) && !pzs_dual_is_at_bounds(optimiser))
+        return false;
     uint32_t i = 0;
     while (i < optimiser->inputs &&
            number_absolute(optimiser->next_voltage[i]) <= optimiser->rounding_bound)
@@ -746,6 +755,27 @@ static void undo_round(pzs_optimiser *optimiser)
         pzs_boxls_true_gradient(optimiser);
 }
 
+/*
+ * After a round of the dual method that ended before its optimum, go back on the straight line to
+ * the voltages at the start of the round, to the minimum of the objective on this line.
+ */
+static void shorten_round(pzs_optimiser *optimiser)
+{
+    pzs_real *way = optimiser->scratch, *change = optimiser->direction;
+    const size_t span = optimiser_span(optimiser);
+    set_difference(way, optimiser->voltage, optimiser->start_voltage, span);
+    set_difference(change, optimiser->gradient, optimiser->start_gradient, span);
+    const pzs_real slope = pzs_product_dot(optimiser->start_gradient, way, optimiser->width);
+    const pzs_real curvature = pzs_product_dot(change, way, optimiser->width);
+    if (!(slope < 0 && -slope < curvature))
+        return;
+    for (uint32_t i = 0; i < optimiser->inputs; i++)
+        optimiser->voltage[i] =
+            number_clamp(optimiser->start_voltage[i] - slope / curvature * way[i],
+                         optimiser->lower[i], optimiser->upper[i]);
+    pzs_boxls_true_gradient(optimiser);
+}
+
 /* Run one round of iterations, from the search direction to the true gradient at its end. */
 static void run_round(pzs_optimiser *optimiser, bool blocked)
 {
@@ -753,7 +783,10 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
     memcpy(optimiser->start_voltage, optimiser->voltage, bytes);
     memcpy(optimiser->start_gradient, optimiser->gradient, bytes);
     optimiser->start_rounding = optimiser->model_rounding;
-    if (blocked) {
+    bool complete = true;
+    if (blocked && optimiser_is_dual(optimiser)) {
+        complete = pzs_dual_iterate(optimiser, optimiser->rounding_bound / 2);
+    } else if (blocked) {
         iterate(optimiser, optimiser->rounding_bound / 2);
     } else {
         memcpy(optimiser->voltage, optimiser->next_voltage, bytes);
@@ -761,6 +794,8 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
     }
     const bool was_predicted = optimiser->is_predicted;
     pzs_boxls_true_gradient(optimiser);
+    if (!complete)
+        shorten_round(optimiser);
     optimiser->is_predicted = was_predicted;
 }
 
@@ -860,7 +895,8 @@ static bool make_round(pzs_optimiser *optimiser)
     const bool stationary = is_stationary(optimiser);
     const bool blocked = pzs_boxls_find_direction(optimiser, optimiser->rounding_bound / 2) != 0;
     const bool moves = blocked || !stationary, verified = optimiser->is_verified;
-    if ((blocked || stationary) && pzs_boxls_enforce_limits(optimiser))
+    if ((blocked || stationary || optimiser_is_dual(optimiser)) &&
+        pzs_boxls_enforce_limits(optimiser))
         return true;
     if (moves && !blocked && verified && take_direct_iteration(optimiser)) {
         optimiser->is_optimal = true;
@@ -888,8 +924,8 @@ static bool may_make_round(pzs_optimiser *optimiser)
         complete = pzs_tableau_rebuild(optimiser);
         pzs_boxls_gradient(optimiser);
     }
-    optimiser->is_cut =
-        !complete || !optimiser_affords(optimiser, PZS_ROUND_WORK(optimiser->inputs));
+    const uint64_t work = PZS_ROUND_WORK(optimiser->inputs) + pzs_dual_round_work(optimiser);
+    optimiser->is_cut = !complete || !optimiser_affords(optimiser, work);
     if (optimiser->is_cut)
         return false;
     optimiser->work += PZS_ROUND_LOOPS * optimiser->width;
@@ -902,6 +938,8 @@ void pzs_boxls_optimise(pzs_optimiser *optimiser)
     optimiser->rounding_bound =
         ROUNDING_FACTOR * (optimiser->target_rounding + optimiser->model_rounding);
     optimiser->is_optimal = false;
+    if (optimiser_is_dual(optimiser))
+        pzs_dual_check(optimiser);
     pzs_boxls_gradient(optimiser);
     for (uint32_t round = 0; round < ROUNDS && again; round++) {
         again = may_make_round(optimiser) && make_round(optimiser);

@@ -229,7 +229,8 @@ void pzs_tableau_reset(pzs_optimiser *optimiser)
     memcpy(optimiser->tableau, optimiser->hessian, optimiser->inputs * bytes);
     for (uint32_t i = 0; i < optimiser->inputs; i++) {
         const bool waits = optimiser->is_rebuilding && optimiser->waiting[i] > 0;
-        optimiser->waiting[i] = waits || optimiser->free_set[i] > 0 ? 1 : 0;
+        const bool was_free = optimiser->is_dual || optimiser->free_set[i] > 0;
+        optimiser->waiting[i] = waits || was_free ? 1 : 0;
         optimiser->free_set[i] = 0;
     }
     optimiser->active_count = optimiser->inputs;
@@ -238,6 +239,7 @@ void pzs_tableau_reset(pzs_optimiser *optimiser)
     optimiser->inverse_trace = 0;
     optimiser->is_verified = false;
     optimiser->is_rebuilding = true;
+    optimiser->is_dual = false;
     optimiser->work += (uint64_t)optimiser->inputs * optimiser->width;
 }
 
@@ -275,6 +277,8 @@ bool pzs_tableau_rebuild(pzs_optimiser *optimiser)
         }
     }
     pzs_tableau_apply(optimiser);
+    optimiser->is_dual = !optimiser->is_rebuilding && optimiser->active_count == 0 &&
+                         optimiser->inputs >= PZS_DUAL_INPUTS;
     return !optimiser->is_rebuilding;
 }
 
@@ -284,7 +288,8 @@ pzs_real pzs_tableau_inverse_trace(pzs_optimiser *optimiser)
         return optimiser->inverse_trace;
     pzs_tableau_read_pivots(optimiser);
     pzs_real soft = -pzs_product_dot(optimiser->free_set, optimiser->pivot, optimiser->width);
-    for (uint32_t i = 0; optimiser->active_count > 0 && i < optimiser->inputs; i++) {
+    const bool has_dependent = optimiser->active_count > 0 && !optimiser->is_dual;
+    for (uint32_t i = 0; has_dependent && i < optimiser->inputs; i++) {
         const pzs_real least = optimiser->pivot_floor * optimiser->diagonal[i];
         if (optimiser->pivot[i] < least && !(optimiser->free_set[i] > 0))
             soft += 1 / least;

@@ -19,6 +19,7 @@
  */
 #include <string.h>
 #include "boxls.h"
+#include "boxls_dual.h"
 #include "boxls_tableau.h"
 #include "control.h"
 #include "../core/guard.h"
@@ -493,6 +494,9 @@ void pzs_control_place(pzs_control *control, void *work)
     control->state.step_limit = at, at += width;
     for (int copy = 0; copy < 3; copy++)
         control->state.held[copy] = at, at += width;
+    if (inputs >= PZS_DUAL_INPUTS)
+        pzs_dual_place(optimiser, at);
+    at += PZS_DUAL_REALS(inputs);
     control->state.predicted = at, at += outputs;
     control->state.disturbance = at, at += outputs;
     control->state.measured = at, at += outputs;

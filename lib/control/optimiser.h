@@ -19,6 +19,15 @@ static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 }
 
 /*
+ * Return whether the dual method handles the active set. A number PZS_DUAL_INPUTS above
+ * PZS_INPUT_LIMIT makes this constant, so that the method is not linked.
+ */
+static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
+{
+    return PZS_DUAL_INPUTS <= PZS_INPUT_LIMIT && optimiser->is_dual;
+}
+
+/*
  * Return whether work of `cost` multiply-adds is within the work limit, together with the products
  * that end the round: the true gradient at its end, and, if the gradient at its start was
  * predicted, the true gradient there, which is needed to undo the round.

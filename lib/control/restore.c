@@ -157,9 +157,7 @@ static uint32_t count_active(pzs_optimiser *optimiser)
 static void clear_padding(pzs_control *control, uint32_t first, uint32_t stride)
 {
     const pzs_optimiser *optimiser = &control->state.optimiser;
-    const size_t bytes = PZS_CONTROL_BYTES(optimiser->inputs, 0) - optimiser->inputs;
-    const size_t rows = bytes / (optimiser->width * sizeof *optimiser->hessian);
-    for (size_t row = first; row < rows; row += stride)
+    for (size_t row = first; row < PZS_CONTROL_ROWS(optimiser->inputs); row += stride)
         for (uint32_t i = optimiser->inputs; i < optimiser->width; i++)
             optimiser->hessian[row * optimiser->width + i] = 0;
 }
@@ -216,6 +214,7 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     guard_repair_bool(&optimiser->is_rebuilding);
     guard_repair_bool(&optimiser->is_predicted);
     guard_repair_bool(&optimiser->is_fresh);
+    guard_repair_bool(&optimiser->is_dual);
     optimiser->pending_count = 0;
     if (optimiser->checked_next >= optimiser->inputs)
         optimiser->checked_next = 0;

@@ -7,6 +7,7 @@
 #include "product.h"
 #include "lane.h"
 #include "product_vfp.h"
+#include "product_wide.h"
 #include "unrolled.h"
 
 /*
@@ -226,7 +227,58 @@ void pzs_product_add(pzs_real *restrict product, const pzs_real *restrict from,
 void pzs_product_sum_rows(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
                           const pzs_real *restrict vector, size_t rows, size_t cols)
 {
-    sum_rows(product, table, stride, vector, rows, cols);
+    if (product_is_wide(cols))
+        pzs_wide_sum_rows(product, table, stride, vector, rows, cols);
+    else
+        sum_rows(product, table, stride, vector, rows, cols);
+}
+
+/*
+ * Define a function that subtracts chosen rows of a table, each times its factor, from COUNT
+ * entries of type `entry`, which stay in registers.
+ */
+#define SUBTRACT_ROWS(name, entry, COUNT)                                                          \
+    static void name(pzs_real *restrict vector, const pzs_real *restrict table, size_t stride,     \
+                     const uint16_t *index, const pzs_real *restrict factor, size_t count)         \
+    {                                                                                              \
+        entry sum[COUNT];                                                                          \
+        UNROLLED                                                                                   \
+        for (unsigned k = 0; k < (COUNT); k++)                                                     \
+            sum[k] = ((const entry *)vector)[k];                                                   \
+        for (size_t q = 0; q < count; q++) {                                                       \
+            const entry *row = (const entry *)(table + index[q] * stride);                         \
+            const pzs_real times = factor[q];                                                      \
+            UNROLLED                                                                               \
+            for (unsigned k = 0; k < (COUNT); k++)                                                 \
+                sum[k] -= times * row[k];                                                          \
+        }                                                                                          \
+        UNROLLED                                                                                   \
+        for (unsigned k = 0; k < (COUNT); k++)                                                     \
+            ((entry *)vector)[k] = sum[k];                                                         \
+    }
+
+SUBTRACT_ROWS(subtract_from_one, pzs_real, 1)
+#if PZS_TILE > 4
+#define SPREAD (8u * IN_LANE)
+SUBTRACT_ROWS(subtract_from_many, lane, 8)
+#else
+#define SPREAD 8u
+SUBTRACT_ROWS(subtract_from_many, pzs_real, 8)
+#endif
+
+void pzs_product_subtract_rows(pzs_real *restrict vector, const pzs_real *restrict table,
+                               size_t stride, const uint16_t *index,
+                               const pzs_real *restrict factor, size_t count, size_t cols)
+{
+    size_t j = 0;
+    if (product_is_wide(cols)) {
+        pzs_wide_subtract_rows(vector, table, stride, index, factor, count, cols);
+        return;
+    }
+    for (; j + SPREAD <= cols; j += SPREAD)
+        subtract_from_many(vector + j, table + j, stride, index, factor, count);
+    for (; j < cols; j++)
+        subtract_from_one(vector + j, table + j, stride, index, factor, count);
 }
 
 /* ---- of two vectors ------------------------------------------------------------- */
@@ -235,16 +287,30 @@ void pzs_product_sum_rows(pzs_real *restrict product, const pzs_real *restrict t
     (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])))
 
 /*
+ * The wide loops of a host (product_wide.h) add the first entries of a long scalar product. Returns
+ * how many; other sums over two vectors have no wide loops.
+ */
+static inline size_t add_wide(pzs_real sum[LANES], const pzs_real *left, const pzs_real *right,
+                              size_t count)
+{
+    if (!product_is_wide(count))
+        return 0;
+    pzs_wide_dot(sum, left, right, count / LANES * LANES);
+    return count / LANES * LANES;
+}
+#define NONE_WIDE(sum, left, right, count) 0
+
+/*
  * Define a function that returns the sum of the expression TERM over the entries of two vectors.
  * The term of entry i in each group of LANES entries is added to partial sum i. The partial sums
  * are independent, and the bits of the result are the same at any vector width. Zeros that pad the
  * end of the vectors do not change the sum.
  */
-#define SUM_OF(name, TERM)                                                                         \
+#define SUM_OF(name, TERM, FIRST)                                                                  \
     pzs_real name(const pzs_real *left, const pzs_real *right, size_t count)                       \
     {                                                                                              \
         pzs_real sum[LANES] = {0};                                                                 \
-        size_t i = 0;                                                                              \
+        size_t i = FIRST(sum, left, right, count);                                                 \
         for (; i + LANES <= count; i += LANES) {                                                   \
             UNROLLED                                                                               \
             for (unsigned k = 0; k < LANES; k++)                                                   \
@@ -263,9 +329,9 @@ void pzs_product_sum_rows(pzs_real *restrict product, const pzs_real *restrict t
 #define PRODUCT(x, y) (x) * (y)
 #define PRODUCT_SIZE(x, y) (x) * PZS_ABS(y)
 #define PRODUCT_SQUARE(x, y) ((x) * (y)) * ((x) * (y))
-SUM_OF(pzs_product_dot, PRODUCT)
-SUM_OF(pzs_product_dot_size, PRODUCT_SIZE)
-SUM_OF(pzs_product_energy, PRODUCT_SQUARE)
+SUM_OF(pzs_product_dot, PRODUCT, add_wide)
+SUM_OF(pzs_product_dot_size, PRODUCT_SIZE, NONE_WIDE)
+SUM_OF(pzs_product_energy, PRODUCT_SQUARE, NONE_WIDE)
 
 pzs_real pzs_product_weigh(pzs_real *restrict weighted_difference, const pzs_real *restrict weight,
                            const pzs_real *restrict left, const pzs_real *restrict right,

@@ -29,6 +29,14 @@ void pzs_product_sum_rows(pzs_real *restrict product, const pzs_real *restrict t
                           const pzs_real *restrict vector, size_t rows, size_t cols);
 
 /*
+ * Subtract from the vector [cols] the sum over q of factor_q times row index_q of the table, whose
+ * rows are `stride` reals apart; each entry is summed in ascending order of q.
+ */
+void pzs_product_subtract_rows(pzs_real *restrict vector, const pzs_real *restrict table,
+                               size_t stride, const uint16_t *index,
+                               const pzs_real *restrict factor, size_t count, size_t cols);
+
+/*
  * pzs_product_energy returns the sum over i of (weight[i] vector[i])^2. pzs_product_weigh sets
  * weighted_difference[i] = weight[i]^2 (left[i] - right[i]) and returns the sum over i of
  * (weight[i] (left[i] - right[i]))^2.

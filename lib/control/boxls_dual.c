@@ -1,0 +1,469 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Dual active-set method of the voltage optimiser (boxls_dual.h). P denotes the inverse of the
+ * Hessian, A the active set.
+ *
+ * An iteration takes the free input that is farthest outside its bounds and changes its multiplier
+ * until this input reaches its bound; the multipliers of A follow so that the inputs of A stay at
+ * their bounds. If a multiplier of A becomes zero before, its input leaves A, and the next
+ * iteration continues with the same free input. The objective of the minimum over the free inputs
+ * rises with each iteration of positive length, so that no active set occurs twice and their number
+ * is finite. Between iterations voltages may be outside their bounds; these voltages are kept apart
+ * from the present ones, which only receive them clamped.
+ *
+ * Work of an iteration: two triangular solutions with the factor of P restricted to A, and the
+ * columns of P that belong to A. The matrix itself is not exchanged, so that few active inputs cost
+ * little.
+ */
+#include <string.h>
+#include "boxls_dual.h"
+#include "../core/numbers.h"
+#include "../core/product.h"
+
+/* Voltages count as inside their bounds up to this multiple of their rounding error. */
+#define ROUNDING_FACTOR 8
+
+/* Work arrays of the dual method among the vectors in which the tableau collects its exchanges. */
+enum { SOLUTION, CHANGE, RESPONSE, COSINE };
+
+static pzs_real *work_array(const pzs_optimiser *optimiser, uint32_t k)
+{
+    return optimiser->pending + k * optimiser->width;
+}
+
+void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work)
+{
+    const size_t inputs = optimiser->inputs;
+    optimiser->factor = work;
+    optimiser->side = work + inputs * (inputs + 1u) / 2u;
+    optimiser->order = (uint16_t *)(optimiser->side + inputs);
+}
+
+/* Return the bound at which active input i stays (V). */
+static pzs_real bound_of(const pzs_optimiser *optimiser, uint32_t i)
+{
+    return optimiser->side[i] < 0 ? optimiser->lower[i] : optimiser->upper[i];
+}
+
+/* ---- factor ------------------------------------------------------------ */
+
+/* Return row k of the factor, which has k + 1 entries. */
+static pzs_real *factor_row(const pzs_optimiser *optimiser, uint32_t k)
+{
+    return optimiser->factor + (size_t)k * (k + 1u) / 2u;
+}
+
+/* Solve L x = b for the factor L of the active set; x replaces b. */
+static void solve_lower(const pzs_optimiser *optimiser, pzs_real *vector)
+{
+    for (uint32_t k = 0; k < optimiser->active_count; k++) {
+        const pzs_real *row = factor_row(optimiser, k);
+        vector[k] = (vector[k] - pzs_product_dot(row, vector, k)) / row[k];
+    }
+}
+
+static void subtract_multiple(pzs_real *restrict vector, const pzs_real *restrict row,
+                              pzs_real factor, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        vector[i] -= factor * row[i];
+}
+
+/* Solve L^T x = b for the factor L of the active set; x replaces b. */
+static void solve_upper(const pzs_optimiser *optimiser, pzs_real *vector)
+{
+    for (uint32_t k = optimiser->active_count; k-- > 0;) {
+        const pzs_real *row = factor_row(optimiser, k);
+        vector[k] /= row[k];
+        subtract_multiple(vector, row, vector[k], k);
+    }
+}
+
+/*
+ * Let input i join the active set.
+ *   solution [active_count] in  row of the factor, without its last entry
+ *   pivot                   in  square of the last entry (V2/m2)
+ */
+static void join_active_set(pzs_optimiser *optimiser, uint32_t i, const pzs_real *solution,
+                            pzs_real pivot)
+{
+    const uint32_t count = optimiser->active_count;
+    pzs_real *row = factor_row(optimiser, count);
+    memcpy(row, solution, count * sizeof *row);
+    row[count] = PZS_SQRT(pivot);
+    optimiser->order[count] = (uint16_t)i;
+    optimiser->active_count = count + 1u;
+    optimiser->free_set[i] = 0;
+    optimiser->inverse_trace = 0;
+}
+
+/*
+ * Move row k + 1 of the factor to row k, after input `removed` of the order has left the active
+ * set: the rotations of the rows before are applied, and a new one makes the entry beyond the
+ * diagonal zero.
+ */
+static void rotate_row(const pzs_optimiser *optimiser, uint32_t removed, uint32_t k)
+{
+    const pzs_real *from = factor_row(optimiser, k + 1u);
+    pzs_real *to = factor_row(optimiser, k), *cosine = work_array(optimiser, COSINE),
+             *sine = optimiser->scratch, carried = from[removed];
+    memmove(to, from, removed * sizeof *to);
+    for (uint32_t j = removed; j < k; j++) {
+        const pzs_real next = from[j + 1u];
+        to[j] = cosine[j] * carried + sine[j] * next;
+        carried = cosine[j] * next - sine[j] * carried;
+    }
+    const pzs_real last = from[k + 1u], length = PZS_SQRT(carried * carried + last * last);
+    cosine[k] = carried / length;
+    sine[k] = last / length;
+    to[k] = length;
+}
+
+/* Let the input of row k of the factor leave the active set. */
+static void leave_active_set(pzs_optimiser *optimiser, uint32_t k)
+{
+    const uint32_t last = optimiser->active_count - 1u;
+    optimiser->free_set[optimiser->order[k]] = 1;
+    for (uint32_t row = k; row < last; row++) {
+        rotate_row(optimiser, k, row);
+        optimiser->order[row] = optimiser->order[row + 1u];
+    }
+    optimiser->active_count = last;
+    optimiser->inverse_trace = 0;
+    optimiser->work += 2u * (uint64_t)last * (last - k);
+}
+
+/* Let all inputs leave the active set. */
+static void free_all(pzs_optimiser *optimiser)
+{
+    for (uint32_t i = 0; i < optimiser->inputs; i++)
+        optimiser->free_set[i] = 1;
+    optimiser->active_count = 0;
+    optimiser->inverse_trace = 0;
+}
+
+/* Whether the order of the factor lists exactly the inputs that are marked as active. */
+static bool is_order_valid(const pzs_optimiser *optimiser)
+{
+    pzs_real *seen = work_array(optimiser, SOLUTION);
+    if (optimiser->active_count > optimiser->inputs)
+        return false;
+    memset(seen, 0, optimiser->width * sizeof *seen);
+    for (uint32_t k = 0; k < optimiser->active_count; k++) {
+        const uint32_t i = optimiser->order[k];
+        if (i >= optimiser->inputs || optimiser->free_set[i] > 0 || seen[i] > 0)
+            return false;
+        seen[i] = 1;
+    }
+    return true;
+}
+
+void pzs_dual_check(pzs_optimiser *optimiser)
+{
+    bool is_valid = is_order_valid(optimiser);
+    for (uint32_t k = 0; is_valid && k < optimiser->active_count; k++)
+        is_valid = number_is_finite(bound_of(optimiser, optimiser->order[k]));
+    if (!is_valid)
+        free_all(optimiser);
+}
+
+uint64_t pzs_dual_round_work(const pzs_optimiser *optimiser)
+{
+    const uint64_t count = optimiser->active_count;
+    return count * (count + optimiser->width) + PZS_PRODUCT_WORK(optimiser->inputs);
+}
+
+bool pzs_dual_is_at_bounds(const pzs_optimiser *optimiser)
+{
+    for (uint32_t k = 0; k < optimiser->active_count; k++) {
+        const uint32_t i = optimiser->order[k];
+        const pzs_real bound = bound_of(optimiser, i);
+        if (optimiser->voltage[i] < bound || optimiser->voltage[i] > bound)
+            return false;
+    }
+    return true;
+}
+
+/* ---- step of the free inputs --------------------------------------------- */
+
+/*
+ * Subtract from a vector [width] the rows of the tableau that belong to the active inputs, each
+ * times its factor. As the tableau is -P, this adds columns of P.
+ */
+static void add_columns(pzs_optimiser *optimiser, pzs_real *vector, const pzs_real *factor)
+{
+    pzs_product_subtract_rows(vector, optimiser->tableau, optimiser->width, optimiser->order,
+                              factor, optimiser->active_count, optimiser_span(optimiser));
+    optimiser->work += (uint64_t)optimiser->active_count * optimiser->width;
+}
+
+/*
+ * Change the multipliers of the active inputs, in the array `direction`, so that the active inputs
+ * move to their bounds, and let the free inputs follow.
+ *   next [width] in/out  voltages (V)
+ */
+static void move_to_bounds(pzs_optimiser *optimiser, pzs_real *next)
+{
+    pzs_real *change = work_array(optimiser, CHANGE);
+    const uint32_t count = optimiser->active_count;
+    for (uint32_t k = 0; k < count; k++) {
+        const uint32_t i = optimiser->order[k];
+        change[k] = bound_of(optimiser, i) - next[i];
+    }
+    solve_lower(optimiser, change);
+    solve_upper(optimiser, change);
+    optimiser->work += (uint64_t)count * count;
+    add_columns(optimiser, next, change);
+    for (uint32_t k = 0; k < count; k++) {
+        const uint32_t i = optimiser->order[k];
+        optimiser->direction[i] += change[k];
+        next[i] = bound_of(optimiser, i);
+    }
+}
+
+/*
+ * Whether the multiplier of an active input pulls the input away from its bound by more than
+ * `rounding`, and another voltage is allowed.
+ */
+static bool is_wrong(const pzs_optimiser *optimiser, uint32_t i, pzs_real rounding)
+{
+    return optimiser->side[i] * optimiser->direction[i] > rounding &&
+           optimiser->lower[i] < optimiser->upper[i];
+}
+
+uint32_t pzs_dual_predict_step(pzs_optimiser *optimiser, pzs_real rounding)
+{
+    pzs_real *next = optimiser->next_voltage;
+    uint32_t open = 0;
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        next[i] = optimiser->voltage[i] + optimiser->direction[i];
+        if (!(optimiser->free_set[i] > 0))
+            optimiser->direction[i] = optimiser->gradient[i];
+    }
+    move_to_bounds(optimiser, next);
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        if (optimiser->free_set[i] > 0)
+            optimiser->direction[i] = next[i] - optimiser->voltage[i];
+        else
+            open += is_wrong(optimiser, i, rounding) ? 1u : 0u;
+        optimiser->scratch[i] = next[i] - optimiser->base[i];
+        open += next[i] >= optimiser->lower[i] && next[i] <= optimiser->upper[i] ? 0u : 1u;
+    }
+    return open;
+}
+
+/* ---- iterations ------------------------------------------------------------ */
+
+/*
+ * Whether the work limit allows `cost` multiply-adds and the end of the round, in which the
+ * gradient may have to be computed twice.
+ */
+static bool affords(pzs_optimiser *optimiser, uint64_t cost)
+{
+    return optimiser_affords(optimiser, cost + PZS_PRODUCT_WORK(optimiser->inputs));
+}
+
+/*
+ * Choose the active inputs whose multipliers have the wrong sign, as many as the work limit allows
+ * to leave the active set.
+ *   change [active_count] out  change of their multipliers to zero; 0 for the other active inputs
+ *                              (m2/V)
+ * Returns the number of inputs chosen.
+ */
+static uint32_t choose_wrong(pzs_optimiser *optimiser, pzs_real rounding, pzs_real *change)
+{
+    const uint64_t count = optimiser->active_count, each = 2u * count * count;
+    const uint64_t once = count * (count + 2u * optimiser->width);
+    uint32_t chosen = 0;
+    for (uint32_t k = 0; k < count; k++) {
+        const uint32_t i = optimiser->order[k];
+        change[k] = 0;
+        if (!is_wrong(optimiser, i, rounding))
+            continue;
+        optimiser->is_cut = !affords(optimiser, once + (chosen + 1u) * each);
+        if (optimiser->is_cut)
+            return chosen;
+        change[k] = -optimiser->direction[i];
+        chosen++;
+    }
+    return chosen;
+}
+
+/*
+ * Let the active inputs whose multipliers have the wrong sign leave the active set, until there are
+ * none, or until the work limit stops this.
+ */
+static void drop_wrong(pzs_optimiser *optimiser, pzs_real rounding)
+{
+    pzs_real *next = optimiser->next_voltage, *change = work_array(optimiser, CHANGE);
+    while (choose_wrong(optimiser, rounding, change) > 0) {
+        add_columns(optimiser, next, change);
+        for (uint32_t k = optimiser->active_count; k-- > 0;)
+            if (number_absolute(change[k]) > 0)
+                leave_active_set(optimiser, k);
+        move_to_bounds(optimiser, next);
+    }
+}
+
+/*
+ * Return the free input that is farthest outside its bounds, or the number of inputs if all are
+ * inside up to rounding errors.
+ */
+static uint32_t farthest_outside(const pzs_optimiser *optimiser)
+{
+    const pzs_real *next = optimiser->next_voltage;
+    pzs_real largest = 0, most = 0;
+    uint32_t farthest = optimiser->inputs;
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        const pzs_real size = number_absolute(next[i]);
+        const pzs_real below = optimiser->lower[i] - next[i], above = next[i] - optimiser->upper[i];
+        const pzs_real outside = (below > above ? below : above) * optimiser->free_set[i];
+        largest = size > largest ? size : largest;
+        farthest = outside > most ? i : farthest;
+        most = outside > most ? outside : most;
+    }
+    return most > ROUNDING_FACTOR * PZS_EPSILON * largest ? farthest : optimiser->inputs;
+}
+
+/*
+ * Compute the row that free input i would have in the factor, in the array SOLUTION [active_count].
+ * Returns the square of its last entry (V2/m2).
+ */
+static pzs_real find_factor_row(pzs_optimiser *optimiser, uint32_t i)
+{
+    const pzs_real *row = optimiser->tableau + i * optimiser->width;
+    pzs_real *solution = work_array(optimiser, SOLUTION);
+    const uint32_t count = optimiser->active_count;
+    for (uint32_t k = 0; k < count; k++)
+        solution[k] = -row[optimiser->order[k]];
+    solve_lower(optimiser, solution);
+    optimiser->work += (uint64_t)count * count / 2u;
+    return -row[i] - pzs_product_dot(solution, solution, count);
+}
+
+/* Return the smallest pivot with which input i may join the active set (V2/m2). */
+static pzs_real least_pivot(const pzs_optimiser *optimiser, uint32_t i)
+{
+    return optimiser->pivot_floor * -optimiser->tableau[i * (size_t)optimiser->width + i];
+}
+
+/*
+ * Compute how multipliers and voltages respond to the multiplier of free input i.
+ *   SOLUTION [active_count] out  row that the input would have in the factor
+ *   CHANGE   [active_count] out  change of the multipliers of the active inputs (1)
+ *   RESPONSE [width]        out  change of the voltages (V2/m2)
+ * Returns the square of the last entry of the row of the factor (V2/m2).
+ */
+static pzs_real find_response(pzs_optimiser *optimiser, uint32_t i)
+{
+    const pzs_real *row = optimiser->tableau + i * optimiser->width;
+    pzs_real *solution = work_array(optimiser, SOLUTION), *change = work_array(optimiser, CHANGE),
+             *response = work_array(optimiser, RESPONSE);
+    const uint32_t count = optimiser->active_count;
+    const pzs_real pivot = find_factor_row(optimiser, i);
+    for (uint32_t k = 0; k < count; k++)
+        change[k] = -solution[k];
+    solve_upper(optimiser, change);
+    optimiser->work += (uint64_t)count * count / 2u;
+    for (uint32_t k = 0; k < optimiser->inputs; k++)
+        response[k] = -row[k];
+    add_columns(optimiser, response, change);
+    return pivot;
+}
+
+/*
+ * Find the first active input whose multiplier becomes zero while the multiplier of the free input
+ * changes in the direction `sense`.
+ *   part in/out  in: largest change of the multiplier of the free input; out: that at which the
+ *                multiplier becomes zero (m2/V)
+ * Returns its row in the factor, or the number of active inputs.
+ */
+static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_real *part)
+{
+    const pzs_real *change = work_array(optimiser, CHANGE);
+    uint32_t first = optimiser->active_count;
+    for (uint32_t k = 0; k < optimiser->active_count; k++) {
+        const uint32_t i = optimiser->order[k];
+        const pzs_real falls = optimiser->side[i] * sense * change[k];
+        const pzs_real size = -optimiser->side[i] * optimiser->direction[i];
+        if (falls > 0 && size < *part * falls && optimiser->lower[i] < optimiser->upper[i]) {
+            *part = size > 0 ? size / falls : 0;
+            first = k;
+        }
+    }
+    return first;
+}
+
+/*
+ * Make one iteration: change the multiplier of free input i, which is outside its bounds, until the
+ * input reaches its bound and joins the active set, or until the multiplier of an active input
+ * becomes zero and this input leaves the active set. Returns false if neither happens.
+ */
+static bool pull_inside(pzs_optimiser *optimiser, uint32_t i, pzs_real *multiplier)
+{
+    pzs_real *next = optimiser->next_voltage;
+    const pzs_real pivot = find_response(optimiser, i);
+    const bool is_above = next[i] > optimiser->upper[i];
+    const pzs_real sense = is_above ? (pzs_real)-1 : (pzs_real)1;
+    const pzs_real bound = is_above ? optimiser->upper[i] : optimiser->lower[i];
+    pzs_real part =
+        pivot > least_pivot(optimiser, i) ? sense * (bound - next[i]) / pivot : (pzs_real)HUGE_VAL;
+    const uint32_t zero = first_zero(optimiser, sense, &part), count = optimiser->active_count;
+    if (!number_is_finite(part))
+        return false;
+    const pzs_real *change = work_array(optimiser, CHANGE),
+                   *response = work_array(optimiser, RESPONSE);
+    subtract_multiple(next, response, -sense * part, optimiser->inputs);
+    for (uint32_t k = 0; k < count; k++)
+        optimiser->direction[optimiser->order[k]] += sense * part * change[k];
+    *multiplier += sense * part;
+    if (zero < count) {
+        leave_active_set(optimiser, zero);
+    } else {
+        join_active_set(optimiser, i, work_array(optimiser, SOLUTION), pivot);
+        optimiser->side[i] = -sense;
+        optimiser->direction[i] = *multiplier;
+        next[i] = bound;
+    }
+    return true;
+}
+
+/*
+ * Count one more iteration if its work is within the work limit. Otherwise note that the work limit
+ * has stopped the optimiser. Returns whether the iteration may be made.
+ */
+static bool may_iterate(pzs_optimiser *optimiser)
+{
+    const uint64_t count = optimiser->active_count + 1u;
+    const uint64_t work = count * (3u * count + optimiser->width);
+    const uint64_t loops = PZS_ITERATION_LOOPS * (uint64_t)optimiser->width;
+    optimiser->is_cut = !affords(optimiser, work + loops);
+    if (optimiser->is_cut)
+        return false;
+    optimiser->iterations++;
+    optimiser->work += loops;
+    return true;
+}
+
+bool pzs_dual_iterate(pzs_optimiser *optimiser, pzs_real rounding)
+{
+    const uint32_t most = optimiser->iterations + 4u * optimiser->inputs + 8u;
+    pzs_real *next = optimiser->next_voltage, multiplier = 0;
+    optimiser->is_cut = false;
+    drop_wrong(optimiser, rounding);
+    uint32_t outside = farthest_outside(optimiser);
+    bool goes_on = !optimiser->is_cut;
+    while (goes_on && outside < optimiser->inputs) {
+        goes_on = optimiser->iterations < most && may_iterate(optimiser) &&
+                  pull_inside(optimiser, outside, &multiplier);
+        if (goes_on && !(optimiser->free_set[outside] > 0)) {
+            outside = farthest_outside(optimiser);
+            multiplier = 0;
+        }
+    }
+    for (uint32_t k = 0; k < optimiser->active_count; k++)
+        next[optimiser->order[k]] = bound_of(optimiser, optimiser->order[k]);
+    for (uint32_t i = 0; i < optimiser->inputs; i++)
+        optimiser->voltage[i] = number_clamp(next[i], optimiser->lower[i], optimiser->upper[i]);
+    return goes_on;
+}

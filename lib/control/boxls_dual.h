@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Dual active-set method of the voltage optimiser for many inputs (Goldfarb and Idnani 1983). The
+ * tableau stays the negative inverse of the whole Hessian. An active input is kept at a bound by
+ * its multiplier, which is the gradient of the objective there. The multipliers follow from a
+ * Cholesky factor of the inverse of the Hessian restricted to the active set.
+ */
+#ifndef PZS_LIB_BOXLS_DUAL_H
+#define PZS_LIB_BOXLS_DUAL_H
+
+#include "optimiser.h"
+
+/*
+ * Let the arrays of the dual method point into work [PZS_DUAL_REALS(inputs)]. The member inputs
+ * must be set.
+ */
+void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work);
+
+/*
+ * At the start of a voltage step, let all inputs become free if the list of active inputs is
+ * damaged, or if the bound of an active input is not finite.
+ */
+void pzs_dual_check(pzs_optimiser *optimiser);
+
+/*
+ * Return the number of multiply-adds that a round of the dual method takes in addition to
+ * PZS_ROUND_WORK: those of pzs_dual_predict_step, and another gradient at the end of the round.
+ */
+uint64_t pzs_dual_round_work(const pzs_optimiser *optimiser);
+
+/* Return whether the voltage of each active input is the bound at which the input stays. */
+bool pzs_dual_is_at_bounds(const pzs_optimiser *optimiser);
+
+/*
+ * Predict the whole step to the minimum over the free inputs, with the active inputs at their
+ * bounds. In the array `direction` the product of the tableau with the gradient of the free inputs
+ * is replaced by the step of the free inputs and the multipliers of the active ones; the arrays
+ * next_voltage and scratch receive the voltages after the step and their offset from the base
+ * voltages.
+ *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
+ * Returns the number of inputs that would be outside their bounds or have such a multiplier.
+ */
+uint32_t pzs_dual_predict_step(pzs_optimiser *optimiser, pzs_real rounding);
+
+/*
+ * Iterate from the predicted step until no input is outside its bounds and no multiplier has the
+ * wrong sign, or until the work limit stops the iterations. The present voltages become those
+ * reached, clamped to the bounds. Returns whether all iterations were made.
+ */
+bool pzs_dual_iterate(pzs_optimiser *optimiser, pzs_real rounding);
+
+#endif

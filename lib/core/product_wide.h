@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Products of matrices and vectors for hosts with the vector unit AVX2 (option PZS_WIDE). Each sum
+ * has the terms of the portable loops in their order (product.h, boxls_tableau.c), so that the bits
+ * of the results are the same.
+ */
+#ifndef PZS_LIB_PRODUCT_WIDE_H
+#define PZS_LIB_PRODUCT_WIDE_H
+
+#include "linalg_wide.h"
+
+/* Smallest number of columns for which the wide loops are worth a call. */
+#define WIDE_COLUMNS 48u
+
+/* Return whether products of rows of `cols` entries use the wide loops. */
+static inline bool product_is_wide(size_t cols)
+{
+    return PZS_WIDE && cols >= WIDE_COLUMNS && pzs_linalg_has_wide();
+}
+
+#if PZS_WIDE
+
+/* As pzs_product_sum_rows. */
+void pzs_wide_sum_rows(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
+                       const pzs_real *restrict vector, size_t rows, size_t cols);
+
+/* As pzs_product_subtract_rows. */
+void pzs_wide_subtract_rows(pzs_real *restrict vector, const pzs_real *restrict table,
+                            size_t stride, const uint16_t *index, const pzs_real *restrict factor,
+                            size_t count, size_t cols);
+
+/*
+ * Add the products of two vectors to eight partial sums: product i is added to sum i modulo 8. The
+ * count is a multiple of 8.
+ */
+void pzs_wide_dot(pzs_real sum[8], const pzs_real *left, const pzs_real *right, size_t count);
+
+/*
+ * Subtract from a block of four rows and eight columns the products of columns and rows of `count`
+ * vectors.
+ *   block         in/out  entries, rows `stride` reals apart
+ *   column        in      four successive entries of the first vector; vectors are `stride` apart
+ *   row           in      eight successive entries of the first vector
+ *   sign  [count] in      factor of each vector; factors are sign_stride reals apart
+ */
+void pzs_wide_update(pzs_real *block, size_t stride, const pzs_real *column, const pzs_real *row,
+                     const pzs_real *sign, size_t sign_stride, size_t count);
+
+#else
+
+/* Without wide loops product_is_wide is false, so that nothing calls them. */
+#define pzs_wide_sum_rows(...) ((void)0)
+#define pzs_wide_subtract_rows(...) ((void)0)
+#define pzs_wide_dot(sum, left, right, count) ((void)(sum), (void)(left), (void)(right))
+#define pzs_wide_update(...) ((void)0)
+
+#endif
+#endif

@@ -1,0 +1,148 @@
+/*
+ * Laws of the dual method, which optimises the voltages of many inputs: optima against a
+ * certificate in long double, limits of the work, and damaged memory.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+#include "../rigs/control_bench.h"
+
+enum { N = 64, M = 160, JUMPS = 6 };
+
+static bench desk;
+
+/* Choose a new target, and let some inputs be held or released. */
+static void disturb(bench *trial)
+{
+    for (unsigned i = 0; i < M; i++)
+        trial->error[i] = (pzs_real)uniform(trial, -1, 1);
+    for (unsigned k = 0; k < 3; k++) {
+        const uint16_t input = (uint16_t)below(trial, N);
+        const pzs_real voltage = (pzs_real)uniform(trial, -1, 1);
+        if (chance(trial, .5))
+            assert_int_equal(pzs_hold(&trial->control, input, voltage), PZS_OK);
+        else
+            assert_int_equal(pzs_release(&trial->control, input), PZS_OK);
+    }
+}
+
+static void open_desk(unsigned seed, double limit, double step_limit)
+{
+    plain(&desk, seed, N, M, limit);
+    for (unsigned i = 0; i < N; i++)
+        desk.step_limit[i] = (pzs_real)step_limit;
+    assert_int_equal(start(&desk), PZS_OK);
+    assert_true(desk.control.state.optimiser.is_dual);
+}
+
+static void targets_that_jump(void **state)
+{
+    (void)state; /* law: after every jump of the target the voltages are those of the optimum */
+    static const double limit[] = {1e-3, .01, .03, .1, 1};
+    static const double step_limit[] = {HUGE_VAL, .02};
+    wide worst = 0;
+    unsigned active = 0;
+    for (unsigned k = 0; k < 10; k++) {
+        open_desk(k + 1, limit[k % 5], step_limit[k / 5]);
+        for (unsigned jump = 0; jump < JUMPS; jump++) {
+            disturb(&desk);
+            note_limits(&desk);
+            assert_false(PZS_IS_ERROR(pzs_step(&desk.control, desk.error)));
+            assert_feasible(&desk);
+            const wide found = excess(&desk);
+            worst = found > worst ? found : worst;
+            active += desk.control.state.optimiser.active_count;
+        }
+    }
+    print_message("excess at most %.2Lg of what is allowed, %u active inputs a step\n", worst,
+                  active / (10 * JUMPS));
+    assert_true(worst <= 1 && active > 0);
+    assert_true(desk.control.state.optimiser.is_dual);
+}
+
+static void warm_and_cold_agree(void **state)
+{
+    (void)state; /* law: a warm step and a step from zero voltages end at the same objective */
+    for (unsigned k = 0; k < 4; k++) {
+        open_desk(20 + k, .03, HUGE_VAL);
+        for (unsigned jump = 0; jump < JUMPS; jump++) {
+            for (unsigned i = 0; i < M; i++)
+                desk.error[i] = (pzs_real)uniform(&desk, -1, 1);
+            assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
+        }
+        const wide warm = objective_at(&desk, desk.control.info.voltage);
+        assert_int_equal(start(&desk), PZS_OK);
+        assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
+        const wide cold = objective_at(&desk, desk.control.info.voltage);
+        assert_true(fabsl(warm - cold) <= 2 * allowance(&desk));
+    }
+}
+
+static void a_cut_is_continued(void **state)
+{
+    (void)state; /* law: with any limit of the work a step keeps to it, stays inside the bounds and
+                    does not raise the objective; the steps that follow reach the optimum */
+    unsigned most = 0;
+    for (unsigned k = 0; k < 6; k++) {
+        open_desk(40 + k, .03, HUGE_VAL);
+        desk.control.settings.work_limit = PZS_WORK_LEAST(N) + k * PZS_PRODUCT_WORK(N) / 3u;
+        wide last = objective_at(&desk, desk.control.info.voltage);
+        pzs_status status = PZS_W_ITERATIONS;
+        unsigned steps = 0;
+        for (; status == PZS_W_ITERATIONS && steps < 4 * N; steps++) {
+            note_limits(&desk);
+            status = pzs_step(&desk.control, desk.error);
+            assert_feasible(&desk);
+            assert_true(desk.control.info.work <= desk.control.settings.work_limit);
+            const wide now = objective_at(&desk, desk.control.info.voltage);
+            assert_true(now <= last + allowance(&desk));
+            last = now;
+        }
+        assert_int_equal(status, PZS_OK);
+        assert_true(excess(&desk) <= 1);
+        most = steps > most ? steps : most;
+    }
+    print_message("at most %u steps of the least work to the optimum\n", most);
+    assert_true(most > 1);
+}
+
+/* Flip one bit of the factor, the sides or the order of the active set. */
+static void flip_bit(bench *trial)
+{
+    uint8_t *memory = (uint8_t *)trial->control.state.optimiser.factor;
+    const unsigned bit = below(trial, (unsigned)(8 * sizeof(pzs_real) * PZS_DUAL_REALS(N)));
+    memory[bit / 8u] = (uint8_t)(memory[bit / 8u] ^ 1u << bit % 8u);
+}
+
+static void damage_is_overcome(void **state)
+{
+    (void)state; /* law: whatever happens to the memory of the active set, voltages stay inside
+                    their bounds, and ten steps after the damage they are optimal */
+    open_desk(60, .03, HUGE_VAL);
+    for (unsigned k = 0; k < 300; k++) {
+        for (unsigned i = 0; i < M; i++)
+            desk.error[i] = (pzs_real)uniform(&desk, -1, 1);
+        flip_bit(&desk);
+        for (unsigned step = 0; step < 10; step++) {
+            note_limits(&desk);
+            assert_false(PZS_IS_ERROR(pzs_step(&desk.control, desk.error)));
+            assert_feasible(&desk);
+        }
+        if (k % 10 == 0)
+            assert_true(excess(&desk) <= 1);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(targets_that_jump),
+        cmocka_unit_test(warm_and_cold_agree),
+        cmocka_unit_test(a_cut_is_continued),
+        cmocka_unit_test(damage_is_overcome),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
