@@ -353,6 +353,63 @@ static void test_tip_force(void **state)
     scene_run_close(&r);
 }
 
+/* ---- heat --------------------------------------------------------------- */
+
+/* The voltages or temperatures that shape the target of a scene within its limits. */
+static void shape_scene(scene_run *r, voltages *result, const char *scene, const char *changes)
+{
+    solve_run(r, scene, changes);
+    if (analysis_influence(&r->analysis, r->error) < 0 ||
+        voltages_optimum(&r->analysis, scene_limits_alone(), result, r->error) < 0)
+        fail_msg("%s", r->error);
+}
+
+/*
+ * Law: against a temperature that is linear through a free bimorph every voltage is
+ * alpha T t/(3 d31), T the difference between the faces and t the thickness of a layer, and the
+ * bimorph becomes flat. (In the published element the strain across the thickness cannot follow the
+ * voltage of a single layer.)
+ */
+static void test_voltages_against_heat(void **state)
+{
+    (void)state;
+    const double expected = 3.5e-6 * 20 * 0.5e-3 / (3 * 190e-12);
+    for (int e = 1; e < 3; e++) {
+        scene_run r;
+        voltages result;
+        shape_scene(&r, &result, "thermal-bimorph", elements[e]);
+        for (int k = 0; k < 16; k++)
+            assert_true(fabs(result.voltage[k] / expected - 1) < 1e-6);
+        assert_true(result.error < 1e-9);
+        voltages_free(&result);
+        scene_run_close(&r);
+    }
+}
+
+/*
+ * Law: the temperature that bends a strip of two metals into a given curvature is that of
+ * Timoshenko's formula; a limit below it binds.
+ */
+static void test_heater_bends_a_bimetal(void **state)
+{
+    (void)state;
+    const double m = 1.5, n = 0.35, expansion = 11e-6, height = 1e-3, whole = (1 + m) * (1 + m);
+    const double curvature =
+        6 * expansion * whole / (height * (3 * whole + (1 + m * n) * (m * m + 1 / (m * n))));
+    scene_run r;
+    voltages result;
+    shape_scene(&r, &result, "heated-bimetal", "");
+    assert_true(fabs(result.voltage[0] * curvature / 0.5 - 1) < 1e-6);
+    assert_true(result.error < 1e-6);
+    voltages_free(&result);
+    scene_run_close(&r);
+    shape_scene(&r, &result, "heated-bimetal", "limits.voltage=[0, 20]");
+    assert_true(result.voltage[0] == 20);
+    assert_true(fabs(result.error - (1 - 20 * curvature / 0.5)) < 1e-6);
+    voltages_free(&result);
+    scene_run_close(&r);
+}
+
 /* ---- the plate with 25 pairs of patches ------------------------------- */
 
 /* No voltage beyond its limit by even one bit; KKT to 1e-9; shape errors as known. */
@@ -688,6 +745,8 @@ int main(void)
         cmocka_unit_test(test_bimorph_tip),
         cmocka_unit_test(test_equal_voltages),
         cmocka_unit_test(test_tip_force),
+        cmocka_unit_test(test_voltages_against_heat),
+        cmocka_unit_test(test_heater_bends_a_bimetal),
         cmocka_unit_test(test_plate_shapes),
         cmocka_unit_test(test_plate_volts),
         cmocka_unit_test(test_depolarisation),

@@ -342,6 +342,7 @@ static void test_refusals(void **state)
         const char *scene, *changes, *says;
     } bad[] = {{"scordelis-lo", "", "needs kinematics"},
                {"ring-contact", "", "contact"},
+               {"bimorph-sensor", "kinematics=nonlinear", "open electrodes"},
                {"hinged-roof", "loads=[]", "no load"},
                {"hinged-roof", "loads.0.u3=0", "no load"}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
