@@ -164,6 +164,12 @@ static void json_stability(json *json, const certificate *certificate)
     if (loop->is_made) {
         json_number(json, "storms_worst", loop->worst);
         json_number(json, "storms_allowed", CERTIFICATE_TOLERANCE);
+        json_number(json, "target_thicknesses",
+                    loop->target.is_made ? loop->target.amplitude : (double)NAN);
+        json_number(json, "target_radius",
+                    loop->target.is_made ? loop->target.radius : (double)NAN);
+        json_number(json, "target_storms", loop->target.storms);
+        json_number(json, "target_storms_failed", loop->target.failed);
         json_number(json, "modes_observed", loop->observed);
         json_number(json, "readings_older", loop->older);
         json_number(json, "readings_newer", loop->newer);

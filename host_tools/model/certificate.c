@@ -226,6 +226,24 @@ static void margin_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT
             loop->rate_from, loop->rate_to);
 }
 
+/*
+ * Append the sentences on the loop on the structure linearised about the equilibrium at its target.
+ */
+static void target_text(const certificate_target *target, char text[CERTIFICATE_TEXT])
+{
+    if (target->reason[0])
+        text_append(text, CERTIFICATE_TEXT, "\nNot tried about the shape of the target: %.300s.",
+                    target->reason);
+    if (!target->is_made)
+        return;
+    text_append(
+        text, CERTIFICATE_TEXT,
+        "\nAbout the shape of the target (%.3g thicknesses, first frequency x %.3g): growth "
+        "at most %.5g,\nat gain %g, frequency %g; %d of %d storms settle.",
+        target->amplitude, target->first, target->radius, target->at_gain, target->at_frequency,
+        target->storms - target->failed, target->storms);
+}
+
 /* Append all sentences on a loop with a vibration model. */
 static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
@@ -238,6 +256,7 @@ static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
         "%.5g,\nat gain %g, frequency %g.",
         loop->modes, loop->radius, loop->at_gain, loop->at_frequency);
     storm_text(loop, text);
+    target_text(&loop->target, text);
     if (loop->is_stable)
         age_text(loop, text);
     margin_text(loop, text);

@@ -28,6 +28,31 @@ enum { CERTIFICATE_TEXT = 2000 }; /* length of the text that describes a certifi
 #define CERTIFICATE_TOLERANCE 0.05
 
 /*
+ * Certificate of a loop on the structure linearised about the equilibrium at its target, where
+ * deformation and prestress change its response and its modes. The loop has the tables that it
+ * always has; the structures of these tests differ from the deformed one as those of the other
+ * tests differ from the model.
+ */
+typedef struct certificate_target {
+    bool is_made;
+    char reason[SCENE_ERROR]; /* why there is no such certificate although the scene's kinematics is
+                                 not linear; otherwise empty */
+    double amplitude;         /* largest displacement of a target node, divided by the thickness */
+    double first;   /* first natural frequency of the deformed structure, relative to that of the
+                       reference state */
+    bool is_stable; /* true where small vibrations decay on every structure and every storm
+                       (simulation with fast jumps of the target) settles */
+    double radius;  /* largest growth factor of small vibrations per tick, without limits */
+    int storms, failed; /* number of storms (simulations with fast jumps of the target); number of
+                           those that did not settle */
+    double worst; /* largest distance from the shape at which the loop comes to rest, at the end of
+                     a storm, relative to the norm of the target */
+    double at_gain, at_frequency; /* static response to voltages and natural frequencies, relative
+                                     to the deformed structure, of the structure with the largest
+                                     growth, or of that in the worst storm where one has failed */
+} certificate_target;
+
+/*
  * Certificate of a loop with a vibration model (simulate/certify.h). The loop is simulated with
  * structures that differ from the model. The members describe the growth of small vibrations, the
  * result of storms (simulations with fast jumps of the target), and the largest deviations from the
@@ -64,6 +89,7 @@ typedef struct certificate_loop {
     int newer; /* number of ticks by which every reading may be newer than the scene file states, at
                   most the stated delay: with every smaller or equal number, vibrations decay and
                   the shape settles after fast jumps of the target */
+    certificate_target target; /* certificate on the structure at its target */
     bool has_margins;
     double margin_gain; /* largest static response of the structure to voltages, relative to the
                            model, with which the loop is stable */

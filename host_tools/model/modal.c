@@ -4,7 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../../lib/core/linalg.h"
 #include "../../lib/model/model.h"
+#include "../../lib/nonlinear/nonlinear.h"
 
 double modal_damping(const scene_dynamics *dynamics, int mode, double frequency)
 {
@@ -32,7 +34,8 @@ static void fill_mode(modal *modal, const design *design, const vibration *vibra
         modal->response[mode * modal->inputs + k] = vibration_static(vibration, design, of, (int)k);
 }
 
-bool modal_open(modal *modal, const design *design, const vibration *vibration, size_t inputs)
+/* Allocate the modal description of all modes that are no rigid motions. */
+static bool allocate(modal *modal, const design *design, const vibration *vibration, size_t inputs)
 {
     memset(modal, 0, sizeof *modal);
     modal->modes = (size_t)(vibration->count - vibration->rigid);
@@ -42,11 +45,68 @@ bool modal_open(modal *modal, const design *design, const vibration *vibration, 
     modal->damping = calloc(modal->modes + 1, sizeof *modal->damping);
     modal->shape = calloc(modal->rows * modal->modes + 1, sizeof *modal->shape);
     modal->response = calloc(modal->modes * inputs + 1, sizeof *modal->response);
-    if (!modal->frequency || !modal->damping || !modal->shape || !modal->response)
+    return modal->frequency && modal->damping && modal->shape && modal->response;
+}
+
+bool modal_open(modal *modal, const design *design, const vibration *vibration, size_t inputs)
+{
+    if (!allocate(modal, design, vibration, inputs))
         return false;
     for (size_t mode = 0; mode < modal->modes; mode++)
         fill_mode(modal, design, vibration, mode);
     return true;
+}
+
+/*
+ * Fill the static response of every mode to one input at the equilibrium of a solver.
+ *   force [free_dof] work
+ */
+static void fill_response_at(modal *modal, const vibration *vibration, pzs_solver *solver, size_t k,
+                             double *force)
+{
+    const size_t dof = solver->state.model->state.structure->free_dof;
+    memset(force, 0, dof * sizeof *force);
+    pzs_nonlinear_unit_force(solver, (uint32_t)k, force);
+    pzs_nonlinear_clear_prescribed(solver, force);
+    for (size_t mode = 0; mode < modal->modes; mode++) {
+        const size_t of = (size_t)vibration->rigid + mode;
+        modal->response[mode * modal->inputs + k] =
+            pzs_linalg_inner(vibration->shape + of * dof, force, (uint32_t)dof) /
+            vibration->square[of];
+    }
+}
+
+bool modal_open_at(modal *modal, const design *design, const vibration *vibration,
+                   pzs_solver *solver, size_t inputs)
+{
+    double *force = calloc((size_t)design->mesh.free_dof + 1, sizeof *force);
+    if (!allocate(modal, design, vibration, inputs) || !force) {
+        free(force);
+        return false;
+    }
+    for (size_t mode = 0; mode < modal->modes; mode++)
+        fill_mode(modal, design, vibration, mode);
+    for (size_t k = 0; k < inputs; k++)
+        fill_response_at(modal, vibration, solver, k, force);
+    free(force);
+    return true;
+}
+
+/* Allocate a copy of an array; NULL where memory runs out. */
+static double *copy_of(const double *value, size_t count)
+{
+    double *copy = malloc((count + 1) * sizeof *copy);
+    return copy ? memcpy(copy, value, count * sizeof *copy) : NULL;
+}
+
+bool modal_copy(modal *to, const modal *from)
+{
+    *to = *from;
+    to->frequency = copy_of(from->frequency, from->modes);
+    to->damping = copy_of(from->damping, from->modes);
+    to->shape = copy_of(from->shape, from->rows * from->modes);
+    to->response = copy_of(from->response, from->modes * from->inputs);
+    return to->frequency && to->damping && to->shape && to->response;
 }
 
 void modal_close(modal *modal)

@@ -23,6 +23,18 @@ double modal_damping(const scene_dynamics *dynamics, int mode, double frequency)
  * Returns whether memory sufficed; call modal_close in either case.
  */
 bool modal_open(modal *modal, const design *design, const vibration *vibration, size_t inputs);
+
+/*
+ * Fill the modal description from modes about a deformed equilibrium (vibration_solve_at), with the
+ * forces that a unit of each input exerts there.
+ *   solver in  solver at this equilibrium
+ * Returns whether memory sufficed; call modal_close in either case.
+ */
+bool modal_open_at(modal *modal, const design *design, const vibration *vibration,
+                   pzs_solver *solver, size_t inputs);
+
+/* Copy a modal description. Returns whether memory sufficed; call modal_close in either case. */
+bool modal_copy(modal *to, const modal *from);
 void modal_close(modal *modal);
 
 #endif

@@ -14,6 +14,7 @@
 #include "mass.h"
 #include "../../lib/model/model.h"
 #include "../../lib/model/shell.h"
+#include "../../lib/nonlinear/nonlinear.h"
 #include "../mesh/springs.h"
 
 /*
@@ -51,8 +52,11 @@ typedef struct search {
     mass mass;
     pzs_model model;
     void *work;
-    uint8_t *held; /* [free_dof] flags of dof with a prescribed displacement, which are fixed at 0
-                      for vibration */
+    double *tangent; /* [entries of the stiffness matrix] tangent stiffness matrix at the
+                        equilibrium; NULL: the structure vibrates about the reference state */
+    size_t entries;  /* number of stored entries of the stiffness matrix */
+    uint8_t *held;   /* [free_dof] flags of dof with a prescribed displacement, which are fixed at 0
+                        for vibration */
     size_t free_dof, room; /* number of free dof, and number of basis vectors for which there is
                               memory */
     double shift;
@@ -75,6 +79,44 @@ typedef struct search {
 /* ---- matrices --------------------------------------------------------- */
 
 /*
+ * Assemble the stiffness matrix about which the structure vibrates in the model of the search: that
+ * of the reference state, or the tangent at the equilibrium. Returns whether this has succeeded.
+ */
+static bool assemble(search *search)
+{
+    if (pzs_assemble(&search->model, NULL, search->held) != PZS_OK)
+        return false;
+    if (search->tangent)
+        memcpy(search->model.state.stiffness.value, search->tangent,
+               search->entries * sizeof *search->tangent);
+    return true;
+}
+
+/*
+ * Compute the tangent stiffness matrix at the equilibrium of the solver, with rows and columns of
+ * prescribed displacements replaced by those of the unit matrix. The factors in the model of the
+ * solver are overwritten. Returns whether memory sufficed.
+ */
+static bool take_tangent(search *search, pzs_solver *solver)
+{
+    const pzs_envelope *stiffness = &solver->state.model->state.stiffness;
+    const pzs_prescribed_motion *held = &solver->state.tables->prescribed;
+    double *imbalance = calloc(search->free_dof, sizeof *imbalance);
+    search->entries = stiffness->start[PZS_CEIL(stiffness->n) / PZS_TILE];
+    search->tangent = malloc(search->entries * sizeof *search->tangent);
+    if (imbalance && search->tangent) {
+        pzs_nonlinear_build(solver, true, imbalance);
+        for (uint32_t i = 0; i < held->count; i++)
+            pzs_nonlinear_prescribe(&solver->state.model->state.stiffness, held->dof[i], 0,
+                                    imbalance);
+        memcpy(search->tangent, stiffness->value, search->entries * sizeof *search->tangent);
+    }
+    const bool is_taken = imbalance && search->tangent;
+    free(imbalance);
+    return is_taken;
+}
+
+/*
  * Factor stiffness matrix + times * mass matrix, with rows scaled by the diagonal of the stiffness
  * matrix. Returns the numbers of positive and negative pivots, all zero where the stiffness matrix
  * has a zero on its diagonal.
@@ -83,12 +125,12 @@ static linalg_inertia factor(search *search, double times, int keep_scale)
 {
     linalg_inertia failed = {0, -1, 0, 0};
     const mesh *mesh = search->mass.mesh;
-    if (pzs_assemble(&search->model, NULL, search->held) != PZS_OK)
+    if (!assemble(search))
         return failed;
     if (!keep_scale) {
         if (pzs_linalg_scale(&search->model.state.stiffness, search->model.state.scale) >= 0)
             return failed;
-        if (pzs_assemble(&search->model, NULL, search->held) != PZS_OK)
+        if (!assemble(search))
             return failed;
     }
     for (int element = 0; element < mesh->elements && times != 0; element++)
@@ -131,7 +173,7 @@ static double upper_bound(search *search)
     double least = HUGE_VAL;
     for (size_t i = 0; i < search->free_dof; i++)
         search->next[i] = 1;
-    if (pzs_assemble(&search->model, NULL, search->held) != PZS_OK)
+    if (!assemble(search))
         return least;
     for (size_t i = 0; i < search->free_dof; i++)
         search->next[i] =
@@ -497,7 +539,8 @@ static void take_modes(search *search, vibration *vibration)
     for (int i = 0; i < vibration->count; i++) {
         double *vector = vibration->shape + (size_t)i * search->free_dof, sign;
         take_shape(search, (size_t)i, vector);
-        const double square = energy(search, vector);
+        const double square =
+            search->tangent ? square_of(search, (size_t)i) : energy(search, vector);
         const int is_rigid = search->shift > 0 && square < rigid_below * search->shift;
         vibration->rigid += is_rigid;
         vibration->square[i] = is_rigid ? 0 : square;
@@ -589,6 +632,7 @@ static int allocate_search(search *search, size_t number)
 static void free_search(search *search)
 {
     mass_free(&search->mass);
+    free(search->tangent);
     free(search->work);
     free(search->held);
     free(search->basis);
@@ -625,8 +669,12 @@ int vibration_most(const design *design)
                                       : design->mesh.free_dof - design->mesh.prescribed_count;
 }
 
-static int solve_structure(vibration *vibration, const design *design, int number, double lumped,
-                           char *error)
+/*
+ * Compute the lowest modes about the reference state (solver NULL) or about the equilibrium of a
+ * solver. Returns 0, or -1 with error filled and the result empty.
+ */
+static int solve_structure(vibration *vibration, const design *design, pzs_solver *solver,
+                           int number, double lumped, char *error)
 {
     search search;
     memset(&search, 0, sizeof search);
@@ -637,7 +685,8 @@ static int solve_structure(vibration *vibration, const design *design, int numbe
     int failed = -1;
     if (wanted < 1)
         scene_fault(design->at, error, "%d modes of %d free dof; ask for at least 1", number, most);
-    else if (!allocate_search(&search, (size_t)wanted))
+    else if (!allocate_search(&search, (size_t)wanted) ||
+             (solver && !take_tangent(&search, solver)))
         scene_fault(design->mesh.line[0].at, error,
                     "%d modes of %d free dof do not fit into memory", wanted, most);
     else
@@ -654,7 +703,17 @@ int vibration_solve(vibration *vibration, const design *design, int number, doub
     const int failed = design->mesh.elements == 0
                            ? vibration_take_measured(vibration, design,
                                                      (size_t)(number < most ? number : most), error)
-                           : solve_structure(vibration, design, number, lumped, error);
+                           : solve_structure(vibration, design, NULL, number, lumped, error);
+    if (failed)
+        vibration_free(vibration);
+    return failed;
+}
+
+int vibration_solve_at(vibration *vibration, const design *design, pzs_solver *solver, int number,
+                       double lumped, char *error)
+{
+    memset(vibration, 0, sizeof *vibration);
+    const int failed = solve_structure(vibration, design, solver, number, lumped, error);
     if (failed)
         vibration_free(vibration);
     return failed;

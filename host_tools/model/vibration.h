@@ -14,6 +14,7 @@
 #define VIBRATION_H
 
 #include "design.h"
+#include "pzs_nonlinear.h"
 
 typedef struct vibration {
     int count;         /* number of computed natural frequencies and mode shapes */
@@ -61,6 +62,18 @@ bool vibration_allocate(vibration *vibration, const design *design, size_t count
  * with error filled; call vibration_free in either case.
  */
 int vibration_take_measured(vibration *vibration, const design *design, size_t number, char *error);
+
+/*
+ * Compute the lowest modes of small vibrations about a deformed equilibrium, with the tangent
+ * stiffness matrix there, which contains the prestress.
+ *   solver in/out  solver of the same design at an equilibrium; the factors in its model are
+ *       overwritten
+ *   number in      number of modes
+ *   lumped in      share of the lumped mass matrix, from 0 to 1
+ * Returns 0, or -1 with error filled and the result empty, as vibration_solve does.
+ */
+int vibration_solve_at(vibration *vibration, const design *design, pzs_solver *solver, int number,
+                       double lumped, char *error);
 
 /* Index of the first mode that is not a rigid motion; the number of modes where there is none. */
 int vibration_first(const vibration *vibration);

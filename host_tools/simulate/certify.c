@@ -83,7 +83,12 @@ typedef struct trial {
     const estimator *few; /* estimator of the controller; NULL: every target node is measured */
     damper damper;
     loop_blocks blocks;
-    storm_rig rig;
+    storm_rig rig;       /* structure about its reference state */
+    storm_rig at_target; /* structure about the equilibrium at its target */
+    deformed deformed;
+    bool has_target;             /* true where `at_target` and `deformed` are prepared */
+    char no_target[SCENE_ERROR]; /* why storms about the target cannot be run, where the scene's
+                                    kinematics is not linear */
 } trial;
 
 /* ---- tables ----------------------------------------------------------- */
@@ -98,9 +103,12 @@ static int retable(trial *trial, const damper_options *options, char *error)
     if (damper_make(&trial->damper, trial->analysis, trial->few, options, error) < 0)
         return -1;
     loop_blocks_fill(&trial->blocks, &trial->analysis->design, &trial->estimator, &trial->damper);
-    storm_use(&trial->rig, trial->blocks.block, trial->blocks.count,
-              options->delay - options->settings.later);
-    trial->rig.interval = 1 / options->rate;
+    storm_rig *const rig[] = {&trial->rig, &trial->at_target};
+    for (int i = 0; i < 1 + trial->has_target; i++) {
+        storm_use(rig[i], trial->blocks.block, trial->blocks.count,
+                  options->delay - options->settings.later);
+        rig[i]->interval = 1 / options->rate;
+    }
     return 0;
 }
 
@@ -116,8 +124,31 @@ static int open_trial(trial *trial, analysis *analysis, char *error)
     return storm_open(&trial->rig, analysis, trial->few, error);
 }
 
+/*
+ * Prepare storms (simulations with fast jumps of the target) on the structure about its target,
+ * where the scene's kinematics is not linear. Where there is no equilibrium at the target, the
+ * reason is kept. Returns 0, or -1 with error filled.
+ */
+static int open_target(trial *trial, char *error)
+{
+    const design *design = &trial->analysis->design;
+    if (design->kinematics == KINEMATICS_LINEAR)
+        return 0;
+    const int modes = (int)trial->rig.modal.modes;
+    if (deformed_open(&trial->deformed, trial->analysis, modes, trial->no_target) < 0)
+        return 0;
+    if (storm_open(&trial->at_target, trial->analysis, trial->few, error) < 0)
+        return -1;
+    if (!storm_deform(&trial->at_target, &trial->deformed))
+        return scene_fault(design->simulate.at, error, "out of memory");
+    trial->has_target = true;
+    return 0;
+}
+
 static void close_trial(trial *trial)
 {
+    storm_close(&trial->at_target);
+    deformed_close(&trial->deformed);
     storm_close(&trial->rig);
     damper_close(&trial->damper);
     estimator_close(&trial->estimator);
@@ -126,9 +157,9 @@ static void close_trial(trial *trial)
 /* ---- growth ----------------------------------------------------------- */
 
 /* Number of ticks during which the growth of vibrations is measured. */
-static int growth_ticks(const trial *trial)
+static int growth_ticks(const storm_rig *rig)
 {
-    const double period = two_pi / (trial->rig.modal.frequency[0] * trial->rig.interval);
+    const double period = two_pi / (rig->modal.frequency[0] * rig->interval);
     return (int)fmin(fmax(PERIODS * period, TICKS_LEAST), TICKS_MOST);
 }
 
@@ -137,29 +168,30 @@ static int growth_ticks(const trial *trial)
  * their amplitude grows by more than an eighth in the second half of the simulation, which is the
  * resolution of the measurement.
  */
-static int grow(const trial *trial, double gain, double frequency, int more_delay,
+static int grow(const storm_rig *rig, double gain, double frequency, int more_delay,
                 storm_result *result, char *error)
 {
-    const int ticks = growth_ticks(trial);
+    const int ticks = growth_ticks(rig);
     const storm_plant plant = {.gain = gain,
                                .frequency = frequency,
                                .step_limit = HUGE_VAL,
                                .more_delay = more_delay,
                                .seed = 1};
-    if (storm_growth(&trial->rig, &plant, ticks, result, error) < 0)
+    if (storm_growth(rig, &plant, ticks, result, error) < 0)
         return -1;
     result->passed = log(result->growth) < 0.25 / ticks;
     return 0;
 }
 
 /* Measure the growth of small vibrations on all structures. Returns 0, or -1 with error filled. */
-static int measure_growth(const trial *trial, certificate_loop *loop, bool *is_stable, char *error)
+static int measure_growth(const storm_rig *rig, certificate_loop *loop, bool *is_stable,
+                          char *error)
 {
     loop->radius = 0;
     *is_stable = true;
     for (int i = 0; i < CORNERS; i++) {
         storm_result result;
-        if (grow(trial, gains[i / 3], frequencies[i % 3], 0, &result, error) < 0)
+        if (grow(rig, gains[i / 3], frequencies[i % 3], 0, &result, error) < 0)
             return -1;
         *is_stable = *is_stable && result.passed;
         if (result.growth <= loop->radius)
@@ -200,20 +232,21 @@ static storm_plant plant_of(int i, int older)
 }
 
 /*
- * Run storms (simulations with fast jumps of the target) until all have settled, or until so many
- * have failed to settle that the loop is rejected. Returns 0, or -1 with error filled.
+ * Run the first `count` storms (simulations with fast jumps of the target) until all have settled,
+ * or until so many have failed to settle that the loop is rejected. Returns 0, or -1 with error
+ * filled.
  */
-static int run_storms(const trial *trial, certificate_loop *loop, char *error)
+static int run_storms(const storm_rig *rig, int count, certificate_loop *loop, char *error)
 {
-    for (int i = 0; i < STORMS && loop->failed < ENOUGH; i++) {
+    for (int i = 0; i < count && loop->failed < ENOUGH; i++) {
         const storm_plant plant = plant_of(i, 0);
         storm_result result;
-        progress_count(i, STORMS);
-        if (storm_run(&trial->rig, &plant, &result, error) < 0)
+        progress_count(i, count);
+        if (storm_run(rig, &plant, &result, error) < 0)
             return -1;
         loop->storms++;
         loop->failed += !result.passed;
-        loop->ticks += (double)result.ticks / STORMS;
+        loop->ticks += (double)result.ticks / count;
         if (!(result.end > loop->worst))
             continue;
         loop->worst = result.end;
@@ -221,6 +254,36 @@ static int run_storms(const trial *trial, certificate_loop *loop, char *error)
         loop->worst_frequency = plant.frequency;
         loop->worst_step = plant.step_limit;
     }
+    return 0;
+}
+
+/*
+ * Certify the loop on the structure about its target, where there is one: growth on all structures
+ * around it, and the storms (simulations with fast jumps of the target) with the first sequence of
+ * targets. Returns 0, or -1 with error filled.
+ */
+static int certify_target(const trial *trial, certificate_target *target, char *error)
+{
+    certificate_loop loop;
+    bool is_stable = false;
+    memset(&loop, 0, sizeof loop);
+    memcpy(target->reason, trial->no_target, sizeof target->reason);
+    if (!trial->has_target)
+        return 0;
+    const storm_rig *rig = &trial->at_target;
+    if (measure_growth(rig, &loop, &is_stable, error) < 0 ||
+        (is_stable && run_storms(rig, STORMS / SEEDS, &loop, error) < 0))
+        return -1;
+    target->is_made = true;
+    target->amplitude = trial->deformed.amplitude;
+    target->first = rig->modal.frequency[0] / trial->rig.modal.frequency[0];
+    target->is_stable = is_stable && loop.failed == 0;
+    target->radius = loop.radius;
+    target->storms = loop.storms;
+    target->failed = loop.failed;
+    target->worst = loop.worst;
+    target->at_gain = loop.failed > 0 ? loop.worst_gain : loop.at_gain;
+    target->at_frequency = loop.failed > 0 ? loop.worst_frequency : loop.at_frequency;
     return 0;
 }
 
@@ -239,7 +302,7 @@ static int try_age(const trial *trial, int older, bool *settles, char *error)
             return -1;
     }
     for (int i = 0; i < PLANTS && result.passed; i++)
-        if (grow(trial, storm_gain[i], storm_frequency[i], older, &result, error) < 0)
+        if (grow(&trial->rig, storm_gain[i], storm_frequency[i], older, &result, error) < 0)
             return -1;
     *settles = result.passed;
     return 0;
@@ -276,11 +339,15 @@ static int try_choice(trial *trial, int choice, damper_options *options, certifi
     options->settings.damping = choices[choice].damping;
     options->settings.mix = choices[choice].mix;
     options->settings.drift = choices[choice].drift;
-    if (retable(trial, options, error) < 0 || measure_growth(trial, loop, &is_stable, error) < 0 ||
-        (is_stable && run_storms(trial, loop, error) < 0))
+    if (retable(trial, options, error) < 0 ||
+        measure_growth(&trial->rig, loop, &is_stable, error) < 0 ||
+        (is_stable && run_storms(&trial->rig, STORMS, loop, error) < 0))
         return -1;
     loop->is_made = true;
     loop->is_stable = is_stable && loop->failed == 0;
+    if (loop->is_stable && certify_target(trial, &loop->target, error) < 0)
+        return -1;
+    loop->is_stable = loop->is_stable && (!loop->target.is_made || loop->target.is_stable);
     loop->modes = (int)trial->rig.modal.modes;
     loop->observed = trial->damper.modes;
     if (loop->observed > 0) {
@@ -329,7 +396,7 @@ static bool is_better(const certificate_loop *loop, const certificate_loop *best
     if (!best->is_made || loop->is_stable != best->is_stable)
         return !best->is_made || loop->is_stable;
     if (!loop->is_stable)
-        return loop->failed < best->failed;
+        return loop->failed + loop->target.failed < best->failed + best->target.failed;
     return tolerance_of(loop) > tolerance_of(best) && loop->ticks <= slowest * fastest;
 }
 
@@ -393,7 +460,7 @@ int certify_loop(analysis *analysis, char *error)
         return 0;
     progress_stage("storms against the loop");
     int failed = open_trial(&trial, analysis, error);
-    failed = failed || choose(&trial, error) < 0;
+    failed = failed || open_target(&trial, error) < 0 || choose(&trial, error) < 0;
     close_trial(&trial);
     return failed ? -1 : 0;
 }
@@ -411,12 +478,12 @@ static int bisect(const trial *trial, bool is_gain, double end, double *margin, 
 {
     storm_result result;
     double stable = 1, unstable = end;
-    if (grow(trial, is_gain ? end : 1, is_gain ? 1 : end, 0, &result, error) < 0)
+    if (grow(&trial->rig, is_gain ? end : 1, is_gain ? 1 : end, 0, &result, error) < 0)
         return -1;
     for (int i = 0; i < HALVINGS && !result.passed; i++) {
         storm_result middle;
         const double factor = sqrt(stable * unstable);
-        if (grow(trial, is_gain ? factor : 1, is_gain ? 1 : factor, 0, &middle, error) < 0)
+        if (grow(&trial->rig, is_gain ? factor : 1, is_gain ? 1 : factor, 0, &middle, error) < 0)
             return -1;
         if (middle.passed)
             stable = factor;
@@ -459,7 +526,7 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
         storm_result result;
         const storm_plant plant = {
             .gain = storm_gain[i], .frequency = storm_frequency[i], .step_limit = 0.25, .seed = 1};
-        if (grow(trial, plant.gain, plant.frequency, 0, &result, error) < 0)
+        if (grow(&trial->rig, plant.gain, plant.frequency, 0, &result, error) < 0)
             return -1;
         if (!result.passed)
             return 0;
@@ -564,7 +631,15 @@ int certify_margins(analysis *analysis, bool with_rates, char *error)
 void certify_failure(const certificate *certificate, char text[SCENE_ERROR])
 {
     const certificate_loop *loop = &certificate->loop;
-    if (loop->failed > 0)
+    const certificate_target *target = &loop->target;
+    if (target->is_made && !target->is_stable)
+        snprintf(text, SCENE_ERROR,
+                 "about the shape of its target, %.3g thicknesses, at gain %g, frequency %g of the "
+                 "deformed structure, vibration changes %.5g times a tick and %d of %d storms do "
+                 "not settle; write simulate: {influence: target}, or make the target smaller",
+                 target->amplitude, target->at_gain, target->at_frequency, target->radius,
+                 target->failed, target->storms);
+    else if (loop->failed > 0)
         snprintf(
             text, SCENE_ERROR,
             "after a storm of targets at gain %g, frequency %g, step limit x %g the shape ends "

@@ -20,6 +20,7 @@ enum {
                           low-pass filter of the residual readings, the part of the readings that
                           the vibration modes do not explain */
     REST_MOST = 20000,
+    REST_STEPS = 200, /* number of static control steps that find where a loop comes to rest */
     END_LEAST = 20, /* smallest and largest number of ticks, at the end of a storm (simulation with
                        fast jumps of the target), over which the results are averaged */
     END_MOST = 500
@@ -69,17 +70,17 @@ static void list_rows(storm_rig *rig)
 }
 
 /*
- * Compute the static responses of targets and sensors to the voltages from the influence matrix of
- * the tables.
+ * Set the static responses of targets and sensors to the voltages.
+ *   influence [outputs][inputs] in  influence matrix of the structure
  */
-static void fill_static(storm_rig *rig)
+static void fill_static(storm_rig *rig, const double *influence)
 {
     const size_t inputs = rig->analysis->design.structure.input.count, amplifiers = rig->amplifiers;
     for (size_t i = 0; i < rig->targets; i++)
-        memcpy(rig->influence + i * amplifiers, rig->analysis->influence + i * inputs,
+        memcpy(rig->influence + i * amplifiers, influence + i * inputs,
                amplifiers * sizeof(double));
     for (size_t i = 0; i < rig->sensors; i++)
-        memcpy(rig->direct + i * amplifiers, rig->analysis->influence + rig->row[i] * inputs,
+        memcpy(rig->direct + i * amplifiers, influence + rig->row[i] * inputs,
                amplifiers * sizeof(double));
 }
 
@@ -138,10 +139,18 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
     if (!take_memory(rig) || !modal_open(&rig->modal, design, &rig->vibration, rig->amplifiers))
         return no_memory(analysis, error);
     list_rows(rig);
-    fill_static(rig);
+    fill_static(rig, analysis->influence);
     fill_limits(rig);
     compensation_fill(&rig->ceramic, &design->hysteresis, &design->problem, design->control.rate);
     return 0;
+}
+
+bool storm_deform(storm_rig *rig, const deformed *deformed)
+{
+    fill_static(rig, deformed->analysis.influence);
+    rig->offset = deformed->offset;
+    modal_close(&rig->modal);
+    return modal_copy(&rig->modal, &deformed->modal);
 }
 
 void storm_close(storm_rig *rig)
@@ -384,13 +393,55 @@ static pzs_status open_loop(storm *storm)
 }
 
 /*
+ * Displacement of an output row at 0 V. Without limits, in measurements of the growth of small
+ * vibrations, it is left out, because it only adds a steady motion of the voltages.
+ */
+static double offset_of(const storm *storm, size_t row)
+{
+    const bool is_free = !isfinite(storm->plant->step_limit);
+    return storm->rig->offset && !is_free ? storm->rig->offset[row] : 0;
+}
+
+/* Compute the static shape of the simulated structure under voltages, into the member best_shape.
+ */
+static void compute_rest(storm *storm, const double *voltage)
+{
+    multiply(storm->best_shape, storm->rig->influence, voltage, storm->rig->targets,
+             storm->rig->amplifiers, storm->plant->gain);
+    for (size_t i = 0; i < storm->rig->targets; i++)
+        storm->best_shape[i] += offset_of(storm, i);
+}
+
+/*
+ * Find the voltages at which a loop with the controller's influence matrix comes to rest on a
+ * structure with another one, by static control steps of half size. They differ from the best
+ * voltages of the structure, because the loop judges the directions of the error by its own matrix.
+ *   control in/out  with the controller's influence matrix, and the stroke as voltage limits
+ */
+static pzs_status find_rest(storm *storm, pzs_control *control)
+{
+    const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets;
+    const double *tables = storm->rig->analysis->design.problem.influence;
+    pzs_status status = PZS_OK;
+    for (int step = 0; step < REST_STEPS && !PZS_IS_ERROR(status); step++) {
+        compute_rest(storm, control->info.voltage);
+        pzs_product_matrix(storm->part, tables, control->info.voltage, targets, amplifiers);
+        for (size_t i = 0; i < targets; i++)
+            storm->part[i] += (storm->last_target[i] - storm->best_shape[i]) / 2;
+        status = pzs_step(control, storm->part);
+    }
+    return status;
+}
+
+/*
  * Compute the best shape for the last target that the stroke of the electrodes allows, on the
- * simulated structure.
+ * simulated structure; on a deformed structure the shape at which the loop comes to rest.
  */
 static pzs_status find_best(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers, targets = storm->rig->targets;
     const pzs_problem *given = &storm->rig->analysis->design.problem;
+    const bool is_deformed = storm->rig->offset != NULL;
     pzs_problem problem = *given;
     pzs_control control;
     double *influence = malloc((targets * amplifiers + amplifiers) * sizeof *influence);
@@ -398,8 +449,9 @@ static pzs_status find_best(storm *storm)
     pzs_status status = PZS_E_WORKSPACE;
     if (influence && work) {
         double *wide = influence + targets * amplifiers;
+        const double gain = is_deformed ? 1 : storm->plant->gain;
         for (size_t i = 0; i < targets * amplifiers; i++)
-            influence[i] = storm->plant->gain * given->influence[i];
+            influence[i] = gain * given->influence[i];
         for (size_t k = 0; k < amplifiers; k++)
             wide[k] = HUGE_VAL;
         problem.step_limit = wide;
@@ -409,10 +461,10 @@ static pzs_status find_best(storm *storm)
         problem.crc = pzs_problem_crc(&problem);
         status = pzs_control_init(&control, &problem, influence, work, pzs_control_bytes(given));
         if (!PZS_IS_ERROR(status))
-            status = pzs_step(&control, storm->last_target);
+            status =
+                is_deformed ? find_rest(storm, &control) : pzs_step(&control, storm->last_target);
         if (!PZS_IS_ERROR(status))
-            multiply(storm->best_shape, storm->rig->influence, control.info.voltage, targets,
-                     amplifiers, storm->plant->gain);
+            compute_rest(storm, control.info.voltage);
     }
     free(influence);
     free(work);
@@ -487,7 +539,7 @@ static void compute_shape(storm *storm)
              storm->plant->gain);
     inertia_observe(&storm->inertia, 0, rig->targets, storm->part);
     for (size_t i = 0; i < rig->targets; i++)
-        storm->shape[i] += storm->part[i];
+        storm->shape[i] += storm->part[i] + offset_of(storm, i);
 }
 
 /* Compute the present readings of the sensors and store them until they arrive at the loop. */
@@ -504,7 +556,7 @@ static void store_readings(storm *storm)
     multiply(reading, rig->direct, storm->acting, rig->sensors, amplifiers, storm->plant->gain);
     for (size_t i = 0; i < rig->sensors; i++) {
         inertia_observe(&storm->inertia, rig->row[i], 1, storm->part);
-        reading[i] += storm->part[0];
+        reading[i] += storm->part[0] + offset_of(storm, rig->row[i]);
     }
 }
 
@@ -588,6 +640,8 @@ static void set_next_target(storm *storm)
         storm->previous_voltage[k] = middle + 2 * half * (kind == 2 ? part : sign);
     }
     multiply(storm->target, rig->influence, storm->previous_voltage, rig->targets, amplifiers, 1);
+    for (size_t i = 0; i < rig->targets; i++)
+        storm->target[i] += offset_of(storm, i);
 }
 
 /*

@@ -12,6 +12,7 @@
 #ifndef STORM_H
 #define STORM_H
 
+#include "../model/deformed.h"
 #include "../model/modal.h"
 #include "../tables/loop_blocks.h"
 #include "inertia.h"
@@ -71,8 +72,10 @@ typedef struct storm_rig {
     compensation ceramic; /* hysteresis and creep of the ceramic as the scene file describes them */
     vibration vibration;
     modal modal;
-    double *memory;    /* one allocation that holds `direct` and all arrays declared after it */
-    double *direct;    /* [sensors][amplifiers] static reading of each sensor per volt */
+    const double *offset; /* [outputs] displacement of each output row at 0 V, on a structure
+                             linearised about the equilibrium at its target; NULL: zero */
+    double *memory;       /* one allocation that holds `direct` and all arrays declared after it */
+    double *direct;       /* [sensors][amplifiers] static reading of each sensor per volt */
     double *influence; /* [targets][amplifiers] static displacements of the target rows (controlled
                           displacements) per volt */
     uint32_t *row;     /* [sensors] index of the structure's output row that each sensor measures */
@@ -99,6 +102,14 @@ typedef struct storm_result {
  */
 int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estimator, char *error);
 void storm_close(storm_rig *rig);
+
+/*
+ * Replace the structure of the storms (simulations with fast target jumps) by the structure
+ * linearised about the equilibrium at the target. The controller keeps its tables.
+ *   deformed in  of the same scene; must outlive the rig
+ * Returns whether memory sufficed.
+ */
+bool storm_deform(storm_rig *rig, const deformed *deformed);
 
 /*
  * Set the control loop of the next storms (simulations with fast target jumps).
