@@ -30,11 +30,18 @@ enum { SOLVES_MOST = 16 };
 static const double tolerance = 1e-7, least_change = 1e-3;
 
 /*
+ * Increment of Newton's method, relative to the change of the displacement in half the step, from
+ * which on the energy error of the time step is removed in place of another linear solve; and the
+ * largest part of the last increment that is added for it.
+ */
+static const double balanced = 1e-6, largest_correction = 0.1;
+
+/*
  * Newton's method uses the factors of its matrix again for the next linear solve of a time step if
  * the relative increment is below small_increment and has decreased to at most slow_decrease times
  * the increment before.
  */
-static const double small_increment = 0.01, slow_decrease = 0.2;
+static const double small_increment = 1e-3, slow_decrease = 0.2;
 
 /*
  * Largest phase (radians) by which a vibration mode may turn in a time step that resolves the mode,
@@ -54,16 +61,16 @@ static bool take_memory(shell_motion *motion)
     const pzs_structure *structure = structure_of(motion);
     const size_t dof = structure->free_dof, elements = structure->elements,
                  inputs = structure->input.count;
-    const size_t vectors = 9 * dof + inputs;
+    const size_t vectors = 10 * dof + inputs;
     motion->memory = calloc(vectors + (22 + 22 + 10) * elements, sizeof *motion->memory);
     if (!motion->memory)
         return false;
     double *at = motion->memory;
-    double **const of_dof[] = {&motion->displacement,     &motion->velocity,
-                               &motion->acceleration,     &motion->half_change,
-                               &motion->increment,        &motion->end,
-                               &motion->scratch,          &motion->solver.state.displacement,
-                               &motion->solver.state.load};
+    double **const of_dof[] = {
+        &motion->displacement,     &motion->velocity,       &motion->acceleration,
+        &motion->half_change,      &motion->increment,      &motion->end,
+        &motion->scratch,          &motion->last_increment, &motion->solver.state.displacement,
+        &motion->solver.state.load};
     for (size_t i = 0; i < sizeof of_dof / sizeof *of_dof; i++, at += dof)
         *of_dof[i] = at;
     motion->solver.state.input_value = at;
@@ -429,6 +436,7 @@ static bool solve_and_update(shell_motion *motion, double step, bool is_new)
     if (is_new && !factor_matrix(motion, step))
         return false;
     compute_imbalance(motion, step, imbalance);
+    motion->work = pzs_linalg_inner(imbalance, motion->half_change, dof);
     pzs_model_backsolve(solver->state.model, imbalance, motion->increment);
     if (pzs_guard_nonfinite(motion->increment, dof) >= 0)
         return false;
@@ -491,6 +499,31 @@ static double relative_increment(const shell_motion *motion)
 }
 
 /*
+ * Remove the energy error that the remaining force imbalance makes in the time step. Twice the work
+ * of the imbalance over the change of the displacement in half the step is the error of the energy
+ * at the end of the step. An increment of Newton's method removes the imbalance for which it was
+ * computed, hence a part of the last increment removes the same part of the work before that
+ * increment. The part that makes the remaining work zero is added. An increment has no linear
+ * momentum, so that the correction keeps the momentum. Returns whether the part is small enough;
+ * the displacement is unchanged otherwise.
+ */
+static bool balance_energy(shell_motion *motion, double step)
+{
+    const uint32_t dof = structure_of(motion)->free_dof;
+    double *const imbalance = motion->solver.state.load;
+    memcpy(motion->last_increment, motion->increment, dof * sizeof *motion->increment);
+    compute_imbalance(motion, step, imbalance);
+    const double left = pzs_linalg_inner(imbalance, motion->half_change, dof);
+    const double part = left / motion->work;
+    if (!(fabs(part) <= largest_correction))
+        return false;
+    for (uint32_t i = 0; i < dof; i++)
+        motion->half_change[i] += part * motion->last_increment[i];
+    motion->corrections++;
+    return true;
+}
+
+/*
  * Try one time step. Newton's method factors its matrix anew until the increments are small, and
  * later where they decrease too slowly. Returns whether the method has converged; otherwise the
  * motion is unchanged.
@@ -506,7 +539,8 @@ static bool try_step(shell_motion *motion, double step)
         const double size = relative_increment(motion);
         is_new = size > small_increment || size > slow_decrease * before;
         before = size;
-        if (!(size <= tolerance))
+        const bool is_balanced = size <= balanced && balance_energy(motion, step);
+        if (!is_balanced && !(size <= tolerance))
             continue;
         end_step(motion, step);
         motion->steps++;

@@ -10,8 +10,10 @@
  * mean of the stress resultants at u0 and at u1. Because the strains are quadratic in the
  * displacement, L(m) (u1 - u0) is exactly the change of the strains. Without damping and loads the
  * step therefore keeps the energy, and on a free structure the linear and the angular momentum, for
- * any h. The error is of second order: the period of a vibration mode of angular frequency w is too
- * long by about (w h)^2/12.
+ * any h. Newton's method stops early: when its increments are small, a part of the last one is
+ * added that makes the work of the remaining force imbalance over the step zero, and with it the
+ * error of the energy. The error of the motion is of second order: the period of a vibration mode
+ * of angular frequency w is too long by about (w h)^2/12.
  *
  * Damping has three parts, none of which can add energy, whatever the step:
  *   - damping of mass, a M (u1 - u0)/h
@@ -59,12 +61,18 @@ typedef struct shell_motion {
     double *half_change;  /* [free_dof] displacement at half the time step minus the displacement at
                              its start (m and 1) */
     double *increment;    /* [free_dof] last increment of Newton's method (m and 1) */
-    double *end;          /* [free_dof] displacement at the end of the time step (m and 1) */
-    double *scratch;      /* [free_dof] work array of the motion */
+    double *last_increment; /* [free_dof] copy of the last increment, for the correction of the
+                               energy (m and 1) */
+    double *end;            /* [free_dof] displacement at the end of the time step (m and 1) */
+    double *scratch;        /* [free_dof] work array of the motion */
     double (*start_resultant)[22]; /* [elements] stress resultants of each element at the start of
                                       the time step (N m) */
-    long steps;                    /* number of time steps of the motion so far */
-    long linear_solves;            /* number of linear solves in all time steps so far */
+    double work; /* work of the force imbalance over the change of the displacement in half the time
+                    step, before the last increment (N m) */
+    long corrections;    /* number of time steps so far whose energy error was removed by one more
+                            evaluation of the forces, in place of a linear solve */
+    long steps;          /* number of time steps of the motion so far */
+    long linear_solves;  /* number of linear solves in all time steps so far */
     long factorisations; /* number of factorisations of the matrix of a time step so far */
     int solves_most;     /* largest number of linear solves that any time step has needed */
 } shell_motion;

@@ -213,7 +213,7 @@ static void push_mode(rig *r, int mode, double amplitude)
 
 /*
  * Law: without damping and loads the energy is kept to 1e-6 at an amplitude of 20 thicknesses, with
- * 50 steps a period of the first mode, 3 factorisations and 6 linear solves a step.
+ * 50 steps a period of the first mode, 3 factorisations and 4.5 linear solves a step.
  */
 static void test_energy(void **state)
 {
@@ -237,12 +237,13 @@ static void test_energy(void **state)
     most = fmax(most, fabs(energy_of(&r) / first - 1));
     const double solves = (double)r.motion.linear_solves / (double)r.motion.steps;
     print_message("    energy to %.1e after %ld steps, %.2f linear solves a step, %d at most, %.2f "
-                  "factorisations, largest unknown %.3g\n",
+                  "factorisations, %.2f corrections, largest unknown %.3g\n",
                   most, r.motion.steps, solves, r.motion.solves_most,
-                  (double)r.motion.factorisations / (double)r.motion.steps, reached);
+                  (double)r.motion.factorisations / (double)r.motion.steps,
+                  (double)r.motion.corrections / (double)r.motion.steps, reached);
     assert_int_equal(r.motion.steps, ENERGY_STEPS);
     assert_true(most < 1e-6);
-    assert_true(r.motion.factorisations <= 3 * r.motion.steps && solves < 6);
+    assert_true(r.motion.factorisations <= 3 * r.motion.steps && solves <= 4.5);
     assert_true(reached > 0.15);
     close_rig(&r);
 }
