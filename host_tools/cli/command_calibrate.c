@@ -11,6 +11,7 @@
 #include "../data/number_table.h"
 #include "../model/calibrate_model.h"
 #include "../system/progress.h"
+#include "command_modes.h"
 #include "command_sweep.h"
 #include "outfile.h"
 
@@ -411,6 +412,8 @@ int command_calibrate(const options *options, const scene *scene)
     int status = read_pokes(&run, options);
     if (status == 0 && options->sample_rate > 0)
         status = command_sweep(options, &run.pokes);
+    else if (status == 0 && options->vibration_rate > 0)
+        status = command_modes(options, &run.pokes);
     else if (status == 0)
         status = calibrate_matrix(&run, options);
     calibration_free(&run.result);

@@ -258,8 +258,10 @@ const option_entry option_table[OPTIONS] = {
     [OPTION_VTU] = {"--vtu", NULL, "FILE.vtu", ARGUMENT_FILE, NULL,
                     BIT(COMMAND_SOLVE) | BIT(COMMAND_SHAPE) | BIT(COMMAND_MODES),
                     "deformed shape for ParaView; of modes the mode shapes"},
-    [OPTION_NUMBER] = {"--number", NULL, "N", ARGUMENT_TEXT, NULL, BIT(COMMAND_MODES),
-                       "how many, 1 to 200; default 10"},
+    [OPTION_NUMBER] = {"--number", NULL, "N", ARGUMENT_TEXT, NULL,
+                       BIT(COMMAND_MODES) | BIT(COMMAND_CALIBRATE),
+                       "how many modes, 1 to 200; default 10; of calibrate --vibration at most "
+                       "20, default 5"},
     [OPTION_CSV] = {"--csv", NULL, "FILE.csv", ARGUMENT_FILE, NULL, BIT(COMMAND_SIMULATE),
                     "a line a tick: tick, time (s), error of the shape over the scene's target, "
                     "active (voltages at a limit), passes of "
@@ -312,6 +314,10 @@ const option_entry option_table[OPTIONS] = {
         {"--hysteresis", NULL, "RATE", ARGUMENT_TEXT, NULL, BIT(COMMAND_CALIBRATE),
          "hysteresis and creep from a sweep of RATE samples a second, in place of "
          "a matrix: prints the section hysteresis of a scene"},
+    [OPTION_VIBRATION] =
+        {"--vibration", NULL, "RATE", ARGUMENT_TEXT, NULL, BIT(COMMAND_CALIBRATE),
+         "vibration modes from a record of RATE samples a second with steps of the voltages, in "
+         "place of a matrix: prints the key modes of the section influence of a scene"},
     [OPTION_OUTPUT] = {"-o", NULL, "FILE", ARGUMENT_FILE, NULL,
                        BIT(COMMAND_TABLES) | BIT(COMMAND_CALIBRATE) | BIT(COMMAND_FMU),
                        "output file, or a folder for it; - is standard output"},

@@ -147,13 +147,26 @@ static int take_limit(options *options, const char *value)
     return 0;
 }
 
-static int take_sample_rate(options *options, const char *value)
+/* Read a number of samples a second, above 0. Returns whether it is one. */
+static bool take_rate(const char *value, double *rate)
 {
     char *end;
-    options->sample_rate = strtod(value, &end);
-    if (end == value || *end || !isfinite(options->sample_rate) || !(options->sample_rate > 0))
-        return options_refuse("--hysteresis is the samples a second of the sweep, not", value);
-    return 0;
+    *rate = strtod(value, &end);
+    return end != value && !*end && isfinite(*rate) && *rate > 0;
+}
+
+static int take_sample_rate(options *options, const char *value)
+{
+    return take_rate(value, &options->sample_rate)
+               ? 0
+               : options_refuse("--hysteresis is the samples a second of the sweep, not", value);
+}
+
+static int take_vibration_rate(options *options, const char *value)
+{
+    return take_rate(value, &options->vibration_rate)
+               ? 0
+               : options_refuse("--vibration is the samples a second of the record, not", value);
 }
 
 static int take_number(options *options, const char *value)
@@ -221,6 +234,7 @@ static int take_option(options *options, option_id option, const char *value)
     case OPTION_VOLTAGES: return take_file(&options->voltages, value);
     case OPTION_SHAPES: return take_file(&options->shapes, value);
     case OPTION_HYSTERESIS: return take_sample_rate(options, value);
+    case OPTION_VIBRATION: return take_vibration_rate(options, value);
     case OPTION_PREFIX: return take_file(&options->prefix, value);
     case OPTION_OUTPUT: return take_file(&options->output, value);
     case OPTION_PLANT: options->wants_plant = true; return 0;

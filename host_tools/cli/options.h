@@ -39,6 +39,9 @@ typedef struct options {
     double sample_rate;       /* samples per second of a measured hysteresis sweep, for the command
                                  calibrate; 0: the files contain shapes measured under known
                                  voltages (pokes) */
+    double vibration_rate;    /* samples per second of a record of vibration after steps of the
+                                 voltages, for the command calibrate; 0: the files contain no such
+                                 record */
     int words;                /* number of words of the whole command line, which reports print */
     char *const *words_given; /* [words] words of the whole command line */
     const device_board *device;

@@ -535,6 +535,18 @@ awk '{ print 1e-7 * $1 }' "$dir/sweep.csv" >"$dir/place.csv"
 run 0 calibrate --hysteresis 1000 --voltages "$dir/sweep.csv" --shapes "$dir/place.csv" --json && json "abs(j['gain'] / 1e-7 - 1) < 1e-3 and j['fit_rms'] < 1e-3" &&
     run 0 calibrate --hysteresis 1000 --voltages "$dir/sweep.csv" --shapes "$dir/place.csv" -o "$dir/ceramic.yaml" && grep -q '^  slack: \[' "$dir/ceramic.yaml"
 check 'hysteresis: identified from a sweep' $?
+awk 'BEGIN { for (i = 0; i < 1000; i++) print i < 100 ? 0 : 10 }' >"$dir/steps.csv"
+awk 'BEGIN { for (i = 0; i < 1000; i++) { t = (i - 100) / 1000; a = i < 100 ? 0 : exp(-3 * t) * cos(300 * t); b = i < 100 ? 0 : exp(-6 * t) * cos(700 * t)
+    print 1 - a - b, 1 - a, 1 + a - b, 2 } }' >"$dir/ringing.csv"
+run 0 calibrate --vibration 1000 --number 3 --voltages "$dir/steps.csv" --shapes "$dir/ringing.csv" --json &&
+    json "len(j['modes']) == 2 and abs(j['modes'][0]['frequency'] / 47.7489 - 1) < 1e-4 and abs(j['modes'][1]['damping'] / 0.00857 - 1) < 1e-2" &&
+    run 0 calibrate --vibration 1000 --voltages "$dir/steps.csv" --shapes "$dir/ringing.csv" -o "$dir/modes.yaml" &&
+    printf '1e-6 2e-6\n2e-6 1e-6\n1e-6 0\n0 1e-6\n' >"$dir/rung.csv" &&
+    { printf 'name: rung\ncontrol: {rate: 1000}\nlimits: {voltage: [-9, 9]}\ntarget: {value: [1e-6, 1e-6, 1e-6, 0]}\n' && cat "$dir/modes.yaml" && echo '  file: rung.csv'; } >"$dir/rung.yaml" &&
+    run 0 check "$dir/rung.yaml" && grep -q 'damps 2 modes from 47.7' "$dir/out"
+check 'calibrate --vibration: modes of a record, and a scene with them' $?
+run 2 calibrate --vibration -1 --voltages "$dir/steps.csv" --shapes "$dir/ringing.csv" && says '--vibration is the samples a second of the record, not'
+check 'calibrate --vibration: a rate below 0 is refused' $?
 run 2 calibrate --hysteresis 0 --voltages "$dir/sweep.csv" --shapes "$dir/place.csv" && says '--hysteresis is the samples a second of the sweep, not'
 check 'hysteresis: a sweep without a rate is refused' $?
 run 0 tables plate-closed-loop --quasi-static --set "$ceramic" --prefix bent -o "$dir/bent.h" &&

@@ -110,19 +110,21 @@ static void write_modes(const analysis *a, const vibration *vibration, double sc
     free(shape);
 }
 
-static void write_scene(const analysis *a, const vibration *vibration)
+static void write_scene(const analysis *a, const vibration *vibration, bool has_responses)
 {
     const design *design = &a->design;
     FILE *file = begin("scene.yaml");
     fputs("name: measured\nunits: {length: m, force: N, voltage: V, temperature: K}\n"
           "influence:\n  file: matrix.csv\n  modes:\n",
           file);
-    for (int mode = 0; mode < MODES; mode++)
+    for (int mode = 0; mode < MODES; mode++) {
         fprintf(file,
-                "    - {frequency: %.17g, damping: %.17g, shape: {file: shapes.csv, column: %d}, "
-                "response: {file: responses.csv, column: %d}}\n",
-                vibration->frequency[mode], design->dynamics.damping_of_mode[mode], mode + 1,
-                mode + 1);
+                "    - {frequency: %.17g, damping: %.17g, shape: {file: shapes.csv, column: %d}",
+                vibration->frequency[mode], design->dynamics.damping_of_mode[mode], mode + 1);
+        if (has_responses)
+            fprintf(file, ", response: {file: responses.csv, column: %d}", mode + 1);
+        fputs("}\n", file);
+    }
     fputs("control: {rate: 1000}\nlimits: {voltage: [-200, 200], step_limit: 13}\n"
           "simulate: {ticks: 10}\ntarget: {value: [",
           file);
@@ -147,7 +149,7 @@ static void open_both(scene_run *plate, scene_run *measured, double scale)
     prepare(plate);
     write_matrix(&plate->analysis);
     write_modes(&plate->analysis, &plate->analysis.certificate.vibration, scale);
-    write_scene(&plate->analysis, &plate->analysis.certificate.vibration);
+    write_scene(&plate->analysis, &plate->analysis.certificate.vibration, true);
     open_run(measured, path_of("scene.yaml"), "");
     prepare(measured);
 }
@@ -292,6 +294,38 @@ static void test_fitted(void **state)
     scene_run_close(&m);
 }
 
+/*
+ * On the plate, the responses that follow from the matrix differ from the exact ones by the static
+ * response of the modes left out, which is not quite orthogonal to the shapes at the outputs. The
+ * loop made with them passes its certificate.
+ */
+static void test_fitted_plate(void **state)
+{
+    scene_run plate, measured;
+    double apart = 0, size = 0;
+    (void)state;
+    open_both(&plate, &measured, 1);
+    scene_run_close(&measured);
+    write_scene(&plate.analysis, &plate.analysis.certificate.vibration, false);
+    open_run(&measured, path_of("scene.yaml"), "");
+    prepare(&measured);
+    const vibration *one = &measured.analysis.certificate.vibration,
+                    *other = &plate.analysis.certificate.vibration;
+    for (int mode = 0; mode < 4; mode++)
+        for (int k = 0; k < 4; k++) {
+            const double exact =
+                (1 + mode) * vibration_static(other, &plate.analysis.design, mode, k);
+            size = fmax(size, fabs(exact));
+            apart = fmax(apart,
+                         fabs(vibration_static(one, &measured.analysis.design, mode, k) - exact));
+        }
+    print_message("    fitted responses of four modes: %.2g of the largest\n", apart / size);
+    assert_int_equal(certify_loop(&measured.analysis, measured.error), 0);
+    assert_true(measured.analysis.certificate.loop.is_stable);
+    scene_run_close(&plate);
+    scene_run_close(&measured);
+}
+
 /* Law: without modes nothing is known of vibration, and the certificate says how to change that. */
 static void test_without_modes(void **state)
 {
@@ -356,9 +390,10 @@ static void test_wrong(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_tick),     cmocka_unit_test(test_same_certificate),
-        cmocka_unit_test(test_plant),         cmocka_unit_test(test_fitted),
-        cmocka_unit_test(test_without_modes), cmocka_unit_test(test_wrong),
+        cmocka_unit_test(test_same_tick),    cmocka_unit_test(test_same_certificate),
+        cmocka_unit_test(test_plant),        cmocka_unit_test(test_fitted),
+        cmocka_unit_test(test_fitted_plate), cmocka_unit_test(test_without_modes),
+        cmocka_unit_test(test_wrong),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

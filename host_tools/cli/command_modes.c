@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* The command `pzs calibrate --vibration` (command_modes.h). */
+#include "command_modes.h"
+#include <stdio.h>
+#include "../model/identify_modes.h"
+#include "../text/json.h"
+#include "outfile.h"
+
+enum { USUAL_MODES = 5 };
+
+/* Print the key `modes` of the section `influence` of a scene file in YAML. */
+static void print_modes(FILE *file, const identified_modes *found, size_t outputs)
+{
+    fputs("influence:\n  modes:\n", file);
+    for (int mode = 0; mode < found->modes; mode++) {
+        fprintf(file, "    - frequency: %.7g\n      damping: %.4g\n      shape: [",
+                found->frequency[mode], found->damping[mode]);
+        for (size_t i = 0; i < outputs; i++)
+            fprintf(file, "%s%.6g", i ? ", " : "", found->shape[(size_t)mode * outputs + i]);
+        fputs("]\n", file);
+    }
+}
+
+static int write_modes(const identified_modes *found, size_t outputs, const char *path)
+{
+    outfile output;
+    if (outfile_begin(&output, path))
+        return 1;
+    print_modes(output.file, found, outputs);
+    return outfile_end(&output, ferror(output.file));
+}
+
+static void print_result(const identified_modes *found, const pokes *samples, const char *path)
+{
+    printf("%lu samples, %d intervals of constant voltages: %d mode%s\n",
+           (unsigned long)samples->count, found->steps, found->modes, found->modes == 1 ? "" : "s");
+    printf("  %16s %12s %14s %12s\n", "frequency (Hz)", "std. error", "damping ratio",
+           "std. error");
+    for (int mode = 0; mode < found->modes; mode++)
+        printf("  %16.6g %12.2g %14.4g %12.2g\n", found->frequency[mode],
+               found->frequency_error[mode], found->damping[mode], found->damping_error[mode]);
+    printf("  the modes leave %.3g (standard deviation) of a reading, %.3g%% of the vibration\n",
+           found->noise, 100 * found->left);
+    if (path)
+        printf("%s: the key modes for the section influence of a scene\n", path);
+    else
+        print_modes(stdout, found, samples->outputs);
+}
+
+static void print_json(const identified_modes *found)
+{
+    json json = {.file = stdout};
+    json_open(&json, NULL, '{');
+    json_number(&json, "intervals", found->steps);
+    json_number(&json, "noise", found->noise);
+    json_number(&json, "left", found->left);
+    json_open(&json, "modes", '[');
+    for (int mode = 0; mode < found->modes; mode++) {
+        json_open(&json, NULL, '{');
+        json_number(&json, "frequency", found->frequency[mode]);
+        json_number(&json, "frequency_error", found->frequency_error[mode]);
+        json_number(&json, "damping", found->damping[mode]);
+        json_number(&json, "damping_error", found->damping_error[mode]);
+        json_close(&json, '}');
+    }
+    json_close(&json, ']');
+    json_close(&json, '}');
+}
+
+int command_modes(const options *options, const pokes *samples)
+{
+    char error[SCENE_ERROR];
+    identified_modes found;
+    const int most = options->number ? options->number : USUAL_MODES;
+    int status = 0;
+    if (identify_modes(&found, samples, options->vibration_rate, most, error) < 0) {
+        fprintf(stderr, "pzs: %s\n", error);
+        status = OPTIONS_WRONG;
+    }
+    if (status == 0 && options->output)
+        status = write_modes(&found, samples->outputs, options->output);
+    if (status == 0 && options->as_json)
+        print_json(&found);
+    else if (status == 0)
+        print_result(&found, samples, options->output);
+    identified_modes_free(&found);
+    return status;
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * The command `pzs calibrate --vibration`: vibration modes of a structure from measured steps of
+ * the voltages.
+ */
+#ifndef COMMAND_MODES_H
+#define COMMAND_MODES_H
+
+#include "../model/calibrate.h"
+#include "options.h"
+
+/*
+ * Identify vibration modes, print their frequencies and damping ratios with standard errors and the
+ * key `modes` of the section `influence` of a scene, and write this key to the output file that the
+ * options name.
+ *   samples  in  voltages and readings, a line for each sample
+ * Returns an exit code after printing the result or an error message.
+ */
+int command_modes(const options *options, const pokes *samples);
+
+#endif

@@ -1,0 +1,794 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Identification of vibration modes from the free vibration after steps of the voltages
+ * (identify_modes.h). An interval is a run of samples with constant voltages.
+ */
+#include "identify_modes.h"
+#include <complex.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../mesh/invert.h"
+#include "eigen.h"
+
+enum {
+    CHANNELS = 10,      /* most combinations of readings in which frequencies are searched */
+    BLOCKS = 9,         /* fewest delayed samples of each channel in the signal subspace */
+    LEAST_ROWS = 40,    /* fewest delayed samples of all channels together */
+    LEAST_SAMPLES = 40, /* fewest samples of an interval */
+    SWEEPS = 12,        /* sweeps of Jacobi's method */
+    SUBSPACE_ROUNDS = 20,
+    ROOT_ROUNDS = 100,
+    REFINEMENTS = 30,
+    SHAPE_ROUNDS = 60,
+    SPARE = 4, /* dimensions of the signal subspace beyond those of the wanted modes */
+    PARAMETERS = 2 * IDENTIFIED_MODES,
+    BASIS = 2 * IDENTIFIED_MODES + 1, /* functions of an interval: cosine and sine of each mode, and
+                                         a constant */
+    ROOTS = 2 * IDENTIFIED_MODES + SPARE
+};
+
+static const double two_pi = 6.283185307179586, largest_damping = 0.3;
+
+/*
+ * Energy of a mode, relative to what noise would give the mode by chance, below which the mode is
+ * left out; and largest standard error of a frequency, relative to the frequency.
+ */
+static const double significant = 10, largest_error = 0.01;
+
+typedef struct interval {
+    size_t first, count; /* first sample and number of samples */
+} interval;
+
+/* State of an identification. */
+typedef struct fit {
+    const pokes *samples;
+    double rate;
+    size_t intervals, longest, channels;
+    size_t blocks;      /* number of delayed samples of each channel in the signal subspace */
+    interval *interval; /* [intervals] */
+    double *mixer;      /* [channels][outputs] orthonormal combinations of the readings */
+    double *signal; /* [channels][samples] readings in these combinations, without the mean of each
+                       interval */
+    double *function, *slope; /* work: [BASIS][longest] orthonormal functions of an interval; [2
+                                 PARAMETERS][longest] derivatives of cosine and sine */
+    double *column;           /* [longest] work */
+    int modes;
+    double frequency[IDENTIFIED_MODES]; /* angular frequencies (rad/s) */
+    double damping[IDENTIFIED_MODES];   /* damping ratios */
+} fit;
+
+static int refuse(char *error, const char *text)
+{
+    snprintf(error, SCENE_ERROR, "%s", text);
+    return -1;
+}
+
+static double dot(const double *x, const double *y, size_t count)
+{
+    double sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += x[i] * y[i];
+    return sum;
+}
+
+static void add(double *to, const double *vector, double factor, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        to[i] += factor * vector[i];
+}
+
+/* ---- the record ---------------------------------------------------------- */
+
+static bool has_step(const pokes *samples, size_t sample)
+{
+    const size_t columns = samples->actuators;
+    return memcmp(samples->voltage + sample * columns, samples->voltage + (sample - 1) * columns,
+                  columns * sizeof(double)) != 0;
+}
+
+/*
+ * List the intervals of constant voltages. The first sample of an interval is left out, because it
+ * may have been read before or after the step.
+ */
+static void list_intervals(fit *fit)
+{
+    const size_t count = fit->samples->count;
+    size_t first = 0;
+    for (size_t sample = 1; sample <= count; sample++) {
+        if (sample < count && !has_step(fit->samples, sample))
+            continue;
+        const size_t length = sample - first;
+        if (length > LEAST_SAMPLES) {
+            fit->interval[fit->intervals++] = (interval){first + 1, length - 1};
+            fit->longest = length > fit->longest ? length : fit->longest;
+        }
+        first = sample;
+    }
+}
+
+/*
+ * Mean of a value over an interval with Hann's weights, in which vibration of several periods
+ * cancels out.
+ *   value in  the first value; the next ones are `stride` numbers apart
+ */
+static double quiet_mean(const double *value, size_t count, size_t stride)
+{
+    double sum = 0, weights = 0;
+    for (size_t i = 0; i < count; i++) {
+        const double weight = 1 - cos(two_pi * ((double)i + 0.5) / (double)count);
+        sum += weight * value[i * stride];
+        weights += weight;
+    }
+    return sum / weights;
+}
+
+/* Readings of one output without the mean of each interval. */
+static void centred(const fit *fit, size_t output, double *value)
+{
+    const size_t outputs = fit->samples->outputs;
+    for (size_t index = 0; index < fit->intervals; index++) {
+        const interval *interval = &fit->interval[index];
+        const double *reading = fit->samples->shape + interval->first * outputs + output;
+        const double mean = quiet_mean(reading, interval->count, outputs);
+        for (size_t i = 0; i < interval->count; i++)
+            value[interval->first + i] = reading[i * outputs] - mean;
+    }
+}
+
+/* Make a row of the mixer orthogonal to the rows before it, and normalise it. */
+static void orthonormalise(const fit *fit, size_t row)
+{
+    const size_t outputs = fit->samples->outputs;
+    double *vector = fit->mixer + row * outputs;
+    for (int repeat = 0; repeat < 2; repeat++)
+        for (size_t j = 0; j < row; j++)
+            add(vector, fit->mixer + j * outputs, -dot(fit->mixer + j * outputs, vector, outputs),
+                outputs);
+    const double size = sqrt(dot(vector, vector, outputs));
+    for (size_t i = 0; i < outputs; i++)
+        vector[i] = size > 0 ? vector[i] / size : 0;
+}
+
+/* Compute the signals of all channels from the centred readings [outputs][samples]. */
+static void mix(fit *fit, const double *reading)
+{
+    const size_t outputs = fit->samples->outputs, count = fit->samples->count;
+    memset(fit->signal, 0, fit->channels * count * sizeof *fit->signal);
+    for (size_t channel = 0; channel < fit->channels; channel++)
+        for (size_t i = 0; i < outputs; i++)
+            add(fit->signal + channel * count, reading + i * count,
+                fit->mixer[channel * outputs + i], count);
+}
+
+/*
+ * Choose the combinations of readings with the largest energy, by subspace iteration, and compute
+ * their signals. Returns whether memory sufficed.
+ */
+static bool choose_channels(fit *fit)
+{
+    const size_t outputs = fit->samples->outputs, count = fit->samples->count;
+    double *reading = calloc(outputs * count, sizeof *reading);
+    if (!reading)
+        return false;
+    for (size_t i = 0; i < outputs; i++)
+        centred(fit, i, reading + i * count);
+    for (size_t k = 0; k < fit->channels * outputs; k++)
+        fit->mixer[k] = sin(1 + 1.7 * (double)k + 0.3 * (double)(k % 7)); /* any independent rows */
+    for (int round = 0; round < SUBSPACE_ROUNDS; round++) {
+        for (size_t row = 0; row < fit->channels; row++)
+            orthonormalise(fit, row);
+        mix(fit, reading);
+        for (size_t row = 0; row < fit->channels && round + 1 < SUBSPACE_ROUNDS; row++)
+            for (size_t i = 0; i < outputs; i++)
+                fit->mixer[row * outputs + i] =
+                    dot(fit->signal + row * count, reading + i * count, count);
+    }
+    free(reading);
+    return true;
+}
+
+/* ---- decaying sinusoids ---------------------------------------------------- */
+
+/*
+ * Fill the orthonormal functions of an interval: a constant, then cosine and sine of each mode, and
+ * their coefficients in each other.
+ *   triangle [BASIS][BASIS] out  function k is the sum over j <= k of triangle[j][k] times
+ *       orthonormal function j
+ */
+static void fill_functions(const fit *fit, const interval *interval, double triangle[BASIS][BASIS])
+{
+    const size_t count = interval->count;
+    const int functions = 2 * fit->modes + 1;
+    memset(triangle, 0, sizeof(double[BASIS][BASIS]));
+    for (int k = 0; k < functions; k++) {
+        double *function = fit->function + (size_t)k * fit->longest;
+        const int mode = (k - 1) / 2;
+        for (size_t i = 0; i < count; i++) {
+            const double time = (double)i / fit->rate;
+            const double decay = k ? exp(-fit->damping[mode] * fit->frequency[mode] * time) : 1;
+            const double phase =
+                k ? fit->frequency[mode] * sqrt(1 - pow(fit->damping[mode], 2)) * time : 0;
+            function[i] = decay * (k % 2 || k == 0 ? cos(phase) : sin(phase));
+        }
+        const double before = sqrt(dot(function, function, count));
+        for (int repeat = 0; repeat < 2; repeat++)
+            for (int j = 0; j < k; j++) {
+                const double *other = fit->function + (size_t)j * fit->longest;
+                const double part = dot(other, function, count);
+                triangle[j][k] += part;
+                add(function, other, -part, count);
+            }
+        const double size = sqrt(dot(function, function, count));
+        const bool is_new = size > 1e-9 * before;
+        triangle[k][k] = is_new ? size : 0;
+        for (size_t i = 0; i < count; i++)
+            function[i] = is_new ? function[i] / size : 0;
+    }
+}
+
+/*
+ * Coefficients of the functions of an interval in a signal, by least squares.
+ *   signal      [count] in/out  the signal; out: what the functions leave of it
+ *   coefficient [BASIS] out     of the constant, and of cosine and sine of each mode
+ */
+static void fit_signal(const fit *fit, size_t count, double triangle[BASIS][BASIS], double *signal,
+                       double coefficient[BASIS])
+{
+    const int functions = 2 * fit->modes + 1;
+    for (int k = 0; k < functions; k++) {
+        const double *function = fit->function + (size_t)k * fit->longest;
+        coefficient[k] = dot(function, signal, count);
+        add(signal, function, -coefficient[k], count);
+    }
+    for (int k = functions - 1; k >= 0; k--) {
+        for (int j = k + 1; j < functions; j++)
+            coefficient[k] -= triangle[k][j] * coefficient[j];
+        coefficient[k] = triangle[k][k] > 0 ? coefficient[k] / triangle[k][k] : 0;
+    }
+}
+
+/*
+ * Fill the derivatives of cosine and sine of each mode by its angular frequency and by its damping
+ * ratio, without their parts along the functions of the interval: rows 4 mode to 4 mode + 3 of
+ * fit->slope are cosine and sine by frequency, cosine and sine by damping.
+ */
+static void fill_slopes(const fit *fit, const interval *interval)
+{
+    const size_t count = interval->count;
+    for (int mode = 0; mode < fit->modes; mode++) {
+        const double frequency = fit->frequency[mode], damping = fit->damping[mode],
+                     root = sqrt(1 - damping * damping);
+        double *row = fit->slope + 4 * (size_t)mode * fit->longest;
+        for (size_t i = 0; i < count; i++) {
+            const double time = (double)i / fit->rate, decay = exp(-damping * frequency * time),
+                         cosine = decay * cos(frequency * root * time),
+                         sine = decay * sin(frequency * root * time);
+            row[i] = time * (-damping * cosine - root * sine);
+            row[fit->longest + i] = time * (-damping * sine + root * cosine);
+            row[2 * fit->longest + i] = frequency * time * (-cosine + damping / root * sine);
+            row[3 * fit->longest + i] = frequency * time * (-sine - damping / root * cosine);
+        }
+        for (int k = 0; k < 4; k++)
+            for (int j = 0; j < 2 * fit->modes + 1; j++) {
+                const double *function = fit->function + (size_t)j * fit->longest;
+                double *slope = row + (size_t)k * fit->longest;
+                add(slope, function, -dot(function, slope, count), count);
+            }
+    }
+}
+
+/* Normal equations of a step of the refinement, and what the modes leave. */
+typedef struct normal {
+    double matrix[PARAMETERS * PARAMETERS], right[PARAMETERS];
+    double squares;                  /* sum of the squares of what the modes leave of all signals */
+    double energy[IDENTIFIED_MODES]; /* sum of the squares of the part of each mode */
+    size_t values;                   /* number of samples minus number of coefficients */
+} normal;
+
+/* Add one signal of an interval to the normal equations. */
+static void add_signal(const fit *fit, size_t count, const double *left,
+                       const double coefficient[BASIS], normal *normal)
+{
+    const int parameters = 2 * fit->modes;
+    double weight[PARAMETERS][2];
+    for (int k = 0; k < parameters; k++)
+        for (int part = 0; part < 2; part++)
+            weight[k][part] = coefficient[1 + 2 * (k / 2) + part];
+    for (int k = 0; k < parameters; k++) {
+        const double *own = fit->slope + 2 * (size_t)k * fit->longest;
+        double *derivative = fit->function + (size_t)(BASIS + k) * fit->longest;
+        for (size_t i = 0; i < count; i++)
+            derivative[i] = weight[k][0] * own[i] + weight[k][1] * own[fit->longest + i];
+        normal->right[k] += dot(derivative, left, count);
+        for (int j = 0; j <= k; j++)
+            normal->matrix[k * PARAMETERS + j] +=
+                dot(derivative, fit->function + (size_t)(BASIS + j) * fit->longest, count);
+    }
+    normal->squares += dot(left, left, count);
+}
+
+/* Add the energy of each mode in one signal, from its coefficients. */
+static void add_energy(const fit *fit, size_t count, const double coefficient[BASIS],
+                       normal *normal)
+{
+    for (int mode = 0; mode < fit->modes; mode++) {
+        const double rate = 2 * fit->damping[mode] * fit->frequency[mode] / fit->rate;
+        const double duration = -expm1(-rate * (double)count) / -expm1(-rate);
+        normal->energy[mode] +=
+            duration / 2 * (pow(coefficient[1 + 2 * mode], 2) + pow(coefficient[2 + 2 * mode], 2));
+    }
+}
+
+/* Fit all signals with the present frequencies and damping ratios. */
+static void assemble(const fit *fit, bool with_slopes, normal *normal)
+{
+    double triangle[BASIS][BASIS], coefficient[BASIS];
+    memset(normal, 0, sizeof *normal);
+    for (size_t index = 0; index < fit->intervals; index++) {
+        const interval *interval = &fit->interval[index];
+        fill_functions(fit, interval, triangle);
+        if (with_slopes)
+            fill_slopes(fit, interval);
+        for (size_t channel = 0; channel < fit->channels; channel++) {
+            memcpy(fit->column, fit->signal + channel * fit->samples->count + interval->first,
+                   interval->count * sizeof *fit->column);
+            fit_signal(fit, interval->count, triangle, fit->column, coefficient);
+            add_energy(fit, interval->count, coefficient, normal);
+            if (with_slopes)
+                add_signal(fit, interval->count, fit->column, coefficient, normal);
+            else
+                normal->squares += dot(fit->column, fit->column, interval->count);
+            normal->values += interval->count - (size_t)(2 * fit->modes + 1);
+        }
+    }
+    for (int k = 0; k < 2 * fit->modes; k++)
+        for (int j = 0; j < k; j++)
+            normal->matrix[j * PARAMETERS + k] = normal->matrix[k * PARAMETERS + j];
+}
+
+/* Move frequencies and damping ratios by a step, within the range of modes. */
+static void take_step(fit *fit, const normal *normal, const double *inverse)
+{
+    const int parameters = 2 * fit->modes;
+    for (int k = 0; k < parameters; k++) {
+        double step = 0;
+        for (int j = 0; j < parameters; j++)
+            step += inverse[k * PARAMETERS + j] * normal->right[j];
+        const int mode = k / 2;
+        if (k % 2 == 0)
+            fit->frequency[mode] *= 1 + fmax(fmin(step / fit->frequency[mode], 0.1), -0.1);
+        else
+            fit->damping[mode] = fmin(fmax(fit->damping[mode] + step, 1e-6), largest_damping);
+    }
+}
+
+/*
+ * Refine frequencies and damping ratios by least squares over all signals (Gauss-Newton steps with
+ * Levenberg's and Marquardt's damping, in which the coefficients are eliminated). Returns the sum
+ * of the squares that is left.
+ */
+static double refine(fit *fit, int rounds)
+{
+    normal now, next;
+    double inverse[PARAMETERS * PARAMETERS], damping = 1e-3;
+    assemble(fit, true, &now);
+    for (int round = 0; round < rounds && damping < 1e6; round++) {
+        const struct fit before = *fit;
+        memcpy(inverse, now.matrix, sizeof inverse);
+        for (int k = 0; k < 2 * fit->modes; k++)
+            inverse[k * PARAMETERS + k] *= 1 + damping;
+        const bool is_solved = invert(inverse, 2 * fit->modes, PARAMETERS) == 0;
+        if (is_solved)
+            take_step(fit, &now, inverse);
+        assemble(fit, true, &next);
+        if (is_solved && next.squares < now.squares) {
+            const bool is_done = next.squares > now.squares * (1 - 1e-10);
+            now = next;
+            damping /= 10;
+            if (is_done)
+                break;
+        } else {
+            *fit = before;
+            damping *= 10;
+        }
+    }
+    return now.squares;
+}
+
+/* ---- first estimates --------------------------------------------------------- */
+
+/*
+ * Covariance of the channels and of their samples that are up to blocks - 1 lags later.
+ *   matrix [size][size] out  size = channels times blocks
+ */
+static void fill_covariance(const fit *fit, size_t lag, double *matrix)
+{
+    const size_t size = fit->channels * fit->blocks, count = fit->samples->count;
+    memset(matrix, 0, size * size * sizeof *matrix);
+    for (size_t index = 0; index < fit->intervals; index++) {
+        const interval *interval = &fit->interval[index];
+        const size_t window = (fit->blocks - 1) * lag;
+        if (interval->count < 2 * window)
+            continue;
+        for (size_t row = 0; row < size; row++)
+            for (size_t column = 0; column <= row; column++)
+                matrix[row * size + column] +=
+                    dot(fit->signal + row % fit->channels * count + interval->first +
+                            row / fit->channels * lag,
+                        fit->signal + column % fit->channels * count + interval->first +
+                            column / fit->channels * lag,
+                        interval->count - window);
+    }
+    for (size_t row = 0; row < size; row++)
+        for (size_t column = 0; column < row; column++)
+            matrix[column * size + row] = matrix[row * size + column];
+}
+
+/* Index of the largest diagonal entry that is not taken yet. */
+static size_t next_largest(const double *matrix, size_t size, const bool *is_taken)
+{
+    size_t best = size;
+    for (size_t k = 0; k < size; k++)
+        if (!is_taken[k] && (best == size || matrix[k * size + k] > matrix[best * size + best]))
+            best = k;
+    return best;
+}
+
+/*
+ * Matrix that shifts the signal subspace by one lag: the least-squares solution of (upper part of
+ * the dominant eigenvectors) times shift = (lower part).
+ *   matrix, vector [size][size] in/work  covariance; eigenvectors
+ *   shift [ROOTS][ROOTS] out
+ * Returns the dimension of the subspace, or 0 where the shift is not determined.
+ */
+static size_t shift_matrix(const fit *fit, double *matrix, double *vector, double *shift,
+                           size_t wanted)
+{
+    const size_t size = fit->channels * fit->blocks, rows = fit->channels * (fit->blocks - 1);
+    const size_t rank = wanted < rows ? wanted : rows;
+    bool is_taken[CHANNELS * BLOCKS] = {false};
+    size_t column[ROOTS];
+    double gram[ROOTS * ROOTS], product[ROOTS * ROOTS];
+    eigen_symmetric(matrix, vector, size, SWEEPS, 0);
+    for (size_t k = 0; k < rank; k++) {
+        column[k] = next_largest(matrix, size, is_taken);
+        is_taken[column[k]] = true;
+    }
+    for (size_t i = 0; i < rank; i++)
+        for (size_t j = 0; j < rank; j++) {
+            gram[i * ROOTS + j] = product[i * ROOTS + j] = 0;
+            for (size_t row = 0; row < rows; row++) {
+                const double own = vector[row * size + column[i]];
+                gram[i * ROOTS + j] += own * vector[row * size + column[j]];
+                product[i * ROOTS + j] += own * vector[(row + fit->channels) * size + column[j]];
+            }
+        }
+    if (invert(gram, (int)rank, ROOTS) < 0)
+        return 0;
+    for (size_t i = 0; i < rank; i++)
+        for (size_t j = 0; j < rank; j++) {
+            shift[i * ROOTS + j] = 0;
+            for (size_t k = 0; k < rank; k++)
+                shift[i * ROOTS + j] += gram[i * ROOTS + k] * product[k * ROOTS + j];
+        }
+    return rank;
+}
+
+/* Trace of the inverse of (matrix - root), by Gauss-Jordan elimination with row exchanges. */
+static double complex inverse_trace(const double *matrix, size_t rank, double complex root)
+{
+    double complex work[ROOTS][2 * ROOTS], trace = 0;
+    for (size_t i = 0; i < rank; i++)
+        for (size_t j = 0; j < rank; j++) {
+            work[i][j] = matrix[i * ROOTS + j] - (i == j ? root : 0);
+            work[i][rank + j] = i == j;
+        }
+    for (size_t step = 0; step < rank; step++) {
+        size_t best = step;
+        for (size_t i = step + 1; i < rank; i++)
+            best = cabs(work[i][step]) > cabs(work[best][step]) ? i : best;
+        for (size_t j = 0; j < 2 * rank; j++) {
+            const double complex swapped = work[step][j];
+            work[step][j] = work[best][j];
+            work[best][j] = swapped;
+        }
+        const double complex pivot = cabs(work[step][step]) > 1e-300 ? work[step][step] : 1e-300;
+        for (size_t j = 0; j < 2 * rank; j++)
+            work[step][j] /= pivot;
+        for (size_t i = 0; i < rank; i++) {
+            const double complex factor = work[i][step];
+            for (size_t j = 0; j < 2 * rank && i != step; j++)
+                work[i][j] -= factor * work[step][j];
+        }
+    }
+    for (size_t i = 0; i < rank; i++)
+        trace += work[i][rank + i];
+    return trace;
+}
+
+/*
+ * Eigenvalues of a matrix by the method of Aberth and Ehrlich, in which each estimate is repelled
+ * by all others.
+ *   matrix [rank][ROOTS] in
+ *   root   [rank]        out
+ */
+static void find_roots(const double *matrix, size_t rank, double complex *root)
+{
+    double moved = 1;
+    for (size_t k = 0; k < rank; k++)
+        root[k] = 0.9 * cexp((double complex)I * (two_pi * (double)k / (double)rank + 0.4));
+    for (int round = 0; round < ROOT_ROUNDS && moved > 1e-12; round++) {
+        moved = 0;
+        for (size_t k = 0; k < rank; k++) {
+            double complex repelled = -inverse_trace(matrix, rank, root[k]);
+            for (size_t j = 0; j < rank; j++)
+                if (j != k)
+                    repelled -= 1 / (root[k] - root[j]);
+            const double complex step = 1 / repelled;
+            if (!isfinite(cabs(step)))
+                continue;
+            root[k] -= step;
+            moved = fmax(moved, cabs(step));
+        }
+    }
+}
+
+/* Take the roots that are modes as the present modes, at most IDENTIFIED_MODES. */
+static void take_roots(fit *fit, const double complex *root, size_t rank, size_t lag)
+{
+    const double lowest = 2 * two_pi * fit->rate / (double)fit->longest;
+    fit->modes = 0;
+    for (size_t k = 0; k < rank && fit->modes < IDENTIFIED_MODES; k++) {
+        const double complex pole = clog(root[k]) * fit->rate / (double)lag;
+        const double frequency = cabs(pole), damping = -creal(pole) / frequency;
+        if (!(cimag(pole) > 0) || !(frequency > lowest) || !(damping < largest_damping) ||
+            !(damping > -0.1))
+            continue;
+        fit->frequency[fit->modes] = frequency;
+        fit->damping[fit->modes++] = fmax(damping, 1e-4);
+    }
+}
+
+static void remove_mode(fit *fit, int mode)
+{
+    fit->modes--;
+    for (int k = mode; k < fit->modes; k++) {
+        fit->frequency[k] = fit->frequency[k + 1];
+        fit->damping[k] = fit->damping[k + 1];
+    }
+}
+
+/* Remove the modes with the least energy until `most` are left. */
+static void keep_strongest(fit *fit, int most)
+{
+    normal normal;
+    while (fit->modes > most) {
+        int weakest = 0;
+        assemble(fit, false, &normal);
+        for (int k = 1; k < fit->modes; k++)
+            weakest = normal.energy[k] < normal.energy[weakest] ? k : weakest;
+        remove_mode(fit, weakest);
+    }
+}
+
+/*
+ * Estimate the modes with several lags between the delayed samples, refine each estimate, and keep
+ * the best one. Returns whether memory sufficed.
+ */
+static bool estimate(fit *fit, int most)
+{
+    static const size_t lags[] = {1, 2, 4, 8, 16, 32};
+    const size_t size = fit->channels * fit->blocks;
+    struct fit best = *fit;
+    double least = HUGE_VAL, shift[ROOTS * ROOTS];
+    double complex root[ROOTS];
+    double *matrix = calloc(2 * size * size, sizeof *matrix);
+    for (size_t k = 0; k < sizeof lags / sizeof *lags && matrix; k++) {
+        if (2 * (fit->blocks - 1) * lags[k] >= fit->longest)
+            break;
+        fill_covariance(fit, lags[k], matrix);
+        const size_t rank =
+            shift_matrix(fit, matrix, matrix + size * size, shift, (size_t)(2 * most + SPARE));
+        find_roots(shift, rank, root);
+        take_roots(fit, root, rank, lags[k]);
+        keep_strongest(fit, most);
+        const double squares = refine(fit, REFINEMENTS / 3);
+        if (fit->modes > 0 && squares < least) {
+            least = squares;
+            best = *fit;
+        }
+    }
+    *fit = best;
+    free(matrix);
+    return matrix != NULL;
+}
+
+/* ---- result -------------------------------------------------------------------- */
+
+/*
+ * Remove modes that the noise hides, and refine the others again.
+ *   inverse [PARAMETERS][PARAMETERS] out  inverse of the normal matrix of the last refinement
+ */
+static void keep_significant(fit *fit, normal *normal, double *inverse)
+{
+    for (bool has_changed = true; has_changed;) {
+        has_changed = false;
+        (void)refine(fit, REFINEMENTS);
+        assemble(fit, true, normal);
+        memcpy(inverse, normal->matrix, sizeof normal->matrix);
+        const bool is_solved = invert(inverse, 2 * fit->modes, PARAMETERS) == 0;
+        const double variance = normal->squares / (double)normal->values,
+                     chance = 2 * variance * (double)(fit->channels * fit->intervals);
+        for (int k = fit->modes - 1; k >= 0 && !has_changed; k--) {
+            const double error =
+                is_solved ? sqrt(variance * inverse[2 * k * (PARAMETERS + 1)]) : HUGE_VAL;
+            has_changed = normal->energy[k] < significant * chance ||
+                          !(error < largest_error * fit->frequency[k]) ||
+                          fit->damping[k] >= largest_damping;
+            if (has_changed)
+                remove_mode(fit, k);
+        }
+    }
+}
+
+static void sort_modes(fit *fit)
+{
+    for (int i = 1; i < fit->modes; i++)
+        for (int k = i; k > 0 && fit->frequency[k] < fit->frequency[k - 1]; k--) {
+            const double frequency = fit->frequency[k], damping = fit->damping[k];
+            fit->frequency[k] = fit->frequency[k - 1];
+            fit->damping[k] = fit->damping[k - 1];
+            fit->frequency[k - 1] = frequency;
+            fit->damping[k - 1] = damping;
+        }
+}
+
+/*
+ * Coefficients of cosine and sine of every mode in the readings of every output and interval.
+ *   part [modes][outputs][2 intervals] out
+ */
+static void fill_parts(const fit *fit, double *part)
+{
+    const size_t outputs = fit->samples->outputs, columns = 2 * fit->intervals;
+    double triangle[BASIS][BASIS], coefficient[BASIS];
+    for (size_t index = 0; index < fit->intervals; index++) {
+        const interval *interval = &fit->interval[index];
+        fill_functions(fit, interval, triangle);
+        for (size_t output = 0; output < outputs; output++) {
+            for (size_t i = 0; i < interval->count; i++)
+                fit->column[i] = fit->samples->shape[(interval->first + i) * outputs + output];
+            fit_signal(fit, interval->count, triangle, fit->column, coefficient);
+            for (size_t mode = 0; mode < (size_t)fit->modes; mode++)
+                for (size_t k = 0; k < 2; k++)
+                    part[(mode * outputs + output) * columns + 2 * index + k] =
+                        coefficient[1 + 2 * mode + k];
+        }
+    }
+}
+
+/*
+ * Shape of a mode: the vector along which its coefficients [outputs][columns] have the largest
+ * energy, by power iteration, with a root mean square of 1.
+ *   along [columns] work
+ *   shape [outputs] out
+ */
+static void find_shape(const double *part, size_t outputs, size_t columns, double *along,
+                       double *shape)
+{
+    for (size_t k = 0; k < columns; k++)
+        along[k] = 0;
+    for (size_t i = 0; i < outputs; i++) /* start: the output that moves most */
+        if (dot(part + i * columns, part + i * columns, columns) > dot(along, along, columns))
+            memcpy(along, part + i * columns, columns * sizeof *along);
+    for (int round = 0; round < SHAPE_ROUNDS; round++) {
+        for (size_t i = 0; i < outputs; i++)
+            shape[i] = dot(part + i * columns, along, columns);
+        const double size = sqrt(dot(shape, shape, outputs) / (double)outputs);
+        for (size_t k = 0; k < columns; k++)
+            along[k] = 0;
+        for (size_t i = 0; i < outputs; i++) {
+            shape[i] = size > 0 ? shape[i] / size : 0;
+            add(along, part + i * columns, shape[i], columns);
+        }
+    }
+}
+
+static int take_result(identified_modes *result, fit *fit, const normal *normal,
+                       const double *inverse, char *error)
+{
+    const size_t modes = (size_t)fit->modes, outputs = fit->samples->outputs,
+                 columns = 2 * fit->intervals;
+    result->frequency = calloc(4 * modes + modes * outputs + 1, sizeof *result->frequency);
+    double *part = calloc(modes * outputs * columns + columns + 1, sizeof *part);
+    if (!result->frequency || !part) {
+        free(part);
+        return refuse(error, "out of memory");
+    }
+    result->modes = fit->modes;
+    result->steps = (int)fit->intervals;
+    result->damping = result->frequency + modes;
+    result->frequency_error = result->damping + modes;
+    result->damping_error = result->frequency_error + modes;
+    result->shape = result->damping_error + modes;
+    const double variance = normal->squares / (double)normal->values;
+    double energy = 0;
+    for (size_t k = 0; k < modes; k++) {
+        result->frequency[k] = fit->frequency[k] / two_pi;
+        result->damping[k] = fit->damping[k];
+        result->frequency_error[k] = sqrt(variance * inverse[2 * k * (PARAMETERS + 1)]) / two_pi;
+        result->damping_error[k] = sqrt(variance * inverse[(2 * k + 1) * (PARAMETERS + 1)]);
+        energy += normal->energy[k];
+    }
+    result->noise = sqrt(variance);
+    result->left = sqrt(normal->squares / energy);
+    fill_parts(fit, part);
+    for (size_t k = 0; k < modes; k++)
+        find_shape(part + k * outputs * columns, outputs, columns, part + modes * outputs * columns,
+                   result->shape + k * outputs);
+    free(part);
+    return 0;
+}
+
+static bool take_memory(fit *fit)
+{
+    const size_t count = fit->samples->count, outputs = fit->samples->outputs;
+    fit->channels = outputs < CHANNELS ? outputs : CHANNELS;
+    fit->blocks = LEAST_ROWS / fit->channels + 1;
+    fit->blocks = fit->blocks > BLOCKS ? fit->blocks : BLOCKS;
+    fit->mixer = calloc(fit->channels * outputs, sizeof *fit->mixer);
+    fit->signal = calloc(fit->channels * count, sizeof *fit->signal);
+    fit->function = calloc((BASIS + PARAMETERS) * fit->longest, sizeof *fit->function);
+    fit->slope = calloc(2 * PARAMETERS * fit->longest, sizeof *fit->slope);
+    fit->column = calloc(fit->longest, sizeof *fit->column);
+    return fit->mixer && fit->signal && fit->function && fit->slope && fit->column;
+}
+
+static int run(fit *fit, identified_modes *result, int most, char *error)
+{
+    normal normal;
+    double inverse[PARAMETERS * PARAMETERS];
+    list_intervals(fit);
+    if (fit->intervals == 0)
+        return refuse(error, "no interval of constant voltages has more than 40 samples; step the "
+                             "voltages and hold them for several periods of the lowest mode");
+    if (!take_memory(fit) || !choose_channels(fit) || !estimate(fit, most))
+        return refuse(error, "out of memory");
+    keep_significant(fit, &normal, inverse);
+    if (fit->modes == 0)
+        return refuse(error, "no vibration stands out from the noise; step the voltages further, "
+                             "and hold them for several periods of the lowest mode");
+    sort_modes(fit);
+    assemble(fit, true, &normal);
+    memcpy(inverse, normal.matrix, sizeof inverse);
+    (void)invert(inverse, 2 * fit->modes, PARAMETERS);
+    return take_result(result, fit, &normal, inverse, error);
+}
+
+int identify_modes(identified_modes *result, const pokes *samples, double rate, int most,
+                   char *error)
+{
+    fit fit = {.samples = samples, .rate = rate};
+    memset(result, 0, sizeof *result);
+    if (most < 1 || most > IDENTIFIED_MODES) {
+        snprintf(error, SCENE_ERROR, "%d modes are out of range (1 to %d)", most, IDENTIFIED_MODES);
+        return -1;
+    }
+    fit.interval = calloc(samples->count / LEAST_SAMPLES + 1, sizeof *fit.interval);
+    const int failed =
+        fit.interval ? run(&fit, result, most, error) : refuse(error, "out of memory");
+    free(fit.interval);
+    free(fit.mixer);
+    free(fit.signal);
+    free(fit.function);
+    free(fit.slope);
+    free(fit.column);
+    return failed;
+}
+
+void identified_modes_free(identified_modes *result)
+{
+    free(result->frequency);
+    memset(result, 0, sizeof *result);
+}
