@@ -80,7 +80,8 @@ static void turn_back(double transform[6][6], const double stress[6], double tur
  */
 static void piezo_column(const double constant[5], int poling, int axis, double column[6])
 {
-    static const int pair[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}}; /* Voigt index of two axes */
+    static const int pair[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}}; /* Voigt index of the strain
+                                                                        of two axes */
     const int first = poling == 2 ? 0 : 2, second = 3 - poling - first;
     memset(column, 0, 6 * sizeof *column);
     if (axis == poling) {
@@ -130,8 +131,8 @@ static void build_electric(const scene_material *material, const scene_layer *la
     const bool has_fingers = layer->finger_distance > 0;
     const int axis = has_fingers ? poling : 2;
     const double distance = has_fingers ? layer->finger_distance : layer->thickness;
-    const double share = layer->thickness / distance; /* area between the electrodes over the area
-                                                          of the surface */
+    const double share = layer->thickness / distance; /* cross-section between the electrodes over
+                                                          the area of the surface */
     field_stress(material, stiffness, poling, axis, stress);
     for (int i = 0; i < 6; i++)
         stress[i] *= (layer->poling < 0 ? -1 : 1) / distance;
@@ -674,9 +675,9 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
 /* ---- prescribed fields -------------------------------------------------- */
 
 /*
- * Compute the stiffness of the strain mode 00 per area. It differs from that of plies of uniform
- * shear strain in the transverse shears, by the element options rho and shear. Returns 0, or -1 if
- * no ply is present.
+ * Compute the stiffness of the strain mode 00 (constant over the element) per area. It differs from
+ * that of plies of uniform shear strain in the transverse shears, by the element options rho and
+ * shear. Returns 0, or -1 if no ply is present.
  */
 static int constant_stiffness(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double stiffness[N][N])
@@ -691,9 +692,11 @@ static int constant_stiffness(const laminate *laminate, const scene_element *ele
 
 /* Prescribed resultants of a field and the strains that they cause in a free element. */
 typedef struct free_field {
-    double resultants[N], strain[N]; /* resultants per length; strains with their sign changed */
+    double resultants[N], strain[N]; /* [10] prescribed resultants per area of the element; [10]
+                                        free strains with their sign changed */
     double uniform[N][N];            /* stiffness of the plies with uniform shear strain */
-    double constant[N][N];           /* stiffness of the strain mode 00 */
+    double constant[N][N];           /* stiffness of the strain mode 00 (constant over
+                                        the element) */
 } free_field;
 
 /* Return whether a field causes a transverse shear stress in a ply of an element. */
