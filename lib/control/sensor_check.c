@@ -22,17 +22,15 @@ static pzs_real largest_size(const pzs_real *vector, uint32_t count)
 }
 
 /*
- * Whether to reject measurement i, which is not finite or has the same bits as in the last tick. A
- * measurement that is not finite is missing. It is stuck if it kept the same bits for
- * SENSOR_STUCK_TICKS ticks in which its expected value moved by more than the resolution of the
- * sensors.
- *   most in/out  largest |expected| of all sensors; negative: not yet computed
+ * Whether to reject a finite measurement that has the same bits as in the last tick. It is stuck if
+ * it kept the same bits for SENSOR_STUCK_TICKS ticks in which its expected value moved by more than
+ * the resolution of the sensors.
+ *   difference in      measurement minus expected value (unit of the sensor)
+ *   most       in/out  largest |expected| of all sensors; negative: not yet computed
  */
-static bool is_unusable(const sensor_check *sensors, uint32_t i, pzs_real measured, pzs_real *most)
+static bool is_stuck(const sensor_check *sensors, uint32_t i, pzs_real measured,
+                     pzs_real difference, pzs_real *most)
 {
-    const pzs_real difference = measured - sensors->expected[i];
-    if (!number_is_finite(difference))
-        return true;
     const pzs_real moved = RESOLUTION * number_absolute(difference - sensors->difference[i]) -
                            number_absolute(measured);
     if (moved > 0 && *most < 0)
@@ -46,34 +44,23 @@ static bool is_unusable(const sensor_check *sensors, uint32_t i, pzs_real measur
     return false;
 }
 
-/*
- * Update the differences of measurements that are finite and differ from the last tick, from index
- * i on. Returns the index of the first other measurement, or the number of measurements.
- */
-static uint32_t skip_usable(const sensor_check *sensors, const pzs_real *measured, uint32_t i)
+uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured, int32_t *where)
 {
     const uint32_t count = sensors->count;
     const pzs_real *expected = sensors->expected;
-    pzs_real *last = sensors->last, *all = sensors->difference;
+    pzs_real *last = sensors->last, *all = sensors->difference, most = -1;
     uint8_t *repeats = sensors->repeats;
-    do {
-        const pzs_real seen = measured[i], difference = seen - expected[i];
-        if (!(seen != last[i]) || !number_is_finite(difference))
-            return i;
-        last[i] = seen;
-        all[i] = difference;
-        repeats[i] = 0;
-    } while (++i < count);
-    return count;
-}
-
-uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured, int32_t *where)
-{
-    pzs_real most = -1;
     uint32_t unusable = 0;
-    for (uint32_t i = 0; i < sensors->count; i++) {
-        i = skip_usable(sensors, measured, i);
-        if (i < sensors->count && is_unusable(sensors, i, measured[i], &most))
+    for (uint32_t i = 0; i < count; i++) {
+        const pzs_real seen = measured[i], difference = seen - expected[i];
+        const bool is_missing = !number_is_finite(difference);
+        if (!is_missing && seen != last[i]) {
+            last[i] = seen;
+            all[i] = difference;
+            repeats[i] = 0;
+            continue;
+        }
+        if (is_missing || is_stuck(sensors, i, seen, difference, &most))
             *where = unusable++ == 0 ? (int32_t)i : *where;
     }
     return unusable;

@@ -197,6 +197,8 @@ static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *sign
     }
     core->remaining -= core->remaining > 0 ? 1u : 0u;
     pzs_control_moved(signals->control);
+    pzs_control_predict(signals->control); /* here, so that the first tick in control is not longer
+                                              than others */
 }
 
 /* ---- events ------------------------------------------------------------- */
