@@ -320,6 +320,7 @@ check-long: setup-test
 	$(CC) $(WARN) $(SANITIZE) -DMUTATIONS=20000 $(INCLUDE) tests/unit/test_quads.c tests/rigs/mesh_writer.c $(B)/san64/host.a \
 	    -lcmocka $(HOST_LIBS) -o $(B)/long-quads && $(B)/long-quads
 	FMU_FLAGS='$(SANITIZE)' FMU_PRELOAD="$$(gcc -print-file-name=libasan.so)" B=$(B) sh tests/cli/fmu.sh
+	sh tests/target/bound.sh full
 	$(B)/test/sweep-64 full
 	$(B)/test/storms-64 full
 	@$(MAKE) --no-print-directory -s $(B)/test/motion_storms-64

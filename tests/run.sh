@@ -86,6 +86,7 @@ part target-start sh tests/target/start.sh
 part target-units result target-units
 part target-loop sh tests/target/loop.sh
 part target-examples sh tests/target/examples.sh
+part target-bound sh tests/target/bound.sh
 part qemu "${MAKE:-make}" --no-print-directory -s qemu
 part size "${MAKE:-make}" --no-print-directory -s size
 echo

@@ -901,6 +901,7 @@ static int command_fmu(const options *options, analysis *analysis)
 
 static int command_check(const options *options, analysis *analysis)
 {
+    work_report work;
     char error[SCENE_ERROR];
     progress_stage("influence matrix");
     if (analysis->design.goal.given && analysis_influence(analysis, error) < 0)
@@ -914,7 +915,10 @@ static int command_check(const options *options, analysis *analysis)
         return complain(error, OPTIONS_WRONG);
     warn_of_loop(analysis);
     progress_stop();
-    (options->as_json ? print_check_json : print_check)(analysis);
+    work_report_make(&work, analysis);
+    (options->as_json ? print_check_json : print_check)(analysis, &work);
+    if (work_report_check(&work, &analysis->design, error) < 0)
+        return complain(error, OPTIONS_WRONG);
     return 0;
 }
 

@@ -15,7 +15,6 @@
 #include "print_stress.h"
 #include "print_vibration.h"
 #include "../model/design_rows.h"
-#include "../model/tick_work.h"
 #include "../model/wiring_test.h"
 #include "../tables/loop_blocks.h"
 #include "../text/words.h"
@@ -169,46 +168,6 @@ static int image_size(const analysis *analysis, tables_image image, tables_size 
     return failed;
 }
 
-static void print_tick_work(const design *design)
-{
-    tick_work work;
-    tick_work_make(&work, design);
-    if (!work.is_made)
-        return;
-    printf(
-        "  work of a control tick: at most %llu multiply-adds, of which the optimiser makes %llu "
-        "at most and %llu in the longest of %d ticks with targets that jump\n"
-        "  at most %.0f instructions on a Cortex-M4F in float (longest of these ticks %.0f)",
-        (unsigned long long)work.bound, (unsigned long long)work.limit,
-        (unsigned long long)work.measured, work.ticks, work.instructions, work.longest);
-    if (work.rate > 0)
-        printf("; with %d for other blocks and %g cycles an instruction %.0f ticks a second at "
-               "%g MHz",
-               TICK_WORK_OTHERS, TICK_WORK_CYCLES, work.rate, design->control.clock / 1e6);
-    putchar('\n');
-    if (!work.holds)
-        printf("  WARNING: control.rate %g is above what the bound holds at this clock; lower the "
-               "rate, raise the clock, or use fewer amplifiers or targets\n",
-               design->control.rate);
-}
-
-static void print_tick_work_json(json *json, const design *design)
-{
-    tick_work work;
-    tick_work_make(&work, design);
-    if (!work.is_made)
-        return;
-    json_open(json, "tick", '{');
-    json_number(json, "multiply_adds", (double)work.bound);
-    json_number(json, "work_limit", (double)work.limit);
-    json_number(json, "work_measured", (double)work.measured);
-    json_number(json, "instructions", work.instructions);
-    json_number(json, "instructions_measured", work.longest);
-    json_number(json, "rate_most", work.rate);
-    json_bool(json, "holds", work.holds);
-    json_close(json, '}');
-}
-
 /* Print the duration of the self-test before the loop takes control, where the scene has one. */
 static void print_selftest(const analysis *analysis)
 {
@@ -229,7 +188,7 @@ static void print_selftest(const analysis *analysis)
     estimator_close(&estimator);
 }
 
-void print_check(const analysis *analysis)
+void print_check(const analysis *analysis, const work_report *work)
 {
     tables_size size;
     tables_memory need;
@@ -245,10 +204,11 @@ void print_check(const analysis *analysis)
                    (double)need.work[1] / 1024, (double)need.stack[0] / 1024,
                    (double)need.stack[1] / 1024);
     puts("  RAM: with the whole control loop and all its blocks (PREFIX_LOOP_BYTES)\n");
-    print_tick_work(&analysis->design);
+    print_work(work, &analysis->design);
     print_certificate(&analysis->certificate);
     print_selftest(analysis);
-    puts("\n  the scene is valid");
+    if (work->holds)
+        puts("\n  the scene is valid");
 }
 
 static void json_pair(json *json, const char *key, double in_float, double in_double)
@@ -259,7 +219,7 @@ static void json_pair(json *json, const char *key, double in_float, double in_do
     json_close(json, '}');
 }
 
-void print_check_json(const analysis *analysis)
+void print_check_json(const analysis *analysis, const work_report *work)
 {
     tables_size size;
     tables_memory need;
@@ -278,7 +238,7 @@ void print_check_json(const analysis *analysis)
         json_close(&json, '}');
     }
     json_close(&json, '}');
-    print_tick_work_json(&json, &analysis->design);
+    print_work_json(work, &json);
     print_certificate_json(&json, &analysis->certificate);
     json_close(&json, '}');
 }

@@ -3,6 +3,7 @@
 #ifndef PRINT_H
 #define PRINT_H
 
+#include "print_work.h"
 #include "../model/estimator.h"
 #include "../text/json.h"
 #include "../model/modes.h"
@@ -36,8 +37,8 @@ void print_estimate_json(json *json, const estimator *estimator);
  * Print the size of the scene and the device memory that the constants of its firmware (`pzs
  * tables`) need.
  */
-void print_check(const analysis *analysis);
-void print_check_json(const analysis *analysis);
+void print_check(const analysis *analysis, const work_report *work);
+void print_check_json(const analysis *analysis, const work_report *work);
 
 /*
  * Print the outputs of the scene under a displacement, then the forces of springs and the voltages

@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include "../../lib/control/control.h"
-#include "tick_work.h"
 #include "../../lib/core/guard.h"
 
 /*
@@ -241,7 +240,6 @@ int design_control(design *design, const double *influence, char *error)
     problem->reference_voltage = design->reference_voltage;
     if (design_rows_build(design, error) < 0)
         return -1;
-    problem->work_limit = tick_work_limit(design);
     problem->crc = pzs_problem_crc(problem);
     return 0;
 }

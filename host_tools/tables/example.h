@@ -84,7 +84,8 @@ static const pzs_real example_target[9] = {
 #define EXAMPLE_READINGS 9
 #define EXAMPLE_DELAY 0
 static const pzs_block example_blocks[EXAMPLE_BLOCKS] = {
-    {&pzs_step_block, &example_problem},
+    /* Cortex-M4F, float, -Os: at most 142128 instructions in a tick, of which 4250 outside the blocks */
+    {&pzs_step_block, &example_problem}, /* at most 137878 instructions */
 };
 #define EXAMPLE_LOOP_BYTES \
     (PZS_LOOP_BYTES(0, EXAMPLE_INPUTS) + \

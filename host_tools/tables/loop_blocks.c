@@ -7,6 +7,7 @@
 #include <ctype.h>
 #include <math.h>
 #include <string.h>
+#include "../../lib/control/control.h"
 #include "../../lib/core/guard.h"
 
 /*
@@ -147,9 +148,15 @@ static const void *governor_tables(loop_blocks *blocks)
     return &blocks->governor;
 }
 
+static uint64_t work_limit(const loop_blocks *blocks);
+
+/* Voltage problem of the design, with the work that the clock of the scene allows. */
 static const void *problem_tables(loop_blocks *blocks)
 {
-    return &blocks->design->problem;
+    blocks->problem = blocks->design->problem;
+    blocks->problem.work_limit = work_limit(blocks);
+    blocks->problem.crc = pzs_problem_crc(&blocks->problem);
+    return &blocks->problem;
 }
 
 static const void *compensation_tables(loop_blocks *blocks)
@@ -456,16 +463,6 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
 /* ---- memory ------------------------------------------------------------ */
 
 /*
- * Numbers of signals, vibration modes and ticks on which the memory of the blocks of the control
- * tick depends.
- */
-typedef struct block_counts {
-    size_t inputs, outputs, rows, readings, modes, plays, creeps;
-    size_t delay, damper_delay; /* age of the sensor readings (ticks): `delay` as the scene states,
-                                   `damper_delay` as the block that damps vibration assumes */
-} block_counts;
-
-/*
  * Define the memory of a block in bytes, by the library's macro in both precisions, and the text of
  * the macro for the generated header. Pointers, and reals in structs, have their size on this
  * computer, so that in single precision the number is an upper bound.
@@ -501,9 +498,9 @@ BLOCK_BYTES(supervisor, PZS_SUPERVISOR_BLOCK_BYTES(of->outputs))
 
 /*
  * Types of blocks of the control loop: condition for the block in a scene file, functions that fill
- * and write its tables, names, and memory. In the generated header, the tables of a block are named
- * PREFIX_ followed by `tables_name`. The members `bytes` and `bytes_macro` are defined by
- * BLOCK_BYTES.
+ * and write its tables, names, memory, and upper bound of the instructions in a tick. In the
+ * generated header, the tables of a block are named PREFIX_ followed by `tables_name`. The members
+ * `bytes` and `bytes_macro` are defined by BLOCK_BYTES.
  */
 static const struct {
     const pzs_block_type *type;
@@ -515,32 +512,34 @@ static const struct {
     const char *type_name, *tables_name;
     size_t (*bytes)(const block_counts *of, bool is_single);
     const char *bytes_macro;
+    loop_work_bound *work;
 } block_types[] = {
     {&pzs_selftest_block, has_selftest, selftest_tables, write_selftest, "selftest", "selftest",
-     selftest_bytes, selftest_macro},
+     selftest_bytes, selftest_macro, loop_work_selftest},
     {&pzs_effect_block, has_compensation, compensation_tables, write_compensation, "effect",
-     "hysteresis", effect_bytes, effect_macro},
+     "hysteresis", effect_bytes, effect_macro, loop_work_effect},
     {&pzs_reading_delay_block, has_delay, delay_tables, write_delay, "reading_delay",
-     "reading_delay", reading_delay_bytes, reading_delay_macro},
+     "reading_delay", reading_delay_bytes, reading_delay_macro, loop_work_delay},
     {&pzs_feed_forward_block, has_feed_forward, known_tables, write_known, "feed_forward",
-     "known_loads", feed_forward_bytes, feed_forward_macro},
+     "known_loads", feed_forward_bytes, feed_forward_macro, loop_work_feed_forward},
     {&pzs_governor_block, has_governor, governor_tables, write_governor, "governor", "governor",
-     governor_bytes, governor_macro},
+     governor_bytes, governor_macro, loop_work_governor},
     {&pzs_estimator_block, has_estimator, estimator_tables, NULL, "estimator", "estimator",
-     estimator_bytes, estimator_macro},
+     estimator_bytes, estimator_macro, loop_work_estimator},
     {&pzs_vibration_block, has_damper, damper_tables, write_damper, "vibration", "vibration",
-     vibration_bytes, vibration_macro},
-    {&pzs_step_block, has_no_rows, problem_tables, NULL, "step", "problem", step_bytes, step_macro},
+     vibration_bytes, vibration_macro, loop_work_vibration},
+    {&pzs_step_block, has_no_rows, problem_tables, NULL, "step", "problem", step_bytes, step_macro,
+     loop_work_step},
     {&pzs_step_block, has_rows, problem_tables, NULL, "step", "problem", row_step_bytes,
-     row_step_macro},
+     row_step_macro, loop_work_row_step},
     {&pzs_inverse_block, has_compensation, compensation_tables, NULL, "inverse", "hysteresis",
-     inverse_bytes, inverse_macro},
+     inverse_bytes, inverse_macro, loop_work_inverse},
     {&pzs_amplifier_block, has_amplifier, amplifier_tables, write_amplifier, "amplifier",
-     "amplifier", amplifier_bytes, amplifier_macro},
+     "amplifier", amplifier_bytes, amplifier_macro, loop_work_amplifier},
     {&pzs_fault_detector_block, has_detector, detection_tables, write_detection, "fault_detector",
-     "fault_detection", fault_detector_bytes, fault_detector_macro},
+     "fault_detection", fault_detector_bytes, fault_detector_macro, loop_work_detector},
     {&pzs_supervisor_block, has_supervisor, supervision_tables, write_supervision, "supervisor",
-     "supervision", supervisor_bytes, supervisor_macro},
+     "supervision", supervisor_bytes, supervisor_macro, loop_work_supervisor},
 };
 enum { BLOCK_TYPES = sizeof block_types / sizeof *block_types };
 
@@ -578,21 +577,120 @@ static int count_readings(const loop_blocks *blocks)
     return loop_estimates(blocks->design) ? blocks->estimator->sensors : blocks->design->targets;
 }
 
+/*
+ * Largest number of plays of the compensation (elements with backlash) whose slacks lie within the
+ * largest change of a voltage in one tick.
+ */
+static size_t near_plays(const loop_blocks *blocks)
+{
+    const pzs_hysteresis *tables = &blocks->compensation.tables;
+    double reach = 0;
+    size_t most = 0;
+    for (int k = 0; k < blocks->design->amplifiers; k++)
+        reach = fmax(reach, blocks->design->step_limit[k]);
+    for (size_t i = 0; i < tables->plays; i++) {
+        size_t near = 0;
+        for (size_t j = i; j < tables->plays; j++)
+            near += tables->slack[j] - tables->slack[i] <= 2 * reach;
+        most = near > most ? near : most;
+    }
+    return most;
+}
+
+/* Number of blocks in the list of a scene. */
+static size_t count_blocks(const loop_blocks *blocks)
+{
+    size_t present = 0;
+    for (int k = 0; k < BLOCK_TYPES; k++)
+        present += block_types[k].is_present(blocks);
+    return present;
+}
+
+static block_counts count(const loop_blocks *blocks)
+{
+    const block_counts of = {
+        .inputs = blocks->design->problem.inputs,
+        .outputs = blocks->design->problem.outputs,
+        .rows = (size_t)blocks->design->limits.rows,
+        .readings = (size_t)count_readings(blocks),
+        .modes = blocks->damper->tables.modes,
+        .plays = blocks->compensation.tables.plays,
+        .creeps = blocks->compensation.tables.creeps,
+        .loads = loop_feeds(blocks->design) ? blocks->estimator->shape_table.inputs : 0,
+        .blocks = count_blocks(blocks),
+        .delay = (size_t)blocks->design->simulate.delay,
+        .damper_delay = blocks->damper->tables.delay,
+        .near_plays = near_plays(blocks),
+        .is_damped = blocks->damper->is_used,
+        .detects_faults = has_detector(blocks),
+        .moves_outside = has_amplifier(blocks) || has_compensation(blocks) || has_detector(blocks),
+        .work_limit = blocks->problem.work_limit};
+    return of;
+}
+
 size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single)
 {
-    const block_counts of = {.inputs = blocks->design->problem.inputs,
-                             .outputs = blocks->design->problem.outputs,
-                             .rows = (size_t)blocks->design->limits.rows,
-                             .readings = (size_t)count_readings(blocks),
-                             .modes = blocks->damper->tables.modes,
-                             .plays = blocks->compensation.tables.plays,
-                             .creeps = blocks->compensation.tables.creeps,
-                             .delay = (size_t)blocks->design->simulate.delay,
-                             .damper_delay = blocks->damper->tables.delay};
+    const block_counts of = count(blocks);
     size_t bytes = loop_bytes(&of, is_single);
     for (int k = 0; k < BLOCK_TYPES; k++)
         bytes += block_types[k].is_present(blocks) ? block_types[k].bytes(&of, is_single) : 0;
     return bytes;
+}
+
+/* ---- work -------------------------------------------------------------- */
+
+/* Upper bound of the instructions of one tick in which the loop is in control. */
+static double tick_bound(const loop_blocks *blocks, const block_counts *of,
+                         const loop_processor *on)
+{
+    double sum = loop_work_rest(of, on);
+    for (int k = 0; k < BLOCK_TYPES; k++)
+        if (block_types[k].is_present(blocks) && block_types[k].type->phase != PZS_PHASE_COMMISSION)
+            sum += block_types[k].work(of, on);
+    return sum;
+}
+
+/*
+ * Limit of the optimiser's work in one tick (multiply-adds) with which all blocks together keep
+ * the time that the clock and the tick rate of the scene leave to a tick; at least the smallest
+ * useful limit; 0 (default of the library) where the scene does not state both.
+ */
+static uint64_t work_limit(const loop_blocks *blocks)
+{
+    const scene_control *control = &blocks->design->control;
+    const loop_processor *on = &loop_processor_table[0];
+    block_counts of = count(blocks);
+    const uint32_t inputs = (uint32_t)of.inputs, rows = (uint32_t)of.rows;
+    const uint64_t least =
+        rows > 0 ? PZS_LIMIT_ROW_WORK_LEAST(inputs, rows) : PZS_WORK_LEAST(inputs);
+    if (!(control->clock > 0) || !(control->rate > 0))
+        return 0;
+    of.work_limit = 0;
+    const double others = tick_bound(blocks, &of, on);
+    of.work_limit = 1;
+    const double each = tick_bound(blocks, &of, on) - others;
+    const double left = control->clock / control->rate / LOOP_WORK_CYCLES - others;
+    const double most = fmin(left / each, (double)PZS_WORK_LIMIT(of.inputs + of.rows));
+    return most > (double)least ? (uint64_t)most : least;
+}
+
+uint64_t loop_blocks_work_limit(const loop_blocks *blocks)
+{
+    const block_counts of = count(blocks);
+    return of.work_limit > 0 ? of.work_limit : PZS_WORK_LIMIT(of.inputs + of.rows);
+}
+
+void loop_blocks_bound(const loop_blocks *blocks, const loop_processor *on, loop_bounds *bounds)
+{
+    block_counts of = count(blocks);
+    of.work_limit = loop_blocks_work_limit(blocks);
+    *bounds = (loop_bounds){.rest = loop_work_rest(&of, on), .all = tick_bound(blocks, &of, on)};
+    for (int k = 0; k < BLOCK_TYPES; k++) {
+        if (!block_types[k].is_present(blocks))
+            continue;
+        bounds->block[bounds->count].type = block_types[k].type;
+        bounds->block[bounds->count++].most = block_types[k].work(&of, on);
+    }
 }
 
 /* ---- source ----------------------------------------------------------- */
@@ -628,6 +726,22 @@ static void write_bytes(const emitter *emitter, const loop_blocks *blocks)
     fputs(")\n\n", emitter->file);
 }
 
+/* Write the entries of the list of blocks, each with its largest number of instructions. */
+static void write_list(const emitter *emitter, const loop_blocks *blocks)
+{
+    loop_bounds bounds;
+    loop_blocks_bound(blocks, &loop_processor_table[0], &bounds);
+    fprintf(emitter->file,
+            "    /* %s: at most %.0f instructions in a tick, of which %.0f outside the blocks "
+            "*/\n",
+            loop_processor_table[0].name, bounds.all, bounds.rest);
+    for (int k = 0, i = 0; k < BLOCK_TYPES; k++)
+        if (block_types[k].is_present(blocks))
+            fprintf(emitter->file, "    {&pzs_%s_block, &%s_%s}, /* at most %.0f instructions */\n",
+                    block_types[k].type_name, emitter->prefix, block_types[k].tables_name,
+                    bounds.block[i++].most);
+}
+
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
 {
     const design *design = blocks->design;
@@ -642,12 +756,38 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
             "static const pzs_block %s_blocks[%s_BLOCKS] = {\n",
             emitter->upper, blocks->count, emitter->upper, readings, emitter->upper,
             design->simulate.delay, emitter->prefix, emitter->upper);
-    for (int k = 0; k < BLOCK_TYPES; k++)
-        if (block_types[k].is_present(blocks))
-            fprintf(emitter->file, "    {&pzs_%s_block, &%s_%s},\n", block_types[k].type_name,
-                    emitter->prefix, block_types[k].tables_name);
+    write_list(emitter, blocks);
     fputs("};\n", emitter->file);
     write_bytes(emitter, blocks);
+}
+
+/* ---- parts --------------------------------------------------------------- */
+
+int loop_parts_open(loop_parts *parts, const analysis *analysis, char *error)
+{
+    const design *design = &analysis->design;
+    memset(parts, 0, sizeof *parts);
+    if (estimator_open(&parts->estimator, analysis, error) < 0)
+        return -1;
+    const estimator *few = loop_estimates(design) ? &parts->estimator : NULL;
+    if (damper_open(&parts->damper, analysis, few, error) < 0) {
+        estimator_close(&parts->estimator);
+        return -1;
+    }
+    const bool has_memory = wiring_test_open(&parts->wiring, analysis, few);
+    loop_blocks_fill(&parts->blocks, design, &parts->estimator, &parts->damper);
+    loop_blocks_test(&parts->blocks, &parts->wiring);
+    if (has_memory)
+        return 0;
+    loop_parts_close(parts);
+    return scene_fault(design->simulate.at, error, "not enough memory for the self-test");
+}
+
+void loop_parts_close(loop_parts *parts)
+{
+    wiring_test_close(&parts->wiring);
+    damper_close(&parts->damper);
+    estimator_close(&parts->estimator);
 }
 
 /* ---- names ------------------------------------------------------------ */

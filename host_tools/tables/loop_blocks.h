@@ -11,6 +11,7 @@
 #include "../model/damper.h"
 #include "../model/wiring_test.h"
 #include "emit.h"
+#include "loop_work.h"
 
 typedef struct loop_blocks {
     const design *design;
@@ -29,9 +30,31 @@ typedef struct loop_blocks {
     pzs_fault_detection detection;
     pzs_supervision supervision;
     compensation compensation;
+    pzs_problem problem; /* voltage problem of the design, with the limit of the optimiser's work
+                            that the clock of the scene's processor allows */
     pzs_block block[PZS_BLOCK_LIMIT];
     int count;
 } loop_blocks;
+
+/* Upper bounds of the instructions of one tick on a processor. */
+typedef struct loop_bounds {
+    struct {
+        const pzs_block_type *type;
+        double most; /* instructions */
+    } block[PZS_BLOCK_LIMIT];
+    int count;
+    double rest; /* instructions beside the blocks: restoring memory, checksums, last gate */
+    double all;  /* instructions of a tick in which the loop is in control, hence without the
+                    self-test */
+} loop_bounds;
+
+/* Everything that a list of blocks refers to. A struct of this type must not be moved in memory. */
+typedef struct loop_parts {
+    estimator estimator;
+    damper damper;
+    wiring_test wiring;
+    loop_blocks blocks;
+} loop_parts;
 
 /*
  * Whether the controller of a scene estimates the shape from the readings of sensors
@@ -78,6 +101,23 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
  * bound, because pointers and the reals in structs count as on this computer.
  */
 size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single);
+
+/*
+ * Limit of the optimiser's work in one tick with a list of blocks (multiply-adds): the one that the
+ * clock of the scene allows, or the default of the library.
+ */
+uint64_t loop_blocks_work_limit(const loop_blocks *blocks);
+
+/* Compute the upper bounds of the instructions of one tick of a list of blocks on a processor. */
+void loop_blocks_bound(const loop_blocks *blocks, const loop_processor *on, loop_bounds *bounds);
+
+/*
+ * Make the list of blocks of a scene with everything that it refers to.
+ *   analysis  in  after design_control and certificate_make; must outlive the parts
+ * Returns 0, or -1 with error filled and nothing to close.
+ */
+int loop_parts_open(loop_parts *parts, const analysis *analysis, char *error);
+void loop_parts_close(loop_parts *parts);
 
 /*
  * Write the names that the source of a firmware uses: the macro PREFIX_TICK_RATE, constants for the

@@ -348,10 +348,15 @@ static void write_problem_struct(const emitter *emitter, const pzs_problem *prob
             problem->limit_rows ? "&" : "", rows_name);
 }
 
-static void write_problem(emitter *emitter, const analysis *analysis, tables_image image)
+/*
+ * Write the voltage problem and its target.
+ *   given in  voltage problem of the list of blocks, with the limit of the optimiser's work
+ */
+static void write_problem(emitter *emitter, const analysis *analysis, tables_image image,
+                          const pzs_problem *given)
 {
     const design *design = &analysis->design;
-    pzs_problem problem = design->problem;
+    pzs_problem problem = *given;
     const uint16_t counts[2] = {problem.inputs, problem.outputs};
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
     if (image == TABLES_CONTROL) {
@@ -514,46 +519,45 @@ static void write_stability(const emitter *emitter, const certificate *certifica
  * Write the tables of all blocks of the control loop, and the names that the source of a firmware
  * uses.
  *   size  out  memory of the loop
- * Returns 0, or -1 where the estimator or the damping of vibration cannot be set up.
  */
-static int write_blocks(emitter *emitter, const analysis *analysis, tables_size *size)
+static void write_blocks(emitter *emitter, const analysis *analysis, const loop_parts *parts,
+                         tables_size *size)
 {
-    estimator estimator;
-    damper damper;
-    wiring_test wiring;
-    loop_blocks blocks;
-    char error[SCENE_ERROR];
-    if (estimator_open(&estimator, analysis, error) < 0)
-        return -1;
-    const int estimates = loop_estimates(&analysis->design);
-    if (damper_open(&damper, analysis, estimates ? &estimator : NULL, error) < 0) {
-        estimator_close(&estimator);
-        return -1;
-    }
-    if (estimator.shape_table.inputs > 0) {
+    const estimator *estimator = &parts->estimator;
+    if (estimator->shape_table.inputs > 0) {
         fprintf(emitter->file, "#define %s_LOADS %u\n", emitter->upper,
-                estimator.shape_table.inputs);
+                estimator->shape_table.inputs);
         write_feed_forward(
-            emitter, "shape", &estimator.shape_table,
+            emitter, "shape", &estimator->shape_table,
             "displacement of each target node (row) under each load of the scene (column)");
     }
-    if (estimator.shape_table.inputs > 0 && estimator.sensors > 0)
-        write_feed_forward(emitter, "reading", &estimator.reading_table,
+    if (estimator->shape_table.inputs > 0 && estimator->sensors > 0)
+        write_feed_forward(emitter, "reading", &estimator->reading_table,
                            "change of each reading (row) under each load of the scene (column)");
-    if (estimator.sensors > 0)
-        write_estimator(emitter, &estimator);
-    const bool has_memory = wiring_test_open(&wiring, analysis, estimates ? &estimator : NULL);
-    loop_blocks_fill(&blocks, &analysis->design, &estimator, &damper);
-    loop_blocks_test(&blocks, &wiring);
-    write_stability(emitter, &analysis->certificate, &damper);
-    loop_blocks_write(emitter, &blocks);
+    if (estimator->sensors > 0)
+        write_estimator(emitter, estimator);
+    write_stability(emitter, &analysis->certificate, &parts->damper);
+    loop_blocks_write(emitter, &parts->blocks);
     loop_names_write(emitter, analysis);
     for (int k = 0; k < 2; k++)
-        size->loop[k] = loop_blocks_bytes(&blocks, k == 0);
-    wiring_test_close(&wiring);
-    estimator_close(&estimator);
-    damper_close(&damper);
-    return has_memory ? 0 : -1;
+        size->loop[k] = loop_blocks_bytes(&parts->blocks, k == 0);
+}
+
+/*
+ * Write the voltage problem and the blocks of the control loop. Returns 0, or -1 where the
+ * estimator or the damping of vibration cannot be set up.
+ */
+static int write_loop(emitter *emitter, const analysis *analysis, tables_image image,
+                      tables_size *size)
+{
+    loop_parts parts;
+    char error[SCENE_ERROR];
+    if (loop_parts_open(&parts, analysis, error) < 0)
+        return -1;
+    write_problem(emitter, analysis, image, &parts.blocks.problem);
+    write_blocks(emitter, analysis, &parts, size);
+    loop_parts_close(&parts);
+    return 0;
 }
 
 /* ---- header ----------------------------------------------------------- */
@@ -663,10 +667,8 @@ int tables_write(FILE *file, const analysis *analysis, tables_image image, const
         }
         fputs("\n", file);
     }
-    if (controlled) {
-        write_problem(&emitter, analysis, image);
-        status = status == 0 ? write_blocks(&emitter, analysis, size) : status;
-    }
+    if (controlled && write_loop(&emitter, analysis, image, size) < 0)
+        status = -1;
     fputs("#endif\n", file);
     size->reals = emitter.reals;
     size->bytes = emitter.bytes;

@@ -31,6 +31,8 @@ bench-device: setup-test $(B)/pzs
 	@B=$(B) sh tests/bench/device.sh
 	@echo 'A control tick with estimate, feed-forward, converter steps and watch'
 	@B=$(B) sh tests/bench/count_tick.sh $(B)/pzs
+	@echo 'Every block of the control tick against its bound'
+	@B=$(B) sh tests/target/bound.sh full
 	@echo 'Control ticks with targets that jump'
 	@B=$(B) sh tests/bench/count_work.sh $(B)/pzs
 

@@ -71,6 +71,10 @@ run 2 solve plate-50-patchs && says "did you mean 'plate-50-patches'"; check 'a 
 run 2 tables hemisphere -o "$dir/t.h" --image liner && says "control, linear or nonlinear, not 'liner' (did you mean 'linear'?)"; check 'a choice mistyped' $?
 run 2 tables hemisphere -o "$dir/t.h" --level linear && says '--level is now --image' && [ ! -e "$dir/t.h" ]; check 'a renamed option' $?
 run 2 solve xyzzy && says 'xyzzy' && ! says 'did you mean'; check 'a scene that is near none' $?
+coarse='--set mesh.theta1.elements=2 --set mesh.theta2.elements=2 --set patches.0.grid=[2,2] --set patches.1.grid=[2,2] --set compare=[]'
+# shellcheck disable=SC2086
+run 2 check plate-50-patches $coarse --set 'control={rate: 1000, clock: 16 MHz}' --json && says 'more than the' && json 'all(abs(sum(p["blocks"].values())+p["rest"]-p["all"])<1 for p in j["tick"]["instructions"].values()) and not j["tick"]["holds"] and len(j["tick"]["instructions"])==2'
+check 'a rate that the processor cannot hold is refused, with the instructions of each block' $?
 run 2 solve plate-50-patches --report && says 'a value is missing'; check 'an option without its value' $?
 run 2 list plate-50-patches && says 'takes no argument'; check 'a command without argument' $?
 run 0 --version && [ "$(cat "$dir/out")" = "pzs $(sed -n 's/^#define PZS_VERSION_TEXT "\(.*\)"/\1/p' include/pzs_version.h)" ]; check '--version' $?

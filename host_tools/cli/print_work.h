@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Instructions of a control tick on a device, block by block, for `pzs check`. */
+#ifndef PRINT_WORK_H
+#define PRINT_WORK_H
+
+#include "../tables/loop_blocks.h"
+#include "../text/json.h"
+
+typedef struct work_report {
+    bool is_made;   /* false where the scene has no controller with a target; the following members
+                       are set only then */
+    uint64_t limit; /* limit of the optimiser's work in one tick (multiply-adds) */
+    uint64_t measured; /* work of the optimiser in the longest simulated tick (multiply-adds) */
+    loop_bounds bounds[LOOP_PROCESSORS];
+    double longest[LOOP_PROCESSORS]; /* instructions of a tick with the work `measured` */
+    double rate; /* highest tick rate that the scene's clock allows (1/s); 0 where the scene gives
+                    no clock */
+    bool holds;  /* true where the scene's tick rate is at most `rate`, or the scene lacks the clock
+                    or the tick rate */
+} work_report;
+
+/*
+ * Compute the work of a control tick.
+ *   analysis in  after analysis_influence and certificate_make
+ */
+void work_report_make(work_report *report, const analysis *analysis);
+
+void print_work(const work_report *report, const design *design);
+void print_work_json(const work_report *report, json *json);
+
+/*
+ * Check that the processor of the scene holds its tick rate. Returns 0, or -1 with error filled.
+ */
+int work_report_check(const work_report *report, const design *design, char *error);
+
+#endif

@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Upper bounds of the instructions of each block of the control tick (loop_work.h). */
+#include "loop_work.h"
+#include <math.h>
+
+const loop_processor loop_processor_table[LOOP_PROCESSORS] = {
+    {"Cortex-M4F, float, -Os", "cortex_m4f", 1, 6, 15, 6.0, 1},
+    {"Cortex-M7, double, -O2", "cortex_m7", 2.4, 12, 12, 6.0, 1.05},
+};
+
+/* Instructions of the product of a matrix [rows][cols] and a vector, with either side multiplied.
+ */
+static double product(const loop_processor *on, size_t rows, size_t cols)
+{
+    const double groups = ceil((double)cols / on->columns);
+    return (double)rows * (on->entry * (double)cols + on->row * groups + 1.5) + 150 * groups;
+}
+
+/*
+ * Instructions of the loops of a tick that are no products of matrices: for each output, for each
+ * input, and once.
+ */
+static double loops(const block_counts *of, const loop_processor *on, double per_output,
+                    double per_input, double once)
+{
+    return on->other * (per_output * (double)of->outputs + per_input * (double)of->inputs + once);
+}
+
+/* Instructions of the prediction of the shape after the voltages have changed. */
+static double prediction(const block_counts *of, const loop_processor *on)
+{
+    return product(on, of->outputs, of->inputs) + loops(of, on, 6, 30, 100);
+}
+
+/* Instructions of a second prediction of the shape in a tick, where the loop may need one. */
+static double second_prediction(const block_counts *of, const loop_processor *on)
+{
+    return of->moves_outside ? prediction(of, on) : 0;
+}
+
+double loop_work_rest(const block_counts *of, const loop_processor *on)
+{
+    const double blocks = 150 * (double)of->blocks, rows = 290 * (double)of->rows;
+    return loops(of, on, 0, 210, 3260) + on->other * (blocks + rows);
+}
+
+/* The longest tick of a self-test evaluates a correlation of all amplifiers and sensors. */
+double loop_work_selftest(const block_counts *of, const loop_processor *on)
+{
+    return on->other * (100 * (double)of->inputs * (double)of->readings + 10000);
+}
+
+/* Voltage changes of electrodes that the fault detector holds are taken out of late readings. */
+double loop_work_delay(const block_counts *of, const loop_processor *on)
+{
+    const double held = of->detects_faults ? 9 * (double)of->inputs * (double)of->readings : 0;
+    const double pushed = LOOP_WORK_MISSED + 1;
+    return pushed * product(on, of->readings, of->inputs) +
+           on->other * (held + 100 * (double)of->readings + 4 * pushed * (double)of->inputs + 300);
+}
+
+double loop_work_feed_forward(const block_counts *of, const loop_processor *on)
+{
+    const double changed = (double)(of->readings + of->outputs);
+    return on->other * (changed * (20 + 10 * (double)of->loads) + 300);
+}
+
+double loop_work_estimator(const block_counts *of, const loop_processor *on)
+{
+    return product(on, of->readings, of->inputs) + product(on, of->outputs, of->readings) +
+           loops(of, on, 10, 0, 300) + on->other * 90 * (double)of->readings +
+           second_prediction(of, on);
+}
+
+/* Instructions of the optimiser and of what depends on the number of inputs in a voltage step. */
+static double optimisation(const block_counts *of, const loop_processor *on)
+{
+    return on->optimiser * (double)of->work_limit + loops(of, on, 0, 150, 900);
+}
+
+/* The governor solves a second voltage problem, and predicts a shape. */
+double loop_work_governor(const block_counts *of, const loop_processor *on)
+{
+    return 3 * product(on, of->outputs, of->inputs) + loops(of, on, 75, 300, 2500) +
+           optimisation(of, on);
+}
+
+double loop_work_vibration(const block_counts *of, const loop_processor *on)
+{
+    const size_t modes = of->modes, sensors = of->readings;
+    const double few = sensors < of->outputs
+                           ? product(on, of->outputs, sensors) + product(on, sensors, of->inputs) +
+                                 product(on, of->outputs, modes) + loops(of, on, 12, 0, 0)
+                           : 0;
+    const double predicted = LOOP_WORK_MISSED + 1 + (double)of->damper_delay * 2;
+    return 4 * product(on, sensors, modes) + 2 * product(on, modes, of->inputs) +
+           4 * product(on, modes, modes) + few + second_prediction(of, on) +
+           on->other * (66 * (double)sensors + 60 * (double)modes +
+                        predicted * (22 * (double)modes + 80) + 600);
+}
+
+double loop_work_effect(const block_counts *of, const loop_processor *on)
+{
+    const double plays = (double)of->plays, moved = plays + (double)of->near_plays;
+    return loops(of, on, 0, 380 + 32 * plays + 45 * (double)of->creeps + 32 * moved, 600);
+}
+
+double loop_work_inverse(const block_counts *of, const loop_processor *on)
+{
+    const double pieces = (double)of->near_plays + 2;
+    return loops(of, on, 0, 250 + 50 * (double)of->plays + 60 * pieces, 300);
+}
+
+/* An undamped step also checks the measurements. */
+double loop_work_step(const block_counts *of, const loop_processor *on)
+{
+    return product(on, of->outputs, of->inputs) + prediction(of, on) + optimisation(of, on) +
+           loops(of, on, of->is_damped ? 29 : 85, 0, 0) +
+           (of->is_damped ? 0 : second_prediction(of, on));
+}
+
+/*
+ * Voltages are brought inside limit rows before the optimiser runs, and its loops over limit rows
+ * take more instructions for each counted multiply-add.
+ */
+double loop_work_row_step(const block_counts *of, const loop_processor *on)
+{
+    const double all = (double)(of->inputs + of->rows);
+    return loop_work_step(of, on) + on->other * (4 * (double)of->work_limit + 400 * all);
+}
+
+double loop_work_amplifier(const block_counts *of, const loop_processor *on)
+{
+    return loops(of, on, 0, 150, 250) + on->other * 60 * (double)of->rows;
+}
+
+/* A tick in which measurements become missing or return renews a matrix and its factor. */
+double loop_work_detector(const block_counts *of, const loop_processor *on)
+{
+    const double inputs = (double)of->inputs, outputs = (double)of->outputs;
+    return product(on, of->outputs, of->inputs) + product(on, of->inputs, of->inputs) +
+           loops(of, on, 100, 300, 2000) +
+           on->other * 8 * (outputs * inputs * inputs / 16 + inputs * inputs * inputs / 6);
+}
+
+double loop_work_supervisor(const block_counts *of, const loop_processor *on)
+{
+    return of->is_damped ? loops(of, on, 12, 45, 900) + second_prediction(of, on)
+                         : loops(of, on, 45, 60, 1200) + second_prediction(of, on);
+}

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Instructions of a control tick on a device, block by block: upper bounds that follow from the
+ * sizes of the tables, and the limit of the optimiser's work with which a tick keeps them. The
+ * bounds count the operations of each block's loops; the instructions of an operation are those
+ * of gcc, held to counts under QEMU by tests/bench/count_bound.sh. Ticks that repair damaged memory
+ * are not bounded, and more than LOOP_WORK_MISSED missed ticks before a tick may lengthen it.
+ */
+#ifndef LOOP_WORK_H
+#define LOOP_WORK_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define LOOP_WORK_CYCLES 2.0 /* assumed number of clock cycles per instruction */
+#define LOOP_WORK_MISSED 2   /* number of missed ticks before a tick that the bounds include */
+
+/*
+ * Numbers of signals, modes and ticks on which memory and work of the blocks of the control tick
+ * depend.
+ */
+typedef struct block_counts {
+    size_t inputs, outputs, rows, readings, modes, plays, creeps, loads;
+    size_t blocks;              /* number of blocks in the list */
+    size_t delay, damper_delay; /* age of the sensor readings that the scene file states, and that
+                                   the block that damps vibration assumes (ticks) */
+    size_t near_plays;   /* largest number of plays (elements with backlash) that begin to move, or
+                            change their direction, within one step limit */
+    bool is_damped;      /* the list has the block that damps vibration */
+    bool detects_faults; /* the list has the fault detector for electrodes */
+    bool moves_outside;  /* a block other than the control step may change the voltages, so that the
+                            prediction of the shape is made twice in a tick */
+    uint64_t work_limit; /* limit of the optimiser's work in one tick (multiply-adds) */
+} block_counts;
+
+/* A processor for which the instructions of a tick are bounded. */
+typedef struct loop_processor {
+    const char *name, *key; /* name with precision and optimisation; name of the JSON member */
+    double entry;           /* instructions for each matrix entry in a product */
+    double row;             /* further instructions for each row and group of columns */
+    double columns;         /* number of columns in a group */
+    double optimiser;       /* instructions for each counted multiply-add of the optimiser */
+    double other;           /* instructions of all other loops, relative to a Cortex-M4F */
+} loop_processor;
+
+/* LOOP_PROCESSORS: the first processor is the one whose clock a scene states. */
+enum { LOOP_PROCESSORS = 2 };
+extern const loop_processor loop_processor_table[LOOP_PROCESSORS];
+
+/*
+ * Upper bounds of the instructions of one tick: of everything beside the blocks (restoring memory,
+ * checksums, last gate), and of each type of block.
+ */
+typedef double loop_work_bound(const block_counts *of, const loop_processor *on);
+loop_work_bound loop_work_rest, loop_work_selftest, loop_work_delay, loop_work_feed_forward,
+    loop_work_governor, loop_work_estimator, loop_work_vibration, loop_work_effect, loop_work_step,
+    loop_work_row_step, loop_work_inverse, loop_work_amplifier, loop_work_detector,
+    loop_work_supervisor;
+
+#endif

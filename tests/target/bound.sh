@@ -1,0 +1,91 @@
+#!/bin/sh
+# SPDX-License-Identifier: BSD-2-Clause
+# Instructions of each block of the control tick, counted under QEMU, against their upper bounds (host_tools/tables/loop_work.c).
+#   sh tests/target/bound.sh [full]   the loop of the demonstration; full: every block, on two processors, in ten times as many ticks
+# tests/bench/count_blocks.c searches for the longest tick. A count above its bound is a failure. TAP lines, and the counts as comments.
+: "${QEMU:=qemu-system-arm}" "${B:=build}" "${PYTHON:=/usr/bin/python3}" "${MAKE:=make}"
+. tests/gates/common.sh
+
+limits='--set limits.voltage=[-300,300] --set limits.step_limit=20'
+flags='-std=c99 -ffunction-sections -fdata-sections -fno-math-errno -ffp-contract=off -Iinclude'
+board='firmware_demo/boards/start.c firmware_demo/boards/board_mps2.c firmware_demo/demos/print.c'
+ticks=2000
+[ "${1:-}" != full ] || ticks=20000
+
+# count LIBRARY MACHINE SCRIPT FLAGS...: count the ticks of the loop in $scratch/tables.h
+count() {
+    library=$B/firmware/$1/libpzs.a machine=$2 script=$3
+    shift 3
+    # shellcheck disable=SC2086
+    "$ARM_CC" "$@" $flags -I"$scratch" -DSEARCHED=$ticks -DDEMO_TABLES='"tables.h"' -nostartfiles -Lfirmware_demo/boards \
+        -T"firmware_demo/boards/$script.ld" -Wl,--gc-sections tests/bench/count_blocks.c $board "$library" -lm -o "$scratch/count.elf" &&
+        timeout 300 "$QEMU" -M "$machine" -icount shift=10 -kernel "$scratch/count.elf" -nographic -monitor none -serial stdio \
+            -semihosting-config enable=on,target=native </dev/null 2>/dev/null | tr -d '\r' >"$scratch/counts"
+}
+
+# Bounds as lines `name number`, on a Cortex-M4F from the comments of the tables, on another processor from `pzs check --json`.
+bounds_of_tables() {
+    sed -n 's|^    /\* .*: at most \([0-9]*\) instructions in a tick, of which \([0-9]*\) .*|all \1\nloop \2|p
+        s|^    {&pzs_\([a-z_]*\)_block, .*}, /\* at most \([0-9]*\) instructions \*/|\1 \2|p' "$scratch/tables.h" >"$scratch/bounds"
+}
+bounds_of_check() {
+    "$B/pzs" check "$@" --json 2>/dev/null | "$PYTHON" -c '
+import json, sys
+bound = json.load(sys.stdin)["tick"]["instructions"]["cortex_m7"]
+for name, most in dict(bound["blocks"], loop=bound["rest"], all=bound["all"]).items():
+    print(name, round(most))' >"$scratch/bounds"
+}
+
+# compare NAME: print the counts of each block beside its bound; fail where one is above its bound or missing
+compare() {
+    awk 'NR == FNR { most[$1] = $2; blocks++; next }
+        $1 == "count" && $2 != "bytes" {
+            split($4, worst, "="); split($5, warm, "=")
+            is_above = worst[2] > most[$2] + 0
+            above += is_above
+            blocks--
+            printf "#   %-15s warm %8d  worst %8d  bound %9d  %s\n", $2, warm[2], worst[2], most[$2], is_above ? "ABOVE" : ""
+        }
+        END { exit above > 0 || blocks != 0 }' "$scratch/bounds" "$scratch/counts"
+    tap $? "$1, $ticks ticks: no count above its bound"
+}
+
+# loop NAME SCENE OPTIONS...: tables, counts and bounds of one loop
+loop() {
+    name=$1
+    shift
+    "$B/pzs" tables "$@" --image control --prefix demo -o "$scratch/tables.h" >/dev/null 2>"$scratch/found"
+    # shellcheck disable=SC2086
+    count m4-32 mps2-an386 mps2_an386 $m4 -DPZS_REAL_BITS=32 -Os >>"$scratch/found" 2>&1
+    bounds_of_tables
+    compare "$name, Cortex-M4F, float"
+    [ $ticks -gt 2000 ] || return 0
+    # shellcheck disable=SC2086
+    count m7-64 mps2-an500 mps2_an500 $m7 -DPZS_REAL_BITS=64 -O2 >>"$scratch/found" 2>&1
+    bounds_of_check "$@"
+    compare "$name, Cortex-M7, double"
+}
+
+if tap_needs "$ARM_CC" 'bounds' && tap_needs "$QEMU" 'bounds'; then
+    "$MAKE" --no-print-directory -s B="$B" "$B/firmware/m4-32/libpzs.a" "$B/firmware/m7-64/libpzs.a" >"$scratch/found" 2>&1
+    tap $? 'library builds for both processors'
+    # shellcheck disable=SC2086
+    loop 'damped loop with supervisor' plate-50-patches $limits --set 'control={rate: 1000, clock: 168 MHz}'
+    if [ "${1:-}" = full ]; then
+        # shellcheck disable=SC2086
+        loop 'without supervisor' plate-50-patches $limits --set 'control={rate: 1000, clock: 168 MHz}' --set safety=none
+        # shellcheck disable=SC2086
+        loop 'hysteresis' plate-50-patches $limits --set 'control={rate: 500, clock: 168 MHz}' --set \
+            'hysteresis={range: [-300, 300], slopes: [0.368547, 0.426044, 0.437888, 0.503396], slack: [19.091, 47.0075, 79.6316, 115.746, 154.699, 196.076, 239.583, 285], above: [0.082997, 0.18585, 0.337765, 0.194578, 0.0411033, 0.0167373, 0.00482822, 0.0381532], below: [0.0661642, 0.149027, 0.290258, 0.153003, 0.00975122, 0, 0, 0.0376249], offset: -2.96617, creep_time: [0.1, 1, 10], creep: [0.0340785, 0.00622968, 0.136663]}'
+        # shellcheck disable=SC2086
+        loop 'governor and self-test' plate-50-patches $limits --set 'control={rate: 500, clock: 168 MHz, moving_target: true}' \
+            --set 'safety={selftest: {amplitude: 20, pulse_ticks: 16}}'
+        loop 'few sensors, known load, converter steps' plate-few-sensors
+        ticks=2001
+        loop 'late readings, fault detector' mirror --set 'loads=[{face: outer, pressure: 1}]' --set 'control={rate: 20, clock: 168 MHz}' \
+            --set 'simulate={ticks: 100, sensors: {delay: 2}, amplifiers: {step: 0.05}, events: [{at: 10, load: 0, factor: 1, feed_forward: true}, {at: 10, dead: [v_1_1], announced: detected}]}'
+        loop 'limits between amplifiers' mirror --set 'control={rate: 20, clock: 168 MHz}' \
+            --set 'limits={voltage: [-50, 50], step_limit: 5, difference: {limit: 30}}'
+    fi
+fi
+tap_end
