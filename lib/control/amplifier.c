@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Amplifiers that give whole converter steps only and do not follow changes inside a dead band.
+ * Block of the control loop for amplifiers whose output voltage can only be a whole multiple of a
+ * converter step, and which do not follow a change of voltage that is smaller than a dead band.
  *
- * A wanted voltage becomes the last whole step on the way to it from the present voltage. The
- * result lies between the two, inside voltage limits and step limits, and integral action changes
- * the voltage once it has summed up to one step. No step is taken that the next tick would take
- * back, as rounding to the nearest step would do where the structure responds more than the model.
- * Voltage limits in force take precedence over whole steps. Where whole steps violate a limit row,
- * the amplifiers of this row keep their present voltages for this tick.
+ * A wanted voltage is replaced by the last whole multiple of the converter step between the present
+ * voltage and the wanted one. The voltage that is given thus lies between the present and the
+ * wanted voltage, inside voltage limits and step limits. Rounding to the nearest multiple could
+ * pass the wanted voltage; where the structure responds more than the model, the next tick would
+ * then take the step back. Voltage limits take precedence over whole multiples of the converter
+ * step. Where rounded voltages violate a limit row (limit of a weighted sum of voltages), the
+ * amplifiers of this row keep their present voltages in this tick.
  *
- * A damped tick (vibration.c) demands small changes from the present voltages again and again, each
- * of which may be less than a step. What the amplifier does not give of them is carried over to the
- * next tick, up to one step plus the dead band.
+ * A control step that also damps vibration demands many small changes of voltage, each of which may
+ * be smaller than a converter step. The part of a change that the amplifier does not make is
+ * carried over to the next tick, up to one converter step plus the dead band.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -21,14 +23,15 @@
 #include "step_bounds.h"
 
 /*
- * A voltage of more converter steps than this is not rounded, because the steps would be finer than
- * the resolution of pzs_real.
+ * A voltage of more converter steps than this number is not rounded to a whole number of steps,
+ * because the steps would be finer than the resolution of pzs_real.
  */
 #define STEP_COUNT_LIMIT PZS_R(1e9)
 
 /*
- * Return the multiple of the converter step, between `present` and `wanted`, that is nearest to
- * `wanted`, or `present` if there is none between them (V).
+ * Return the multiple of the converter step, between the voltages `present` and `wanted`, that is
+ * nearest to `wanted` (V); `present` if no multiple lies between them; `wanted` for a step of zero
+ * or one finer than the resolution of pzs_real.
  */
 static pzs_real last_step(pzs_real wanted, pzs_real present, pzs_real step)
 {
@@ -46,8 +49,9 @@ static pzs_real last_step(pzs_real wanted, pzs_real present, pzs_real step)
 }
 
 /*
- * Return the voltage of an input plus the parts of earlier changes that the amplifier has not made,
- * clamped to step limit and voltage limits (V).
+ * Return the voltage of input j plus the parts of earlier voltage changes that its amplifier has
+ * not made because of converter steps and dead band, clamped to the step limit around the voltage
+ * `present` and to the voltage limits (V).
  */
 static pzs_real voltage_with_carry(const pzs_control *control, uint32_t j, pzs_real present)
 {
@@ -60,9 +64,10 @@ static pzs_real voltage_with_carry(const pzs_control *control, uint32_t j, pzs_r
 }
 
 /*
- * Return the amplifiers of a violated limit row to their present voltages, which violate none.
+ * Where voltages rounded to converter steps violate a limit row (limit of a weighted sum of
+ * voltages), set the inputs of this row back to their present voltages, which violate no limit row.
  *   present [inputs] in      voltages before the change (V)
- *   given   [inputs] in/out  voltages after whole steps (V)
+ *   given   [inputs] in/out  voltages rounded to converter steps (V)
  */
 static void keep_rows(pzs_control *control, const pzs_real *present, pzs_real *given)
 {
@@ -111,7 +116,10 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
     return PZS_AMPLIFIER_BLOCK_BYTES(problem->inputs);
 }
 
-/* Let the block point to its tables and to its array. */
+/*
+ * Set the pointers of the amplifier block to its tables and to its array, which follows the block
+ * in memory.
+ */
 static void place(pzs_amplifier_state *state, const pzs_amplifier *amplifier)
 {
     state->tables = amplifier;

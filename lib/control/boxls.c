@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The voltage optimiser (boxls.h): a primal active-set method on one symmetric matrix, the tableau
- * (boxls_tableau.h). F denotes the free set, A the active set, H the Hessian.
+ * The voltage optimiser: a primal active-set method that works on one symmetric matrix, the
+ * tableau, which is the Hessian after one pivot exchange for each free input. F denotes the free
+ * set (inputs whose voltages may change), A the active set (inputs whose voltages are kept, mostly
+ * at a bound), H the Hessian.
  *
- * A round starts from the gradient and from the direction to the minimum over F. If the whole step
- * along the direction violates no bound and leaves no multiplier of the wrong sign, the round takes
- * it. Otherwise it iterates:
+ * A round, which is a sequence of iterations, starts from the gradient and from the search
+ * direction to the minimum over the voltages of F. If the whole step along the direction violates
+ * no bound and leaves no multiplier of the wrong sign, the round makes this step. Otherwise it
+ * makes iterations of three types:
  *   descent           go along the direction; an input that meets a bound stays there and leaves F;
  *   release together  at a minimum over F, move all active inputs that would each run to their
  *                     other bound there at once, while F follows so that its gradient stays zero;
@@ -37,14 +40,16 @@
  * linearly on F and is not moved into F. At a minimum over F its gradient is zero up to rounding;
  * if it is released, its ray has no curvature and ends at a bound.
  *
- * Verified tableau. A tableau whose round ended at the optimum counts as verified until the next
- * exchange. With it, a step that no bound blocks takes one direct iteration, after which only two
- * entries of the gradient are computed from H, in turn. An entry that differs from its prediction
- * ends the verification, and the round computes the true gradient. An error of the tableau can thus
- * persist until its input is checked, at most inputs/2 + 1 steps.
+ * Verified tableau. A tableau with which a round ended at the optimum counts as verified until the
+ * next exchange. With a verified tableau, a step that no bound blocks is made in one iteration.
+ * Afterwards the gradient is computed from H for two inputs only, for the next two inputs after the
+ * next step, and so on. If the gradient differs from its prediction, the tableau no longer counts
+ * as verified, and the round computes the whole gradient from H. An error of the tableau can thus
+ * persist for at most inputs/2 + 1 steps.
  *
- * Recomputation. The tableau is computed anew from H, at most once in a step, after a round of
- * little progress, or after a failed check if there were many exchanges.
+ * Recomputation. The tableau is computed anew from H, at most once in a step, after a round that
+ * hardly reduced the KKT violation (violation of the optimality conditions), or after a wrong
+ * prediction of the gradient if there were many exchanges.
  *
  * Rounding. Only KKT violations above their rounding bound count. A round that neither ends at the
  * optimum nor lowers the objective (by the gradients at both ends) is undone. The voltages are
@@ -58,34 +63,40 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-#define ROUNDS 8u /* largest number of rounds of iterations in one call of the optimiser */
+#define ROUNDS                                                                                     \
+    8u /* largest number of rounds (sequences of iterations, each followed by the gradient         \
+          computed from the Hessian) in one call of the optimiser */
 #define WORN                                                                                       \
-    2u /* number of exchanges for each input after which a failed check of the tableau leads to    \
-          its recomputation */
+    2u /* number of pivot exchanges for each input after which a wrong prediction of the gradient  \
+          by the tableau leads to its recomputation */
 #define TOGETHER                                                                                   \
     8u /* largest number of iterations in one round in which several inputs leave the active set   \
           together */
-#define LEAST_TOGETHER 3u /* smallest number of inputs that may leave the active set together */
+#define LEAST_TOGETHER                                                                             \
+    3u /* smallest number of inputs that leave the active set of the optimiser together; fewer     \
+          inputs leave it one after the other */
 /*
  * A violation of the optimality (KKT) conditions below this multiple of its rounding-error bound
  * counts as zero.
  */
 #define ROUNDING_FACTOR 4
 /*
- * Factor by which the gradient of a free input may exceed its rounding-error bound at the optimum,
- * provided that this hardly raises the objective.
+ * Factor by which the gradient of the objective with respect to a free voltage may exceed its
+ * rounding-error bound at the optimum, if this raises the objective by less than the machine
+ * epsilon times its scale.
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
- * Assumed largest ratio between the errors of predicted gradients that are not checked and of those
- * that are.
+ * Assumed largest ratio between two errors of the gradient that the optimiser predicts after a
+ * step: the error in the entries that it does not check, and the error in the two entries that it
+ * checks.
  */
 #define UNMEASURED_FACTOR 8
 /* A decrease of the objective counts only if it exceeds this multiple of its rounding error. */
 #define SIGNIFICANT 16
 /*
- * The tableau is recomputed after a round of iterations that reduces the KKT violation by less than
- * this factor.
+ * The tableau of the optimiser (its pivoted Hessian) is recomputed after a round of iterations that
+ * reduces the violation of the optimality (KKT) conditions by less than this factor.
  */
 #define LEAST_PROGRESS 16
 
@@ -114,7 +125,10 @@ void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work)
 
 /* ---- gradients ------------------------------------------------------ */
 
-/* Multiply a symmetric matrix [inputs][width] by a vector [width], and count the multiply-adds. */
+/*
+ * Multiply a symmetric matrix [inputs][width] by a vector [width], and count the multiply-adds. The
+ * width is the number of inputs rounded up to whole vectors of the processor.
+ */
 static void multiply_symmetric(pzs_optimiser *optimiser, pzs_real *restrict product,
                                const pzs_real *restrict matrix, const pzs_real *restrict vector)
 {
@@ -124,8 +138,9 @@ static void multiply_symmetric(pzs_optimiser *optimiser, pzs_real *restrict prod
 }
 
 /*
- * Compute the gradient of the objective for all inputs: gradient = model gradient - target
- * gradient. The array `next` receives its entries of the free inputs, and 0 for the active inputs.
+ * Compute the gradient of the objective for all inputs: gradient of the model minus gradient of the
+ * target. The array `next` receives the gradient of the free inputs, and 0 for the active inputs,
+ * whose voltages are kept.
  */
 static void combine_gradients(pzs_real *restrict gradient, pzs_real *restrict next,
                               const pzs_real *restrict model_gradient,
@@ -159,7 +174,8 @@ static void add_vector(pzs_real *restrict sum, const pzs_real *restrict vector, 
 }
 
 /*
- * Return the rounding-error bound of the product of the Hessian with a vector of voltages (m2/V).
+ * Return the rounding-error bound of the product of the Hessian with `offset`, the voltages minus
+ * the base voltages around which the gradient is computed (m2/V).
  */
 static pzs_real rounding_of_product(const pzs_optimiser *optimiser, const pzs_real *offset)
 {
@@ -180,9 +196,9 @@ void pzs_boxls_true_gradient(pzs_optimiser *optimiser)
 }
 
 /*
- * Return the KKT violation of one voltage. Between its bounds it is the absolute value of the
- * gradient; at a bound it is the component of the negative gradient that points inwards, which is
- * negative where the KKT condition holds.
+ * Return by how much one voltage violates the optimality (KKT) conditions (m2/V). Between its
+ * bounds the violation is the absolute value of the gradient; at a bound it is the component of the
+ * negative gradient that points inwards, which is negative where the condition holds.
  */
 static inline pzs_real entry_violation(pzs_real gradient, pzs_real voltage, pzs_real lower,
                                        pzs_real upper)
@@ -193,11 +209,12 @@ static inline pzs_real entry_violation(pzs_real gradient, pzs_real voltage, pzs_
 }
 
 /*
- * Predict a whole step along the search direction `move` of the free inputs. Written are, in
- * `move`, the gradient of the active inputs after the step, and the voltages after the step and
- * their offset from the base voltages. Returns the number of free inputs that would pass a bound
- * plus the number of active inputs that would have a KKT violation above `rounding`. With 0 the
- * whole step can be taken.
+ * Predict a whole step along the search direction. The array `move` holds the changes of the free
+ * voltages and, for the active inputs, the gradient after the step, as the tableau predicts it. The
+ * function writes the voltages after the step and their distance from the base voltages. Returns
+ * the number of free inputs that would pass a bound plus the number of active inputs (whose
+ * voltages are kept) that would violate the optimality (KKT) conditions by more than `rounding`. If
+ * the number is 0, the whole step can be made.
  */
 static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
                              pzs_real *restrict offset, const pzs_real *restrict free_set,
@@ -250,9 +267,10 @@ pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *vol
 }
 
 /*
- * Whether a gradient whose entries on the free inputs are at most `size` (m2/V) raises the
- * objective by less than the machine epsilon times its scale, target_energy. The bound is the
- * squared size times the trace of the inverse of the Hessian on the free set.
+ * Whether a gradient whose entries for the free inputs are at most `size` (m2/V) raises the
+ * objective above its minimum by less than the machine epsilon times target_energy, the scale of
+ * the objective. The rise is at most the squared size times the trace of the inverse of the Hessian
+ * restricted to the free inputs.
  */
 static bool is_negligible(pzs_optimiser *optimiser, pzs_real size)
 {
@@ -269,9 +287,10 @@ bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser)
 }
 
 /*
- * Compute the KKT violation of each active input, and 0 for free inputs. An active input whose
- * bounds differ and whose gradient is at most `turn` (m2/V) in absolute value has a gradient of
- * uncertain sign; its violation counts as `turn`.
+ * Compute the violation of the optimality (KKT) conditions for each active input (input whose
+ * voltage is kept), and 0 for free inputs. If the gradient of an active input is at most `turn`
+ * (m2/V) in absolute value and its two bounds differ, the sign of its gradient is uncertain; its
+ * violation then counts as `turn`.
  */
 static void active_violations(pzs_real *restrict out, const pzs_real *restrict voltage,
                               const pzs_real *restrict lower, const pzs_real *restrict upper,
@@ -287,10 +306,11 @@ static void active_violations(pzs_real *restrict out, const pzs_real *restrict v
 }
 
 /*
- * Whether the round has converged. That is so if no KKT violation exceeds its rounding-error bound;
- * or if the violation is in the free set alone, not far above the bound, hardly raises the
- * objective, and is too small to change the sign of a multiplier. A round with a voltage that is
- * not finite never converges, because its rounding-error bound is not finite either.
+ * Whether the voltages are optimal. That is so if no violation of the optimality (KKT) conditions
+ * exceeds its rounding-error bound. It is also so if only free inputs violate them, not far above
+ * the bound, and if this violation hardly raises the objective and is too small to change the sign
+ * of a multiplier. A voltage that is not finite is never optimal, because its rounding-error bound
+ * is not finite either.
  */
 static bool is_converged(pzs_optimiser *optimiser)
 {
@@ -313,9 +333,10 @@ static bool is_converged(pzs_optimiser *optimiser)
 /* ---- iterations ------------------------------------------------------ */
 
 typedef struct blocking {
-    pzs_real part;  /* fraction of a move of all free inputs after which the first of them meets a
-                       bound */
-    uint32_t input; /* first input to meet a bound; the number of inputs if none does */
+    pzs_real part;  /* fraction of a change of all free voltages after which the first of them
+                       reaches a bound (1) */
+    uint32_t input; /* index of the first input whose voltage reaches a bound; the number of inputs
+                       if no voltage does */
 } blocking;
 
 static inline bool is_free(const pzs_optimiser *optimiser, uint32_t i)
@@ -324,8 +345,8 @@ static inline bool is_free(const pzs_optimiser *optimiser, uint32_t i)
 }
 
 /*
- * Return the distance (V) of a voltage from its lower bound where `way` is negative, otherwise from
- * its upper bound.
+ * Return the distance of a voltage from its lower bound if `way`, its change, is negative;
+ * otherwise from its upper bound (V).
  */
 static inline pzs_real distance_to_bound(pzs_real way, pzs_real voltage, pzs_real lower,
                                          pzs_real upper)
@@ -334,8 +355,8 @@ static inline pzs_real distance_to_bound(pzs_real way, pzs_real voltage, pzs_rea
 }
 
 /*
- * The free inputs are to move by `part` times the vector sense * move (V). Find the first of them
- * that meets a bound on this way, and the fraction of sense * move at which it does.
+ * The free voltages are to change by `part` times the vector sense * move (V). Find the first free
+ * input that reaches a bound during this change, and the fraction of the vector at which it does.
  */
 static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                                pzs_real part)
@@ -358,8 +379,8 @@ static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *m
 }
 
 /*
- * Move the free inputs by first.part times the vector sense * move (V), clamped to their bounds.
- * The input that meets its bound is set exactly to the bound.
+ * Change the free voltages by first.part times the vector sense * move (V), clamped to their
+ * bounds. The input that reaches its bound first, if any, is set to the bound exactly.
  */
 static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                        blocking first)
@@ -379,8 +400,8 @@ static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real 
 }
 
 /*
- * Move input j, which has met a bound, from the free set to the active set. next_voltage is used as
- * work array.
+ * Move input j, which has reached a bound, from the free set to the active set, in which the
+ * optimiser keeps voltages constant. next_voltage is used as work array.
  */
 static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
 {
@@ -390,9 +411,9 @@ static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
 }
 
 /*
- * Update the search direction of the free inputs and the gradient of the active inputs after an
- * input has met a bound and left the free set. `remaining` is the rest of the move of this input,
- * beyond its bound (V).
+ * Update the search direction of the free inputs and the gradient of the active inputs, whose
+ * voltages are kept, after one input has reached a bound and become active. `remaining` is the part
+ * of the step of this input that its bound prevents (V).
  *   row [width] in  row of this input in the tableau
  */
 static void update_direction(pzs_real *restrict direction, const pzs_real *restrict row,
@@ -403,8 +424,9 @@ static void update_direction(pzs_real *restrict direction, const pzs_real *restr
 }
 
 /*
- * Make one descent iteration: move along the search direction to its end or to the first bound.
- * Returns whether a bound stopped the move.
+ * Make one descent iteration: change the free voltages along the search direction to its end, or
+ * until the first of them reaches a bound and becomes active. Returns whether a bound ended the
+ * change.
  */
 static bool descend(pzs_optimiser *optimiser)
 {
@@ -425,9 +447,10 @@ static bool descend(pzs_optimiser *optimiser)
 }
 
 /*
- * Choose the active input to release: the one with the largest KKT violation strictly between its
- * bounds, or else the one with the largest violation at a bound. Returns the number of inputs if no
- * input violates the KKT conditions.
+ * Choose the active input whose voltage may change again: of the inputs whose voltage is between
+ * its bounds, the one that violates the optimality (KKT) conditions most; if none of them does, the
+ * one at a bound that violates them most. Returns the number of inputs if no violation exceeds
+ * `rounding` (m2/V).
  */
 static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -454,9 +477,9 @@ static uint32_t input_to_release(const pzs_optimiser *optimiser, pzs_real roundi
 }
 
 /*
- * Return how far active input k can move when it leaves the active set while the free inputs keep
- * zero gradient (V): to the minimum of the objective on this straight line (the ray), or to the
- * input's bound if that is nearer.
+ * Return how far the voltage of active input k can change while the free voltages follow so that
+ * their gradient stays zero (V): to the minimum of the objective on this straight line, or to the
+ * bound of input k if the bound is nearer.
  */
 static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real pivot,
                            bool *to_limit)
@@ -472,8 +495,9 @@ static pzs_real ray_length(const pzs_optimiser *optimiser, uint32_t k, pzs_real 
 }
 
 /*
- * Move active input k while the free inputs follow so that their gradient stays zero, and update
- * the gradients of the active inputs. Returns the bound that stopped the move.
+ * Change the voltage of active input k, while the free voltages follow so that their gradient stays
+ * zero, and update the gradients of the active inputs. Returns how far the change went, and the
+ * free input that reached a bound and ended it, if any.
  */
 static blocking move_along_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_real *row,
                                pzs_real length)
@@ -492,8 +516,8 @@ static blocking move_along_ray(pzs_optimiser *optimiser, uint32_t k, const pzs_r
 }
 
 /*
- * Make one release iteration: active input k, which violates the KKT conditions, moves while the
- * free inputs keep zero gradient.
+ * Make one release iteration: change the voltage of active input k, which violates the optimality
+ * (KKT) conditions, while the free voltages follow so that their gradient stays zero.
  */
 static void release_input(pzs_optimiser *optimiser, uint32_t k)
 {
@@ -517,9 +541,9 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
 }
 
 /*
- * Count one more iteration if its work, plus `more` multiply-adds, is within the work limit.
- * Otherwise note that the work limit has stopped the optimiser. Returns whether the iteration may
- * be made.
+ * Count one more iteration of the optimiser if its work, plus `more` multiply-adds, is within the
+ * work limit. Otherwise note that the work limit has stopped the optimiser. Returns whether the
+ * iteration may be made.
  */
 static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
 {
@@ -533,11 +557,11 @@ static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
 }
 
 /*
- * Collect the active inputs that would move as far as their opposite bound if each left the active
- * set alone.
- *   way [width] out  distance with sign of each such input to that bound, 0 for all other inputs
- *                    (V)
- * Returns the number of such inputs.
+ * Find the active inputs (whose voltages are kept) that would each change to the opposite bound if
+ * it alone became free and violate the optimality (KKT) conditions by more than `rounding`.
+ *   way [width] out  distance with sign of each of these inputs to that bound, 0 for all other
+ *                    inputs (V)
+ * Returns the number of these inputs.
  */
 static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real rounding, pzs_real *way)
 {
@@ -559,10 +583,10 @@ static uint32_t collect_releases(const pzs_optimiser *optimiser, pzs_real roundi
 }
 
 /*
- * Move several active inputs at once, each towards its opposite bound, which it would reach if it
- * left the active set alone, while the free inputs follow so that their gradient stays zero. The
- * move stops at the minimum of the objective, or where a free input meets a bound and leaves the
- * free set. Returns whether there was such a move.
+ * Change the voltages of several active inputs together, each towards the opposite bound, which it
+ * would reach if it alone became free, while the free voltages follow so that their gradient stays
+ * zero. The change ends at the minimum of the objective, or where a free input reaches a bound and
+ * becomes active. Returns whether any voltage has changed.
  */
 static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -592,8 +616,9 @@ static bool release_together(pzs_optimiser *optimiser, pzs_real rounding)
 }
 
 /*
- * Whether no free input has a gradient above its rounding-error bound, and no active input of the
- * dual method is away from its bound. next_voltage holds the gradients of the free inputs.
+ * Whether the gradient of every free input is within its rounding-error bound, and every active
+ * input of the dual method (whose voltage is kept) is at its bound. next_voltage holds the
+ * gradients of the free inputs.
  */
 static bool is_stationary(const pzs_optimiser *optimiser)
 {
@@ -607,8 +632,9 @@ static bool is_stationary(const pzs_optimiser *optimiser)
 }
 
 /*
- * Iterate, where a bound blocks the whole step, until the tableau predicts no KKT violation: first
- * descent iterations until no bound stops them, then release iterations.
+ * Iterate, after a bound has blocked the whole step, until the tableau predicts no violation of the
+ * optimality (KKT) conditions. Descent iterations change the free voltages until no bound ends the
+ * change; then release iterations change active voltages that violate the conditions.
  */
 static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -631,8 +657,9 @@ static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 /* ---- direct iteration ----------------------------------------------- */
 
 /*
- * Compute the model gradient of input k after the step from the Hessian instead of the tableau.
- * Returns the absolute error of its predicted gradient.
+ * Compute the gradient of input k after a predicted step from the Hessian, without the part that
+ * depends on the target, into *model_gradient (m2/V). Returns the absolute difference from the
+ * gradient that the tableau predicts.
  */
 static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, const pzs_real *offset,
                                  pzs_real *model_gradient)
@@ -645,8 +672,8 @@ static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, con
 }
 
 /*
- * Set the gradient after the step as the tableau predicts it: 0 in the free set, the entry of the
- * direction in the active set.
+ * Set the gradient to that which the tableau predicts after a whole step: 0 for a free input, the
+ * entry of the array `move` for an active one.
  */
 static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restrict move,
                              const pzs_real *restrict free_set, size_t span)
@@ -656,8 +683,8 @@ static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restri
 }
 
 /*
- * Accept a predicted step: set the voltages after the step, and the model gradient that belongs to
- * the predicted gradient.
+ * Accept a whole step that the tableau has predicted: set the voltages after the step and the model
+ * gradient, which is the predicted gradient of the objective plus the gradient of the target.
  */
 static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict model_gradient,
                               const pzs_real *restrict next, const pzs_real *restrict move,
@@ -671,9 +698,9 @@ static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict mod
 }
 
 /*
- * Take the whole step, which no bound blocks, as one iteration, and check the gradients of two
- * inputs against the Hessian. Returns false if they differ from their prediction; the voltages are
- * then unchanged, and the tableau is no longer verified.
+ * Make the whole step, which no bound blocks, as one iteration, and compare the predicted gradient
+ * of two inputs with the Hessian. Returns false if the prediction is wrong; the voltages are then
+ * unchanged, and the tableau no longer counts as verified.
  */
 static bool take_direct_iteration(pzs_optimiser *optimiser)
 {
@@ -721,9 +748,10 @@ static void find_way_and_slope(pzs_real *restrict way, pzs_real *restrict slope,
 }
 
 /*
- * Since the objective is quadratic, its change is proportional to (voltages - start voltages) times
- * the sum of the gradients at both ends. The rounding error of this product must be below
- * target_energy, the scale of the objective, or far below the decrease.
+ * Return whether the last round of iterations lowered the objective. The objective is quadratic, so
+ * that its change is proportional to (voltages - start voltages) times the sum of the gradients at
+ * both ends. The rounding error of this product must be below target_energy, the scale of the
+ * objective, or far below the decrease.
  */
 bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser)
 {
@@ -740,8 +768,8 @@ bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser)
 }
 
 /*
- * Return to the voltages and gradients at the start of the round of iterations. A gradient that was
- * only predicted there is computed.
+ * Return to the voltages and gradients at the start of the round of iterations. If the tableau had
+ * only predicted this gradient, it is now computed from the Hessian.
  */
 static void undo_round(pzs_optimiser *optimiser)
 {
@@ -776,7 +804,10 @@ static void shorten_round(pzs_optimiser *optimiser)
     pzs_boxls_true_gradient(optimiser);
 }
 
-/* Run one round of iterations, from the search direction to the true gradient at its end. */
+/*
+ * Run one round: make the whole step, or, if a bound blocks it, iterations; then compute the
+ * gradient from the Hessian.
+ */
 static void run_round(pzs_optimiser *optimiser, bool blocked)
 {
     const size_t bytes = optimiser->width * sizeof(pzs_real);
@@ -800,8 +831,8 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
 }
 
 /*
- * Compute the KKT violation at the present voltages, and the bound up to which rounding errors
- * explain it.
+ * Compute the violation of the optimality (KKT) conditions by the present voltages, and its
+ * rounding-error bound (m2/V).
  */
 static void measure_violation(pzs_optimiser *optimiser)
 {
@@ -835,10 +866,10 @@ bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser)
 }
 
 /*
- * End a round in one of three ways: at the optimum, the tableau counts as verified; if the
- * objective fell, the new voltages are kept; otherwise the round is undone. If the KKT violation is
- * below its rounding-error bound only because the move raised this bound, the objective must have
- * fallen too.
+ * Decide what becomes of a round of iterations. If it ended at the optimum, the tableau counts as
+ * verified; if the objective fell, the new voltages are kept; otherwise the round is undone. The
+ * rounding-error bound of the KKT violation rises with the voltages. If the violation is below its
+ * bound only for this reason, the objective must have fallen too.
  */
 static void conclude_round(pzs_optimiser *optimiser, bool moved)
 {
@@ -861,9 +892,9 @@ static void conclude_round(pzs_optimiser *optimiser, bool moved)
 }
 
 /*
- * Begin to recompute the tableau, at most once in a step. If no round has ended at the optimum
- * since the last recomputation, also raise the pivot threshold, so that more inputs count as
- * linearly dependent. Returns whether another round is needed.
+ * Begin to recompute the tableau from the Hessian, at most once in a voltage step. If no round has
+ * ended at the optimum since the last recomputation, also raise the pivot threshold, so that more
+ * inputs count as linearly dependent. Returns whether another round is needed.
  */
 static bool renew_tableau(pzs_optimiser *optimiser)
 {
@@ -880,7 +911,8 @@ static bool renew_tableau(pzs_optimiser *optimiser)
 }
 
 /*
- * Whether the last round of iterations, which did not end at the optimum, made too little progress.
+ * Whether the last round of iterations, which did not end at the optimum, reduced the violation of
+ * the optimality (KKT) conditions too little.
  */
 static bool is_stuck(const pzs_optimiser *optimiser, bool moves)
 {
@@ -889,7 +921,10 @@ static bool is_stuck(const pzs_optimiser *optimiser, bool moves)
                pzs_boxls_violation(optimiser, optimiser->start_voltage, optimiser->start_gradient);
 }
 
-/* Make one round of iterations with a complete tableau. Returns whether another round may help. */
+/*
+ * Make one round of iterations with a complete tableau. Returns whether another round may lower the
+ * objective.
+ */
 static bool make_round(pzs_optimiser *optimiser)
 {
     const bool stationary = is_stationary(optimiser);
@@ -914,8 +949,8 @@ static bool make_round(pzs_optimiser *optimiser)
 }
 
 /*
- * Complete the recomputation of the tableau. Returns whether the remaining work allows a round of
- * iterations.
+ * Complete the recomputation of the tableau if it is incomplete. Returns whether the work limit
+ * then allows a round of iterations.
  */
 static bool may_make_round(pzs_optimiser *optimiser)
 {
@@ -949,8 +984,9 @@ void pzs_boxls_optimise(pzs_optimiser *optimiser)
         }
     }
     /*
-     * After a last round that the work limit did not stop, a violation slightly above its
-     * rounding-error bound is accepted, because rounding errors prevent a lower one.
+     * If the work limit did not stop the last round of iterations, a violation of the optimality
+     * (KKT) conditions slightly above its rounding-error bound is accepted, because rounding errors
+     * prevent a smaller one.
      */
     optimiser->is_optimal |=
         !optimiser->is_cut && optimiser->kkt_violation <= TOLERATED * optimiser->rounding_bound;

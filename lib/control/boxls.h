@@ -14,67 +14,75 @@
 
 #include "optimiser.h"
 
-/* Number of vectors of length `width` that the optimiser needs. */
+/*
+ * Number of vectors of the optimiser, without the voltages; each has the length `width`, the number
+ * of inputs rounded up to a multiple of PZS_TILE.
+ */
 #define BOXLS_VECTORS (16u + PZS_PENDING)
 #define BOXLS_DEPENDENT                                                                            \
-    256 /* largest factor by which the pivot threshold may rise above its initial value, 4 inputs  \
-           epsilon */
+    256 /* largest factor by which the threshold for linearly dependent inputs may rise above its  \
+           initial value, 4 inputs epsilon, with the machine epsilon */
 
 /*
- * Let all vectors of the optimiser except the voltages point into work [BOXLS_VECTORS][width]. The
- * members inputs and width must be set.
+ * Set the pointers of the optimiser to its vectors, except the voltages, in the memory `work` of
+ * BOXLS_VECTORS vectors of length `width`. The members `inputs` and `width` of the optimiser must
+ * be set before.
  */
 void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work);
 
 /*
- * Compute the gradient from the model gradient, and copy its entries of the free set to
- * next_voltage.
+ * Compute the gradient of the objective: model gradient minus target gradient. Its entries for the
+ * free inputs are also written to next_voltage.
  */
 void pzs_boxls_gradient(pzs_optimiser *optimiser);
 
 /*
- * Compute the model gradient and its rounding-error bound from the Hessian at the present voltages,
- * and then the gradient.
+ * Compute the gradient of the objective from the Hessian at the present voltages, instead of from
+ * the tableau, and its rounding-error bound.
  */
 void pzs_boxls_true_gradient(pzs_optimiser *optimiser);
 
 /*
- * Compute the search direction from gradient and tableau, and the voltages after the step.
- *   rounding in  KKT violations up to this size do not count (m2/V)
- * Returns the number of free inputs that would pass a bound plus the number of active inputs that
- * would have a KKT violation.
+ * Compute the search direction from gradient and tableau, and the voltages after a whole step.
+ *   rounding in  violations of the optimality (KKT) conditions up to this size do not count (m2/V)
+ * Returns the number of free inputs that would pass a bound plus the number of active inputs (whose
+ * voltages are kept) that would violate the optimality conditions after the step.
  */
 uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding);
 
 /*
- * Clamp voltages that are outside their bounds. If there were any, compute the gradient anew and
- * return true.
+ * Clamp voltages that are outside their bounds. Returns whether any voltage was outside; the
+ * gradient is then computed anew.
  */
 bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser);
 
 /*
- * Optimise the voltages, as far as work_limit allows. The function adds to iterations and work, and
- * sets kkt_violation, rounding_bound and is_optimal. From the first iteration on the voltages are
- * inside their bounds.
+ * Optimise the voltages, as far as the member work_limit of the optimiser allows. The function adds
+ * to the members `iterations` and `work`, and sets kkt_violation (violation of the optimality
+ * conditions), rounding_bound (its rounding-error bound) and is_optimal. After the first iteration
+ * the voltages are inside their bounds.
  */
 void pzs_boxls_optimise(pzs_optimiser *optimiser);
 
 /*
- * Return whether a round of iterations lowered the objective: from start_voltage and start_gradient
- * to voltage and gradient. The arrays scratch and direction are overwritten.
+ * Return whether a round of iterations lowered the objective, from the voltages start_voltage with
+ * gradient start_gradient to `voltage` with `gradient`. The arrays scratch and direction of the
+ * optimiser are overwritten.
  */
 bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser);
 
 /*
- * Return the largest KKT violation of given voltages [width] with a given gradient [width] (m2/V).
- * The array scratch is overwritten.
+ * Return the largest violation of the optimality (KKT) conditions by voltages [width] with a
+ * gradient [width] of the objective (m2/V), where the width is the number of inputs rounded up to a
+ * multiple of PZS_TILE. The array scratch of the optimiser is overwritten.
  */
 pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *voltage,
                              const pzs_real *gradient);
 
 /*
  * Return whether the rounding error of the Hessian times (voltages - base voltages) may raise the
- * objective by more than the machine epsilon times its scale, target_energy.
+ * objective by more than the machine epsilon times its scale, target_energy. The gradient should
+ * then be computed from new base voltages.
  */
 bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser);
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The tableau of the voltage optimiser: pivot exchanges, which are collected and applied together,
- * and recomputation (boxls_tableau.h).
+ * Operations on the tableau of the voltage optimiser, which is the Hessian after pivot exchanges:
+ * exchanges, which are collected and applied to the matrix together, and recomputation from the
+ * Hessian.
  */
 #include <string.h>
 #include "boxls_tableau.h"
@@ -43,8 +44,10 @@ static void subtract_multiple(pzs_real *restrict to, const pzs_real *restrict fr
 /* ---- exchanges ------------------------------------------------------- */
 
 /*
- * Compute row k of the tableau with all pending exchanges. An exchange of input k with the pivot p
- * = row_k, and with u = row / sqrt |p|, changes the tableau in this way:
+ * Compute row k of the tableau, the pivoted Hessian of the optimiser, including the pivot exchanges
+ * that are collected but not yet applied to the matrix. An exchange of input k changes the tableau
+ * as follows, with `row`, its row k before the exchange, with the pivot p = row_k, and with u = row
+ * / sqrt |p|:
  *   entry i, j  by  -sign(p) u_i u_j,
  *   entry i, k  to  row_i / |p|, which is the same formula on a zero entry if u_k is set to
  *               -sign(p) / sqrt |p|,
@@ -108,8 +111,8 @@ void pzs_tableau_exchange_side(pzs_optimiser *optimiser, uint32_t k, pzs_real *r
 }
 
 /*
- * Compute the rows and columns of the exchanged inputs in the tableau, and exclude these inputs
- * from the collected updates.
+ * Compute the rows and columns of the exchanged inputs in the tableau, and set these inputs to zero
+ * in the collected rank-one updates, which are later applied to all other rows.
  */
 static void apply_to_exchanged(pzs_optimiser *optimiser)
 {
@@ -127,7 +130,8 @@ static void apply_to_exchanged(pzs_optimiser *optimiser)
 }
 
 /*
- * Copy a block of the tableau to its mirror position across the diagonal.
+ * Copy a block of the tableau, a symmetric matrix, to its mirror position across the diagonal.
+ *   i, j    in  row and column of the first entry of the block
  *   columns in  number of columns of the block, a multiple of BLOCK
  */
 static inline void mirror_block(pzs_optimiser *optimiser, size_t i, size_t j, size_t rows,
@@ -146,9 +150,10 @@ static inline void mirror_block(pzs_optimiser *optimiser, size_t i, size_t j, si
 }
 
 /*
- * Define a function that applies all pending updates to a block of the tableau, ROWS rows from i
- * and COUNT entries of type `entry` from column j, and mirrors a block below the diagonal. The
- * block is kept in registers.
+ * Define a function that applies all collected rank-one updates to one block of the tableau and, if
+ * the block is below the diagonal, mirrors it across the diagonal. The block starts at row i and
+ * column j and has ROWS rows of COUNT entries of type `entry`, which the function keeps in
+ * registers.
  */
 #define UPDATE_BLOCK(name, entry, ROWS, COUNT)                                                     \
     static void name(pzs_optimiser *optimiser, size_t i, size_t j)                                 \
@@ -194,8 +199,9 @@ UPDATE_BLOCK(update_wide, lane, BLOCK, BLOCK_WIDE / IN_LANE)
 #endif
 
 /*
- * Apply all pending updates to the lower triangle in blocks, and mirror it. Blocks on the diagonal
- * are computed as a whole; the last inputs, fewer than a block, row by row.
+ * Apply all collected rank-one updates to the lower triangle of the tableau block by block, and
+ * mirror it to the upper triangle. Blocks on the diagonal are computed as a whole; the last rows,
+ * fewer than a block has, one by one.
  */
 static void apply_to_all(pzs_optimiser *optimiser)
 {
@@ -244,8 +250,9 @@ void pzs_tableau_reset(pzs_optimiser *optimiser)
 }
 
 /*
- * Return the input, of those that are to join the free set again, that depends least on it, or the
- * number of inputs if there is none.
+ * Return the next input that joins the free set again while the tableau is recomputed: of those
+ * that wait, the one that is most independent of the free inputs. Returns the number of inputs if
+ * all waiting ones depend linearly on the free ones.
  */
 static uint32_t next_pivot(const pzs_optimiser *optimiser)
 {

@@ -22,55 +22,61 @@
 #include "optimiser.h"
 
 /*
- * Return the pivot of an active input divided by its diagonal entry of the Hessian: 1 if the input
- * is independent of the free inputs, 0 if it depends on them.
+ * Return the pivot of active input k divided by its diagonal entry of the Hessian: 1 if the effect
+ * of the input on the shape is independent of that of the free inputs, 0 if it is a linear
+ * combination of theirs.
  */
 pzs_real pzs_tableau_independence(const pzs_optimiser *optimiser, uint32_t k);
 
 /*
- * Read the pivots of all inputs from the diagonal of the tableau. All collected exchanges must have
- * been applied to it.
+ * Read the pivots of all inputs from the diagonal of the tableau. All collected pivot exchanges
+ * must have been applied to the tableau before.
  */
 void pzs_tableau_read_pivots(pzs_optimiser *optimiser);
 
 /*
- * Compute row k of the tableau, with the exchanges that are collected but not yet applied to it.
- *   row [width] out  the row
+ * Compute row k of the tableau, including the pivot exchanges that are collected but not yet
+ * applied to the matrix. The width is the number of inputs rounded up to a multiple of PZS_TILE.
+ *   row [width] out  row k of the tableau
  */
 void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
 
 /*
- * Move input k into the free set (positive pivot) or out of it (negative pivot).
+ * Make one pivot exchange in the tableau, which moves input k from the active set to the free set
+ * (positive pivot) or back (negative pivot).
  *   row [width] in/out  row k of the tableau before and after the exchange
  */
 void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
 
 /*
- * As pzs_tableau_exchange, in a tableau that holds limit rows besides inputs.
- *   side in  1 for an input; -1 for a limit row, whose pivots have the opposite signs
+ * Make one pivot exchange in a tableau that holds inputs and limit rows (limits of weighted sums of
+ * voltages).
+ *   row  [width] in/out  row k of the tableau before and after the exchange
+ *   side         in      1 for an input; -1 for a limit row, whose pivots have the opposite signs
  */
 void pzs_tableau_exchange_side(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row,
                                pzs_real side);
 
-/* Apply the collected pivot exchanges to the tableau. */
+/* Apply the collected pivot exchanges to all entries of the tableau. */
 void pzs_tableau_apply(pzs_optimiser *optimiser);
 
 /*
  * Begin to recompute the tableau from the Hessian: all inputs become active, and those that were
- * free wait for pzs_tableau_rebuild.
+ * free wait until pzs_tableau_rebuild exchanges them again.
  */
 void pzs_tableau_reset(pzs_optimiser *optimiser);
 
 /*
- * Move the inputs that were free before pzs_tableau_reset back into the free set, the most
- * independent first, as long as the work limit allows. Inputs that depend linearly on those before
- * them stay active. Returns whether all have been treated. next_voltage is used as work array.
+ * Continue to recompute the tableau: move the inputs that were free before pzs_tableau_reset back
+ * into the free set, the most independent first, as long as the work limit allows. Inputs that
+ * depend linearly on the free ones stay active. Returns whether the tableau is complete.
+ * next_voltage is used as work array.
  */
 bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 
 /*
- * Return the trace of the inverse of the Hessian on the free set (V2/m2). Linearly dependent inputs
- * count with the largest possible value.
+ * Return the trace of the inverse of the Hessian restricted to the free inputs (V2/m2). Inputs that
+ * depend linearly on the free ones are added with the largest possible value.
  */
 pzs_real pzs_tableau_inverse_trace(pzs_optimiser *optimiser);
 

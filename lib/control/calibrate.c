@@ -3,12 +3,12 @@
  * Calibration on the device: recursive least squares for the influence matrix (pzs_calibrate.h).
  *
  * With the voltages v and the readings y of each record, the influence matrix B minimises the sum
- * of |y - B v|^2. The state is the triangular factor T [inputs][inputs] of the information matrix
- * I = T'T, which is the sum of v v', and the readings Z [inputs][outputs] in the same basis; then
- * T B' = Z. Plane rotations of the rows of [T Z] add a record. They never square the condition
+ * of |y - B v|^2. The state is the triangular factor T [inputs][inputs] of the information matrix I
+ * = T'T, which is the sum of v v', and the readings Z [inputs][outputs] in the same basis; then T
+ * B' = Z. Plane rotations of the rows of [T Z] add a record. They never square the condition
  * number, and T'T is symmetric and not negative whatever the rounding errors are. What is left of
- * the readings after the rotations is the residual of the record in units of its standard
- * deviation; the mean of its squares is the variance of the noise.
+ * the readings of a record after the rotations is its residual, scaled so that its variance is that
+ * of the noise; the mean of its squares is thus the variance of the noise.
  *
  * Forgetting is directional, so that a direction without new voltages loses nothing. The rows are
  * rotated so that the first one is r = v'I/sqrt(v'Iv), all that T knows of the direction v, and
@@ -17,12 +17,11 @@
  *   J = I - f (I v)(I v)'/(v'Iv) + v v'      with   f = min(1/memory, |v|^4/(v'Iv)).
  *
  * Both bounds of the covariance of B, which is the variance of the noise times the inverse of J,
- * follow from the bound of f. Because |v|^4 <= (v'Iv)(v' I^-1 v), the determinant satisfies
- * det J / det I = (1 - f)(1 + v' I^-1 v) + f |v|^4/(v'Iv) >= 1: it never decreases. No eigenvalue
- * of J exceeds the larger one of the largest eigenvalue of I and V^2 memory, with the largest norm
- * V of the voltages of a record. So no eigenvalue falls below det I/(V^2 memory)^(inputs - 1), and
- * small voltages, such as those of a controller at rest, never replace the knowledge from large
- * ones.
+ * follow from the bound of f. Because |v|^4 <= (v'Iv)(v' I^-1 v), the determinant satisfies det J /
+ * det I = (1 - f)(1 + v' I^-1 v) + f |v|^4/(v'Iv) >= 1: it never decreases. No eigenvalue of J
+ * exceeds the larger one of the largest eigenvalue of I and V^2 memory, with the largest norm V of
+ * the voltages of a record. So no eigenvalue falls below det I/(V^2 memory)^(inputs - 1), and small
+ * voltages, such as those of a controller at rest, never replace the knowledge from large ones.
  */
 #include <string.h>
 #include "pzs_calibrate.h"
@@ -32,11 +31,15 @@
 #include "../core/guard.h"
 #include "../core/numbers.h"
 
-/* Value of state.stage after a successful pzs_calibration_init. */
+/*
+ * Value of state.stage by which other functions recognise a calibration that was initialised
+ * without an error.
+ */
 #define READY 1u
 /*
- * Factor by which the sum of the squares of a record must stay below the largest number, so that
- * the sum over 2^32 records does not overflow.
+ * The sum of the squares of the numbers of one record (voltages and readings), multiplied by this
+ * factor, must stay below the largest real number, so that the sum over 2^32 records does not
+ * overflow.
  */
 #define SUM_RESERVE PZS_R(4294967296.0)
 /*
@@ -45,8 +48,9 @@
  */
 #define AT_REST PZS_R(1e-4)
 /*
- * A pivot of the factor counts as zero if it is below this multiple of its rounding error, which is
- * about epsilon times the square root of the number of records, relative to the norm of its column.
+ * Factor of the rounding error of the triangular factor: one of its diagonal entries (pivots)
+ * counts as zero if it is below this number times the machine epsilon times the square root of the
+ * number of records, relative to the norm of its column.
  */
 #define ROUNDING PZS_R(8)
 
@@ -61,7 +65,10 @@ static size_t width_of(const pzs_calibration *calibration)
     return (size_t)calibration->state.problem->inputs + calibration->state.problem->outputs;
 }
 
-/* Row `index` of the factor: inputs, then outputs. */
+/*
+ * Return row `index` of the triangular factor of the calibration: entries for all inputs, then for
+ * all outputs.
+ */
 static pzs_real *row_of(const pzs_calibration *calibration, size_t index)
 {
     return calibration->state.factor + index * width_of(calibration);
@@ -96,7 +103,9 @@ static uint32_t period_of(uint32_t inputs)
     return period;
 }
 
-/* Let the arrays of the calibration point into its workspace. */
+/*
+ * Set the pointers of the calibration to its arrays in the workspace, from the address `next` on.
+ */
 static void place(pzs_calibration *calibration, pzs_real *next)
 {
     pzs_calibration_state *state = &calibration->state;
@@ -115,8 +124,9 @@ static void place(pzs_calibration *calibration, pzs_real *next)
 }
 
 /*
- * Set the test voltages to the voltages of the amplifiers, inside all limits.
- *   voltage [inputs] in  (V)
+ * Start the test voltages of a calibration at the voltages of the amplifiers, clamped to all
+ * limits.
+ *   voltage [inputs] in  voltages of the amplifiers (V)
  */
 static void set_start(pzs_calibration *calibration, const pzs_real *voltage)
 {
@@ -180,9 +190,10 @@ static pzs_status check_ready(const pzs_calibration *calibration, const void *on
 /* ---- test voltages ------------------------------------------------------ */
 
 /*
- * Sign of an input in a test pattern. It is a Walsh function, the parity of the bits that the
- * pattern and the number of the input (counted from 1) have in common. So all inputs are orthogonal
- * to each other and to a constant over a period.
+ * Return the sign of the test voltage of an input (1 or -1) in a test pattern. The sign is a Walsh
+ * function: it is -1 if the number of the pattern and the number of the input, counted from 1, have
+ * an odd number of binary ones in common. Over a whole period of patterns, the signs of any two
+ * inputs are orthogonal to each other and to a constant.
  */
 static pzs_real sign_of(uint32_t pattern, uint32_t input)
 {
@@ -195,13 +206,15 @@ static pzs_real sign_of(uint32_t pattern, uint32_t input)
     return (common & 1u) != 0 ? PZS_R(-1) : PZS_R(1);
 }
 
-/* Half of the voltage range of an input (V), without overflow. */
+/* Return half of the voltage range of an input (V), computed without overflow. */
 static pzs_real half_range(const pzs_problem *problem, uint32_t input)
 {
     return problem->upper[input] / 2 - problem->lower[input] / 2;
 }
 
-/* Whether the test voltages before and after a tick are the same, up to a small part of the range.
+/*
+ * Whether the test voltages after a tick are equal to those before the tick, up to a small part of
+ * the voltage range.
  */
 static bool have_settled(const pzs_calibration *calibration, const pzs_real *before)
 {
@@ -213,7 +226,7 @@ static bool have_settled(const pzs_calibration *calibration, const pzs_real *bef
     return true;
 }
 
-/* Return the first input without a finite voltage range, or -1. */
+/* Return the first input whose voltage range is not finite, or -1. */
 static int32_t unbounded_input(const pzs_problem *problem)
 {
     for (uint32_t i = 0; i < problem->inputs; i++)
@@ -254,7 +267,9 @@ pzs_status pzs_calibration_excite(pzs_calibration *calibration)
 
 /* ---- records ------------------------------------------------------------ */
 
-/* Size of a pivot, relative to the norm of its column, below which it counts as a rounding error.
+/*
+ * Return the size of a diagonal entry (pivot) of the triangular factor, relative to the norm of its
+ * column, below which the entry counts as a rounding error.
  */
 static pzs_real negligible(const pzs_calibration *calibration)
 {
@@ -264,8 +279,9 @@ static pzs_real negligible(const pzs_calibration *calibration)
 }
 
 /*
- * Rotate two rows in their plane, from column `from` on.
- *   first, second [count] in/out
+ * Rotate two matrix rows in their plane, from column `from` on, by the angle with the given cosine
+ * and sine.
+ *   first, second [count] in/out  the two rows
  */
 static void turn(pzs_real *restrict first, pzs_real *restrict second, size_t from, size_t count,
                  pzs_real cosine, pzs_real sine)
@@ -278,9 +294,10 @@ static void turn(pzs_real *restrict first, pzs_real *restrict second, size_t fro
 }
 
 /*
- * Rotate two rows in their plane so that entry `at` of the second row becomes 0; both rows are 0
- * before it. If both entries are rounding errors, both become 0. Returns the cosine of the angle.
- *   first, second [inputs + outputs] in/out
+ * Rotate two matrix rows in their plane so that entry `at` of the second row becomes 0; all entries
+ * before it must be 0 in both rows. If both entries `at` are rounding errors, both become 0
+ * instead. Returns the cosine of the angle.
+ *   first, second [inputs + outputs] in/out  the two rows
  */
 static pzs_real eliminate(const pzs_calibration *calibration, pzs_real *first, pzs_real *second,
                           size_t at)
@@ -299,7 +316,8 @@ static pzs_real eliminate(const pzs_calibration *calibration, pzs_real *first, p
 }
 
 /*
- * Compute the size of each pivot of the factor below which it counts as zero.
+ * Compute, for each diagonal entry (pivot) of the triangular factor, the size below which it counts
+ * as zero.
  *   voltage [inputs] in  voltages of the record that is being added (V)
  */
 static void find_least(pzs_calibration *calibration, const pzs_real *voltage)
@@ -314,8 +332,9 @@ static void find_least(pzs_calibration *calibration, const pzs_real *voltage)
 }
 
 /*
- * Rotate each row whose pivot is 0 into the rows below it, so that it becomes 0 as a whole and all
- * that is known of the other inputs stays in their rows.
+ * Rotate each row of the triangular factor whose diagonal entry is 0 into the rows below it, until
+ * the whole row is 0. What the row has contained about other inputs is then in the rows of these
+ * inputs.
  */
 static void clear_open_rows(pzs_calibration *calibration)
 {
@@ -331,9 +350,10 @@ static void clear_open_rows(pzs_calibration *calibration)
 }
 
 /*
- * Part of the information about the direction of a record that is forgotten, from 0 to 1/memory.
+ * Return the part (0 to 1/memory) of the information about a direction that is forgotten when a
+ * record with voltages in this direction is added.
  *   voltage   [inputs] in  voltages of the record (V)
- *   direction [inputs] in  factor times these voltages (V2)
+ *   direction [inputs] in  triangular factor times these voltages (V2)
  */
 static pzs_real forgotten_part(const pzs_calibration *calibration, const pzs_real *voltage,
                                const pzs_real *direction)
@@ -348,9 +368,10 @@ static pzs_real forgotten_part(const pzs_calibration *calibration, const pzs_rea
 }
 
 /*
- * Rotate the rows of the factor so that the first one is all that the factor knows of a direction.
- * Afterwards there is one nonzero entry to the left of the diagonal in every other row.
- *   direction [inputs] in/out  factor times the voltages of the direction; changed
+ * Rotate the rows of the triangular factor so that its first row contains all information about one
+ * direction of the voltages. Afterwards every other row has one nonzero entry to the left of the
+ * diagonal.
+ *   direction [inputs] in/out  triangular factor times voltages in this direction; overwritten (V2)
  */
 static void collect_direction(pzs_calibration *calibration, pzs_real *direction)
 {
@@ -365,7 +386,8 @@ static void collect_direction(pzs_calibration *calibration, pzs_real *direction)
 }
 
 /*
- * Forget a part of what the factor knows of the direction of a record.
+ * Forget a part of the information that the triangular factor contains about the direction of the
+ * voltages of a new record.
  *   voltage [inputs] in  voltages of the record (V)
  */
 static void forget(pzs_calibration *calibration, const pzs_real *voltage)
@@ -390,9 +412,9 @@ static void forget(pzs_calibration *calibration, const pzs_real *voltage)
 }
 
 /*
- * Renew the variance of the noise of each output.
- *   residual [outputs] in  residuals of a record, each in units of its standard deviation relative
- *                          to that of the noise (m)
+ * Update the variance of the noise of each output from the residuals of a record.
+ *   residual [outputs] in  residuals of the record, scaled so that their variance is that of the
+ *                          noise (m)
  */
 static void renew_noise(pzs_calibration *calibration, const pzs_real *residual)
 {
@@ -404,8 +426,9 @@ static void renew_noise(pzs_calibration *calibration, const pzs_real *residual)
         state->noise[i] += (square(residual[i]) - state->noise[i]) / count;
 }
 
-/* Copy the used readings of a record, and set the others to 0. Returns the first unusable one or
- * -1.
+/*
+ * Copy the readings of the outputs that the calibration uses, and set those of all others to 0.
+ * Returns the first used reading that is not finite or exceeds the limit of readings, or -1.
  */
 static int32_t take_readings(const pzs_calibration *calibration, const pzs_real *reading,
                              pzs_real *taken)
@@ -454,9 +477,9 @@ pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *
 /* ---- result ------------------------------------------------------------- */
 
 /*
- * Compute the reciprocals of the pivots, 0 for an input that the records leave open. Returns the
- * first such input, or -1.
- *   inverse [inputs] out  (1/V)
+ * Compute the reciprocals of the diagonal entries (pivots) of the triangular factor, 0 for an input
+ * that the records do not determine. Returns the first such input, or -1.
+ *   inverse [inputs] out  reciprocals (1/V)
  */
 static int32_t invert_pivots(const pzs_calibration *calibration, pzs_real *inverse)
 {
@@ -471,10 +494,10 @@ static int32_t invert_pivots(const pzs_calibration *calibration, pzs_real *inver
 }
 
 /*
- * Compute one row of the influence matrix by back substitution. An input that the records leave
- * open keeps its entry.
- *   inverse [inputs] in      reciprocals of the pivots (1/V)
- *   row     [inputs] in/out  (m/V)
+ * Compute one row of the influence matrix by back substitution. The entry of an input that the
+ * records do not determine stays unchanged.
+ *   inverse [inputs] in      reciprocals of the diagonal entries of the triangular factor (1/V)
+ *   row     [inputs] in/out  row of the influence matrix (m/V)
  */
 static void solve_row(const pzs_calibration *calibration, size_t output, const pzs_real *inverse,
                       pzs_real *row)
@@ -490,11 +513,12 @@ static void solve_row(const pzs_calibration *calibration, size_t output, const p
 }
 
 /*
- * Return the square root of entry (input, input) of the inverse information matrix (1/V): the norm
- * of the solution x of T' x = unit vector, with the factor T. It is infinite where x needs an input
- * that the records leave open.
- *   inverse  [inputs] in    reciprocals of the pivots (1/V)
- *   solution [inputs] work
+ * Return the square root of diagonal entry `input` of the inverse information matrix (1/V), by
+ * which the standard deviation of the noise is multiplied to give that of the influence of this
+ * input. It is the norm of the solution x of T' x = unit vector, with the triangular factor T, and
+ * infinite if x needs an input that the records do not determine.
+ *   inverse  [inputs] in   reciprocals of the diagonal entries of the factor (1/V)
+ *   solution [inputs] out  work array for x
  */
 static pzs_real spread_of(const pzs_calibration *calibration, size_t input, const pzs_real *inverse,
                           pzs_real *solution)

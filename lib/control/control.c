@@ -30,8 +30,9 @@
 #include "step_bounds.h"
 
 /*
- * Violation of the optimality (KKT) conditions that a damped tick leaves, relative to the gradient
- * at its start. The next tick corrects it; in static equilibrium both are zero.
+ * Violation of the optimality (KKT) conditions at which the optimiser may stop in a tick that also
+ * damps vibration, relative to the gradient at the start of the tick. The next tick corrects the
+ * violation; in static equilibrium violation and gradient are zero.
  */
 #define DAMPED_TOLERANCE PZS_R(1e-3)
 
@@ -41,7 +42,7 @@
 /* ---- step ------------------------------------------------------------ */
 
 /*
- * Compute the bounds of a voltage step: step limits around the last voltages, clamped to the
+ * Compute the bounds of a voltage step: the step limits around the last voltages, clamped to the
  * voltage limits. Returns the number of inputs whose step limit and voltage limits do not overlap.
  */
 static uint32_t set_step_bounds(pzs_real *restrict lo, pzs_real *restrict hi,
@@ -113,10 +114,11 @@ static pzs_real project_misfit(const pzs_control *control, pzs_real *out, const 
 
 /*
  * Compute the target gradient B'W^2 (wanted - shown), with influence matrix B and output weights W,
- * where `shown` is the shape of the base voltages plus the disturbance. Returns |W (wanted -
- * shown)|^2. From it follows target_energy = |W e|^2 of the target error e, the scale of the
- * objective, which is bounded below by its rounding error. Both are finite only if the target
- * gradient is.
+ * where `shown` is the shape of the base voltages (around which the gradient is computed) plus the
+ * disturbance (measured minus predicted shape). Returns |W (wanted - shown)|^2. From it follows
+ * target_energy, the squared norm of the weighted target error, by which the size of the objective
+ * is judged; it is bounded below by its rounding error. Both are finite only if the target gradient
+ * is.
  */
 static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *control,
                                const pzs_real *wanted, const pzs_real *shown)
@@ -131,7 +133,10 @@ static pzs_real project_target(pzs_optimiser *optimiser, const pzs_control *cont
     return missed;
 }
 
-/* Make the present voltages the base voltages of the gradient, and predict their shape. */
+/*
+ * Make the present voltages the base voltages, around which the gradient of the objective is
+ * computed, and predict their shape.
+ */
 static void rebase(pzs_optimiser *optimiser, pzs_control *control)
 {
     const pzs_real regularisation = control->state.problem->regularisation;
@@ -193,8 +198,9 @@ static void optimise_within(pzs_optimiser *optimiser, pzs_control *control)
 }
 
 /*
- * Bring voltages inside the limit rows, if the problem has them. Returns whether they are inside;
- * if not, *where is an input that is on its way to its limits.
+ * Bring the voltages inside the limit rows (limits of weighted sums of voltages), if the problem
+ * has any. Returns whether they are inside; if not, *where is an input that is still on the way to
+ * its limits because of its step limit.
  */
 static bool enter_rows(pzs_control *control, int32_t *where)
 {
@@ -203,8 +209,9 @@ static bool enter_rows(pzs_control *control, int32_t *where)
 }
 
 /*
- * Find the optimal voltages. If the base voltages are so far away that rounding errors could cost
- * accuracy, and the remaining work allows it, optimise again from new base voltages.
+ * Find the optimal voltages. If the voltages are so far from the base voltages, around which the
+ * gradient is computed, that rounding errors could cost accuracy, and if the remaining work allows
+ * it, optimise again from new base voltages.
  */
 static void optimise(pzs_optimiser *optimiser, pzs_control *control, const pzs_real *wanted,
                      const pzs_real *shown)
@@ -223,8 +230,9 @@ static void optimise(pzs_optimiser *optimiser, pzs_control *control, const pzs_r
 }
 
 /*
- * Set the work limit and the rounding-error bound of a voltage step. `missed` is the weighted
- * squared norm of the target error at the base voltages (m2).
+ * Set the work limit of a voltage step and the rounding-error bound of its target gradient.
+ * `missed` is the weighted squared norm of the target error at the base voltages, around which the
+ * gradient is computed (m2).
  */
 static void set_work_limits(pzs_optimiser *optimiser, const pzs_control *control, pzs_real missed)
 {
@@ -237,7 +245,8 @@ static void set_work_limits(pzs_optimiser *optimiser, const pzs_control *control
 }
 
 /*
- * Return the largest absolute value of the gradient in the free set at the present voltages (m2/V).
+ * Return the largest absolute value of the gradient of the objective over the inputs of the free
+ * set, whose voltages the optimiser may change (m2/V).
  */
 static pzs_real largest_free_gradient(const pzs_optimiser *optimiser)
 {
@@ -264,8 +273,8 @@ static void note_work(const pzs_optimiser *optimiser, pzs_control *control)
 }
 
 /*
- * Report the results of a voltage step. `clash` is the first input whose step limit and voltage
- * limits do not overlap, or -1.
+ * Write the results of a voltage step to the controller. `clash` is the first input whose step
+ * limit and voltage limits do not overlap, or -1. Returns the status of the step.
  */
 static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *control, int32_t clash)
 {
@@ -276,8 +285,8 @@ static pzs_status finish_step(const pzs_optimiser *optimiser, pzs_control *contr
 }
 
 /*
- * Turn a voltage step into that of a damped tick, which also damps vibration: the gradient of the
- * objective at the base voltages is multiplied by state.share, and the damping gradient is added to
+ * Change a voltage step so that it also damps vibration: the gradient of the objective at the base
+ * voltages is multiplied by state.share, a factor from 0 to 1, and the damping gradient is added to
  * the target gradient. Returns `missed`, the weighted squared norm of the target error (m2),
  * enlarged so that the rounding-error bound covers the damping gradient too.
  *   damping [inputs] in  damping gradient (m2/V)
@@ -300,7 +309,8 @@ static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control
 
 /*
  * Make one voltage step from the shape `shown` towards the shape `wanted`.
- *   damping [inputs] in  damping gradient of a damped tick (m2/V); NULL: undamped step
+ *   damping [inputs] in  gradient of the objective that damps vibration (m2/V); NULL: a step
+ *                        without damping
  */
 static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs_real *wanted,
                        const pzs_real *shown, const pzs_real *damping)
@@ -340,7 +350,7 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error)
 
 /* ---- tick ------------------------------------------------------------ */
 
-/* Predict the shape anew if voltages have changed since the last prediction. */
+/* Predict the shape anew if the voltages have changed since the last prediction. */
 static void renew_prediction(pzs_optimiser *optimiser, pzs_control *control)
 {
     if (control->state.behind != PZS_BEHIND_NOTHING)
@@ -380,9 +390,9 @@ static pzs_status hold_voltages(pzs_optimiser *optimiser, pzs_control *control, 
 }
 
 /*
- * Compute the disturbances from the measurements. In a damped tick the measurements come from the
- * vibration damper and are checked already. Returns the number of rejected measurements; *where is
- * the index of the first one.
+ * Compute the disturbance (measured minus predicted shape). In a tick that also damps vibration the
+ * measured shape comes from the vibration damper and is checked already. Returns the number of
+ * rejected measurements; *where receives the index of the first one.
  */
 static uint32_t compare(const pzs_control *control, const pzs_real *measured, int32_t *where)
 {
@@ -541,7 +551,10 @@ void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uin
     row[k] += control->state.problem->regularisation;
 }
 
-/* Set the bounds before the first step. Without step limits they are always the voltage limits. */
+/*
+ * Set the bounds of the voltages before the first step. Without step limits they are the voltage
+ * limits in all steps.
+ */
 static void set_initial_bounds(pzs_optimiser *optimiser, const pzs_control *control)
 {
     pzs_control_share_bounds(optimiser, control);
@@ -554,8 +567,9 @@ static void set_initial_bounds(pzs_optimiser *optimiser, const pzs_control *cont
 }
 
 /*
- * Set the state before the first step: reference voltages clamped to the limits, and every linearly
- * independent input in the free set.
+ * Set the controller before the first step: reference voltages clamped to the limits, and all
+ * inputs whose effects are linearly independent in the free set, whose voltages the optimiser may
+ * change.
  */
 static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
 {

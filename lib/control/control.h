@@ -5,10 +5,13 @@
 
 #include "pzs_control.h"
 
-#define CONTROL_READY 1u /* value of state.stage after a successful pzs_control_init */
+#define CONTROL_READY                                                                              \
+    1u /* value of state.stage, by which other functions recognise a controller that was           \
+          initialised without an error */
 
 /*
- * Return the checksum of the counts and arrays of a voltage problem, as stored in its member crc.
+ * Return the checksum of the counts and arrays of a voltage problem, which its member crc must
+ * equal.
  */
 uint32_t pzs_problem_crc(const pzs_problem *problem);
 
@@ -25,38 +28,43 @@ pzs_status pzs_control_check_problem(const pzs_problem *problem, const pzs_real 
 void pzs_control_predict(pzs_control *control);
 
 /*
- * To be called after state.voltage was changed outside a voltage step: the next step or tick starts
- * from the new voltages.
+ * Tell the controller that state.voltage was changed outside a voltage step. The next step or tick
+ * then starts from the new voltages.
  */
 void pzs_control_moved(pzs_control *control);
 
 /*
- * Make the next ticks damped ticks, which also damp vibration: at the present voltages the gradient
- * of the objective is multiplied by `share`, and the damping gradient is subtracted from it.
- * Unchanged voltages are always allowed, and in static equilibrium the voltages are those of the
- * undamped tick.
+ * Make the next ticks damp vibration: at the present voltages the gradient of the objective is
+ * multiplied by `share`, and the damping gradient is subtracted from it. Voltages that do not
+ * change obey all limits of such a tick, and in static equilibrium the voltages are those without
+ * damping.
  *   share            in      factor of the static gradient, above 0 and at most 1
- *   damping [inputs] in      damping gradient, read in each tick (m2/V); NULL: undamped ticks again
- *   carry   [inputs] in/out  parts of voltage changes that the amplifiers have not made, kept by
- *                            pzs_quantise (V); 0 at first
+ *   damping [inputs] in      gradient by which the vibration damper moves the voltages, read in
+ *                            each tick (m2/V); NULL: ticks without damping
+ *   carry   [inputs] in/out  parts of voltage changes that the amplifiers have not made because of
+ *                            their converter steps, kept by pzs_quantise (V); 0 at first
  */
 void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damping,
                       pzs_real *carry);
 
 /*
- * Record the voltage at which an input is held (V), or NaN if it is not held. To be called with
- * every change of state.lower and state.upper that is to last beyond the tick of a loop.
+ * Record the voltage at which an input is held (V), or NaN if it is not held. The voltage must be
+ * recorded with every change of the voltage limits in force (state.lower, state.upper) that is to
+ * last longer than one tick of a loop, because each tick derives these limits again.
  */
 void pzs_control_set_held(pzs_control *control, uint32_t input, pzs_real voltage);
 
 /* ---- parts of the initialisation that a loop repeats (control.c, restore.c) */
 
-/* Let the arrays of the controller point into its workspace. The voltage problem must be set. */
+/*
+ * Set the pointers of the controller to its arrays in the workspace. The voltage problem of the
+ * controller must be set before.
+ */
 void pzs_control_place(pzs_control *control, void *work);
 
 /*
  * Compute row k of the Hessian: from the table of the problem, or, without a table, from influence
- * matrix and weights. The Hessian is symmetric to the last bit.
+ * matrix and output weights. The Hessian is symmetric to the last bit.
  */
 void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k);
 
@@ -67,8 +75,8 @@ void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uin
 void pzs_control_find_step_limits(pzs_control *control);
 
 /*
- * Without step limits, the bounds of a voltage step are the voltage limits in force: let both share
- * their arrays.
+ * Let the bounds of a voltage step and the voltage limits in force share their arrays. In a problem
+ * without step limits, both are always equal.
  */
 void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *control);
 
@@ -79,14 +87,14 @@ void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *contr
 void pzs_control_set_constants(pzs_control *control);
 
 /*
- * Set voltage limits in force and step limits to those of the tables; both voltage limits of an
- * input that is held become the held voltage.
+ * Set the step limits and the voltage limits in force to those of the tables; for an input that is
+ * held at a fixed voltage, both limits become this voltage.
  */
 void pzs_control_restore_limits(pzs_control *control);
 
 /*
- * Derive again, at the start of a tick of a loop, what damaged memory may have changed: pointers
- * and counts, limits in force, step limits, and one row of the Hessian.
+ * At the start of a tick of a loop, compute again from the tables what damaged memory may have
+ * changed: pointers and counts, voltage limits in force, step limits, and one row of the Hessian.
  *   influence [outputs][inputs] in  as passed to pzs_control_init
  *   work                        in  workspace of the controller
  * Without damage no bit changes. The work is about 30 operations for each input.
@@ -95,9 +103,9 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
                          const pzs_real *influence, void *work);
 
 /*
- * Continue from the voltages in state.voltage after damaged memory was corrected. The Hessian is
- * compared with its source entry by entry, and the matrix of the optimiser and the predicted shape
- * are computed anew.
+ * Continue from the voltages in state.voltage after damaged memory was corrected. Each entry of the
+ * Hessian is compared with the tables and repaired, and the tableau of the optimiser and the
+ * predicted shape are computed anew.
  *   influence [outputs][inputs] in  as passed to pzs_control_init
  */
 void pzs_control_recover(pzs_control *control, const pzs_real *influence);

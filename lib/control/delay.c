@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Correction of late readings, for a loop without vibration damper. To readings that are `delay`
- * ticks old, the block adds the change that the model predicts from the voltage changes since then.
- * Without the correction the control step would compensate the same deviation in several ticks, and
- * the loop would oscillate.
+ * Block of the control loop that corrects late sensor readings, for a loop without vibration
+ * damper. To readings that were taken `delay` ticks ago, the block adds the changes that the model
+ * predicts from the voltage changes since then. Without the correction the control step would
+ * compensate the same deviation in several ticks, and the loop would oscillate.
  *
  * An electrode that the fault detector has found faulty counts as if its voltage had not changed.
  *
@@ -60,7 +60,7 @@ static pzs_status check(const pzs_reading_delay *tables, const pzs_problem *prob
 
 /* ---- voltages of the last ticks ---------------------------------------- */
 
-/* Let the block point to its tables and its arrays. */
+/* Set the pointers of the block for late readings to its tables, its controller and its arrays. */
 static void place(pzs_reading_delay_state *state, const pzs_reading_delay *tables,
                   pzs_control *control)
 {
@@ -76,15 +76,17 @@ static void place(pzs_reading_delay_state *state, const pzs_reading_delay *table
     state->newest = (uint16_t)(state->newest % rows);
 }
 
-/* Return the reading of each sensor per volt on each input, [sensors][inputs]. */
+/*
+ * Return the table [sensors][inputs] of the model: change of each reading per volt on each input.
+ */
 static const pzs_real *direct_of(const pzs_reading_delay_state *state)
 {
     return state->tables->direct != NULL ? state->tables->direct : state->control->state.influence;
 }
 
 /*
- * Store the present voltages, and the readings that they should produce, in the newest row of the
- * ring buffer.
+ * Store the present voltages, and the readings that they produce according to the model, in the
+ * newest row of a ring buffer.
  */
 static void push_voltages(pzs_reading_delay_state *state)
 {
@@ -96,7 +98,10 @@ static void push_voltages(pzs_reading_delay_state *state)
                        state->control->state.voltage, sensors, inputs);
 }
 
-/* Return the row of the ring buffer that belongs to the time of the readings. */
+/*
+ * Return the index of the oldest row in the ring buffer of voltages, which belongs to the time at
+ * which the present readings were taken.
+ */
 static size_t oldest_row(const pzs_reading_delay_state *state)
 {
     return (state->newest + 1u) % (state->tables->delay + 1u);
@@ -104,13 +109,19 @@ static size_t oldest_row(const pzs_reading_delay_state *state)
 
 /* ---- correction ---------------------------------------------------------- */
 
-/* Whether the fault detector has found an input faulty and holds it. */
+/*
+ * Whether the fault detector has found the electrode of an input faulty and keeps its voltage
+ * fixed.
+ */
 static bool is_faulty(const pzs_control *control, size_t input)
 {
     return control->state.faulty[input] != 0 && number_is_finite(control->state.held[0][input]);
 }
 
-/* Subtract the voltage changes of faulty electrodes from the corrected readings. */
+/*
+ * Correct the readings for faulty electrodes, which have not followed the voltages: subtract the
+ * changes that the model predicts from their voltage changes since the readings were taken.
+ */
 static void undo_faulty(pzs_reading_delay_state *state)
 {
     const size_t inputs = state->tables->inputs;
@@ -123,8 +134,9 @@ static void undo_faulty(pzs_reading_delay_state *state)
 }
 
 /*
- * Correct all readings. They are checked against the readings expected at their own time; a missing
- * or stuck reading becomes NaN.
+ * Correct all readings for the voltage changes since they were taken. Each reading is first
+ * compared with that which the model predicts for the time at which it was taken; a missing or
+ * stuck reading becomes NaN.
  */
 static void correct(pzs_reading_delay_state *state, const pzs_real *readings)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Shape estimator: the shape from a few sensors and the model, B v + G (s - S v). B v is the shape
- * that the voltages v make, and S v are the readings that they make. G (s - S v) is the most
- * probable shape of all other causes, given the readings s; the gain G contains the loads and
- * faults for which the tables were generated.
+ * Shape estimator: computes the shape from a few sensors and the model as B v + G (s - S v). B v is
+ * the shape that the voltages v make, with the influence matrix B, and S v are the readings that
+ * they make. G (s - S v) is the most probable shape of all other causes, given the readings s; the
+ * gain G contains the loads and faults for which the tables were generated.
  *
  * The work of a tick is at most (sensors + outputs) (inputs + sensors) multiply-adds and does not
  * depend on the data.
@@ -68,7 +68,7 @@ static pzs_status finish(pzs_estimate *estimate, pzs_status status, int32_t wher
     return status;
 }
 
-/* Let the estimator point to its controller, its tables and its arrays. */
+/* Set the pointers of the shape estimator to its controller, its tables and its arrays. */
 static void place(pzs_estimate *estimate, pzs_control *control, const pzs_estimator *tables,
                   void *work)
 {
@@ -140,8 +140,8 @@ static void *work_of(pzs_estimate *estimate)
 }
 
 /*
- * Initialise the estimator block. Its memory holds the estimator, its workspace, and the estimated
- * shape.
+ * Initialise the shape estimator as a block of the control loop. Its memory holds the estimator,
+ * then the workspace of the estimator, then the estimated shape.
  */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
@@ -162,7 +162,10 @@ static pzs_real *shape_of(pzs_estimate *estimate)
     return (void *)((uint8_t *)estimate + before);
 }
 
-/* Run the estimator block. Without readings in this tick there is no measured shape. */
+/*
+ * Run the shape estimator in a tick of the control loop. A tick without readings has no measured
+ * shape.
+ */
 static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 {
     pzs_estimate *estimate = self;

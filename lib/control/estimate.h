@@ -6,7 +6,8 @@
 #include "pzs_loop.h"
 
 /*
- * Return the checksum of the counts and arrays of estimator tables, as stored in their member crc.
+ * Return the checksum of the counts and arrays of estimator tables, which their member crc must
+ * equal.
  */
 uint32_t pzs_estimate_crc(const pzs_estimator *tables);
 uint32_t pzs_estimate_known_crc(const pzs_feed_forward_table *tables);

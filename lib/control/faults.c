@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Fault detector: finds electrodes that do not follow their amplifiers, from the measured shape.
+ * Fault detector: finds, from the measured shape, electrodes whose voltage does not follow their
+ * amplifier.
  *
  * Between two measured shapes the commanded voltages change by x, and the disturbance (measured
  * minus predicted shape) changes by B f + load, with the influence matrix B. f_j is the voltage by
@@ -8,7 +9,8 @@
  * response. An electrode that follows responds with about x; one that does not, with about 0. An
  * electrode is suspected in two cases:
  *
- *   - it was moved by a full amplitude and hardly responded: it is stuck, or was dead before; or
+ *   - its voltage was changed by at least the amplitude of a test signal, and the shape hardly
+ *   responded: the electrode is stuck, or was dead before; or
  *   - the shape jumped as if the voltage of this electrode, more than that of any other, had
  *     vanished: it has just died.
  *
@@ -31,32 +33,40 @@
 #include "../core/numbers.h"
 
 #define READY 1u
-/* Factor by which the sums over earlier shapes decay before each new shape is added. */
+/* Factor by which the sums over earlier measured shapes decay before each new shape is added. */
 #define FADING PZS_R(0.75)
 /*
- * An electrode does not respond if this number times the sum of its squared responses is below the
- * sum of its squared moves.
+ * Threshold of the fault detector: an electrode does not respond if this number times the sum of
+ * the squared voltage changes that the shape indicates is below the sum of its squared commanded
+ * voltage changes.
  */
 #define NO_RESPONSE 16
-/* Lowest regularisation of the least-squares estimate, relative to the diagonal of its matrix. */
+/*
+ * Lowest regularisation of the least-squares estimate of electrode voltages, relative to the
+ * diagonal of its matrix.
+ */
 #define LEAST_RIDGE PZS_R(1e-5)
 /*
- * An electrode is observable if the least-squares estimate, applied to the effect of 1 V on this
- * electrode alone, returns more than this part of a volt for it.
+ * Threshold of the fault detector: an electrode is observable if the least-squares estimate,
+ * applied to the shape that 1 V on this electrode alone makes, returns more than this part of a
+ * volt for it.
  */
 #define OBSERVABLE PZS_R(0.75)
-#define TEST_MOVES 8u   /* number of moves in a test of an electrode */
-#define TEST_SHAPES 24u /* largest number of shapes until a test has made all its moves */
+#define TEST_MOVES 8u /* number of voltage changes in a test of an electrode */
+#define TEST_SHAPES                                                                                \
+    24u /* largest number of measured shapes in a test of an electrode, after which the test ends  \
+           even if not all its voltage changes were made */
 #define CLEARED_SHAPES                                                                             \
-    100u /* number of shapes during which an electrode that has passed a test is not suspected */
+    100u /* number of measured shapes for which an electrode that has passed a test is not tested  \
+            again */
 #define NO_INPUT 0xFFFFu /* input number of a test signal that is not in use */
 #define MISSING_LIMIT                                                                              \
-    8u /* electrodes are watched for faults only while at most 1/MISSING_LIMIT of all outputs are  \
-          not measured */
+    8u /* the fault detector works only while at most 1/MISSING_LIMIT of all outputs have no       \
+          measurement */
 
 /*
- * Bits of state.missing. NOT_MEASURED: the output was not measured in the last shape. EXCLUDED: the
- * output is excluded from the least-squares estimate.
+ * Bits of state.missing, which has an entry for each output. NOT_MEASURED: the last shape has no
+ * measurement of the output. EXCLUDED: the least-squares estimate does not use the output.
  */
 enum { NOT_MEASURED = 1, EXCLUDED = 2 };
 
@@ -68,8 +78,9 @@ static pzs_real square(pzs_real number)
 /* ---- init ------------------------------------------------------------- */
 
 /*
- * Return the default amplitude of a test signal (V): just below half the step limit, but at most
- * 1/32 of the voltage range. The factor 0.49 instead of 0.5 leaves room for rounding errors.
+ * Return the default amplitude of a test signal of electrode j (V): just below half the step limit,
+ * but at most 1/32 of the voltage range. The factor 0.49 instead of 0.5 leaves room for rounding
+ * errors.
  */
 static pzs_real default_amplitude(const pzs_problem *problem, uint32_t j)
 {
@@ -110,7 +121,7 @@ static void lay_out(pzs_fault_detector *detector, void *work)
     detector->info.electrode = detector->state.electrode;
 }
 
-/* Let the detector point to its controller and its arrays. */
+/* Set the pointers of the fault detector to its controller and to its arrays in the workspace. */
 static void place(pzs_fault_detector *detector, pzs_control *control, uint16_t delay, void *work)
 {
     detector->state.control = control;
@@ -150,8 +161,9 @@ static void find_diagonal(pzs_fault_detector *detector)
 }
 
 /*
- * Compute the entries 0 to j in row j of B'W^2 B over the outputs that are not excluded, plus the
- * regularisation of the diagonal. B is the influence matrix, W the output weights.
+ * Compute the entries 0 to j in row j of the matrix of the least-squares estimate of electrode
+ * voltages. It is B'W^2 B over the outputs that are not excluded, plus the regularisation of the
+ * diagonal, with the influence matrix B and the output weights W.
  */
 static void form_row(const pzs_fault_detector *detector, uint32_t j, pzs_real *row)
 {
@@ -170,7 +182,10 @@ static void form_row(const pzs_fault_detector *detector, uint32_t j, pzs_real *r
     }
 }
 
-/* Compute and factor the matrix of the least-squares estimate. Returns whether it is regular. */
+/*
+ * Compute and factor the matrix of the least-squares estimate of electrode voltages. Returns
+ * whether the matrix is regular.
+ */
 static bool factor_matrix(pzs_fault_detector *detector)
 {
     for (uint32_t j = 0; j < detector->state.columns.n; j++) {
@@ -183,8 +198,8 @@ static bool factor_matrix(pzs_fault_detector *detector)
 }
 
 /*
- * Mark the electrodes as unobservable whose voltage the least-squares estimate does not return from
- * their own effect on the shape.
+ * Mark the electrodes that are not observable: those for which the least-squares estimate of
+ * electrode voltages does not return 1 V from the shape that 1 V on this electrode alone makes.
  */
 static void find_unobservable(pzs_fault_detector *detector)
 {
@@ -221,7 +236,9 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
     if (control->state.stage != CONTROL_READY)
         return finish(detector, PZS_E_STAGE, -1);
     const pzs_problem *problem = control->state.problem;
-    if (problem->limit_rows != NULL) /* a test signal moves one input alone, beyond limit rows */
+    if (problem->limit_rows != NULL) /* a test signal changes the voltage of one input alone and
+                                        could violate limit rows (limits of weighted sums of
+                                        voltages) */
         return finish(detector, PZS_E_ARGUMENT, -1);
     const size_t need = PZS_FAULT_DETECTOR_BYTES(problem->inputs, problem->outputs, delay);
     const int32_t missing = guard_missing_bytes(work, bytes, need);
@@ -252,9 +269,9 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
 /* ---- response --------------------------------------------------------- */
 
 /*
- * Update the disturbance (measured minus predicted shape) and state.change, the squared output
- * weights times the change of the disturbance since the last shape, which is zero where either
- * shape has no measurement. Returns whether enough outputs are measured in both shapes.
+ * Update the disturbance (measured minus predicted shape) and state.change, its change since the
+ * last shape times the squared output weights. The change is zero for an output that was not
+ * measured in both shapes. Returns whether enough outputs were measured in both shapes.
  */
 static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *measured)
 {
@@ -280,8 +297,8 @@ static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *mea
 }
 
 /*
- * Whether too few outputs are measured. The shape is then skipped, and the next one is compared
- * with the last shape that was used.
+ * Whether too few outputs are measured. The fault detector then skips the measured shape, and
+ * compares the next shape with the last one that it used.
  */
 static bool has_too_few(const pzs_fault_detector *detector, const pzs_real *measured)
 {
@@ -303,7 +320,7 @@ static pzs_real *oldest_voltages(const pzs_fault_detector *detector)
 }
 
 /*
- * Store the voltages of one tick in place of the oldest ones.
+ * Store the voltages of one tick in a ring buffer, in place of the oldest voltages.
  *   voltage [inputs] in  voltages of the tick (V)
  */
 static void store_voltages(pzs_fault_detector *detector, const pzs_real *voltage)
@@ -351,9 +368,10 @@ static bool is_held(const pzs_control *control, uint32_t j)
 }
 
 /*
- * Whether electrode j has lost about all of its voltage since the last shape: 40 % to 160 % by the
- * least-squares estimate, and at least a quarter of deviation2, the sum of the squared deviations
- * of all electrodes (V2).
+ * Whether electrode j seems to have lost about all of its voltage since the last shape. The
+ * least-squares estimate must indicate a loss of 40 % to 160 % of the voltage, and the squared loss
+ * must be at least a quarter of deviation2, the sum over all electrodes of the squared differences
+ * between indicated and commanded voltage changes (V2).
  */
 static bool has_just_failed(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage,
                             pzs_real deviation2)
@@ -380,8 +398,9 @@ static pzs_real suspicion(const pzs_fault_detector *detector, uint32_t j, pzs_re
 }
 
 /*
- * Start a test of electrode j around its present voltage, or, if this is less than one amplitude
- * from a limit, around the nearest voltage that is not.
+ * Start a test of electrode j, in which its voltage alternates by one amplitude about its present
+ * voltage. If the present voltage is nearer to a limit than the amplitude, the test uses the
+ * nearest voltage that is not.
  */
 static void start_test(pzs_fault_detector *detector, pzs_test_signal *test, uint32_t j,
                        const pzs_real *voltage)
@@ -406,7 +425,7 @@ static bool has_room(const pzs_fault_detector *detector, uint32_t j)
 }
 
 /*
- * Start tests of the electrodes under the strongest suspicion, as long as fewer than
+ * Start tests of the electrodes that are most suspected of being faulty, as long as fewer than
  * PZS_TEST_SIGNALS electrodes are under test.
  */
 static void start_tests(pzs_fault_detector *detector, const pzs_real *voltage, pzs_real deviation2)
@@ -429,8 +448,9 @@ static void start_tests(pzs_fault_detector *detector, const pzs_real *voltage, p
 }
 
 /*
- * Set the test voltages of the next tick: both limits of each electrode under test become its test
- * voltage, which lies inside the limits before the test even if the amplitude has changed since.
+ * Set the voltage of each electrode under test for the next tick: both its voltage limits become
+ * the test voltage. The test voltage is inside the voltage limits that were in force before the
+ * test, even if the program has changed the amplitude since.
  */
 static void set_test_voltages(pzs_fault_detector *detector)
 {
@@ -452,8 +472,8 @@ static void set_test_voltages(pzs_fault_detector *detector)
 }
 
 /*
- * Mark an electrode that has passed its test, so that it is not suspected for CLEARED_SHAPES
- * shapes.
+ * Mark an electrode that has passed a test, so that it is not tested again for CLEARED_SHAPES
+ * measured shapes.
  */
 static void mark_cleared(pzs_fault_detector *detector, uint32_t j)
 {
@@ -461,7 +481,7 @@ static void mark_cleared(pzs_fault_detector *detector, uint32_t j)
     detector->state.pause[j] = CLEARED_SHAPES;
 }
 
-/* End a test that found no fault, and restore the limits of the electrode. */
+/* End a test that found no fault, and restore the voltage limits of the electrode. */
 static void end_test(pzs_fault_detector *detector, pzs_test_signal *test)
 {
     const uint32_t j = test->input;
@@ -473,9 +493,9 @@ static void end_test(pzs_fault_detector *detector, pzs_test_signal *test)
 }
 
 /*
- * Hold a faulty electrode at its probable voltage: 0 V for a dead one, the present voltage for a
- * stuck one. Voltages and prediction then agree with the structure, and the next step only has to
- * compensate for the lost effect of the electrode.
+ * Fix the voltage of a faulty electrode in the controller at that which it probably has: 0 V for a
+ * dead electrode, the present voltage for a stuck one. The predicted shape then agrees with the
+ * structure, and the next control step only has to compensate for the lost effect of the electrode.
  */
 static void hold_electrode(pzs_fault_detector *detector, pzs_test_signal *test)
 {
@@ -494,8 +514,8 @@ static void hold_electrode(pzs_fault_detector *detector, pzs_test_signal *test)
 }
 
 /*
- * Whether the electrode under test did not respond: the variance of its responses is compared with
- * the variance of its moves.
+ * Whether the electrode under test did not respond. The variance of the voltage changes that the
+ * measured shapes indicate is compared with the variance of the commanded changes.
  */
 static bool has_no_response(const pzs_test_signal *test)
 {
@@ -506,8 +526,8 @@ static bool has_no_response(const pzs_test_signal *test)
 }
 
 /*
- * Add one shape to a test, and end the test after all its moves or after too many shapes. Returns
- * whether the electrode is faulty.
+ * Add one measured shape to the test of an electrode. The test ends after TEST_MOVES voltage
+ * changes or TEST_SHAPES shapes. Returns whether the electrode is faulty.
  */
 static bool continue_test(pzs_fault_detector *detector, pzs_test_signal *test,
                           const pzs_real *voltage)
@@ -533,8 +553,8 @@ static bool continue_test(pzs_fault_detector *detector, pzs_test_signal *test,
 }
 
 /*
- * Whether the program has changed the limits of the electrode during its test, by pzs_hold or
- * pzs_release.
+ * Whether the program has changed the voltage limits of an electrode during its test, by a call of
+ * pzs_hold or pzs_release.
  */
 static bool is_overridden(const pzs_fault_detector *detector, const pzs_test_signal *test)
 {
@@ -544,7 +564,10 @@ static bool is_overridden(const pzs_fault_detector *detector, const pzs_test_sig
            control->state.upper[j] > test->set;
 }
 
-/* Add one shape to all running tests. Returns the first input found faulty, or -1. */
+/*
+ * Add one measured shape to all running tests of electrodes. Returns the first input whose
+ * electrode is found faulty, or -1.
+ */
 static int32_t run_tests(pzs_fault_detector *detector, const pzs_real *voltage)
 {
     int32_t first = -1;
@@ -576,7 +599,10 @@ static void update_states(pzs_fault_detector *detector)
     }
 }
 
-/* Evaluate one measured shape. Returns the first input found faulty, or -1. */
+/*
+ * Compare one measured shape with the commanded voltages of all electrodes, and continue and start
+ * tests. Returns the first input whose electrode is found faulty, or -1.
+ */
 static int32_t evaluate_shape(pzs_fault_detector *detector, const pzs_real *voltage)
 {
     const pzs_real deviation2 = update_responses(detector, voltage);
@@ -614,8 +640,9 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Set the amplitude of all test signals to that of the tables, reduced to just below half the step
- * limit. The amplitude is 0 for an electrode whose limits leave no room.
+ * Set the amplitude of the test signals of all electrodes to that of the tables, reduced to just
+ * below half the step limit. The amplitude is 0 for an electrode whose voltage limits leave no room
+ * for a test.
  */
 static void set_amplitude(pzs_fault_detector *detector, pzs_real amplitude)
 {
@@ -631,7 +658,10 @@ static void *work_of(pzs_fault_detector *detector)
     return (uint8_t *)detector + PZS_ALIGNED(sizeof *detector);
 }
 
-/* Initialise the fault detector block. Its memory holds the detector, followed by its workspace. */
+/*
+ * Initialise the fault detector as a block of the control loop. Its memory holds the detector,
+ * followed by its workspace.
+ */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     const pzs_fault_detection *detection = tables;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Feed-forward of known loads: the effect of known loads on shape and readings is subtracted before
- * the controller sees them. The work of a tick is (sensors + outputs) loads multiply-adds.
+ * Feed-forward of known loads: the effect of known loads on the shape and on the sensor readings is
+ * subtracted from target shape and readings before the controller uses them. The work of a tick is
+ * (sensors + outputs) times loads multiply-adds.
  */
 #include <string.h>
 #include "estimate.h"
@@ -64,7 +65,8 @@ pzs_status pzs_feed_forward(const pzs_feed_forward_table *table, const pzs_real 
 /* ---- block ------------------------------------------------------------ */
 
 /*
- * Return the table of the readings, or that of the shape where the readings are the measured shape.
+ * Return the feed-forward table for the sensor readings. If the readings are the measured shape
+ * itself, it is the table for the shape.
  */
 static const pzs_feed_forward_table *readings_table(const pzs_known_loads *loads)
 {
@@ -79,8 +81,8 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Check that a table is valid, belongs to the scene of the voltage problem and has a given number
- * of rows.
+ * Check that a feed-forward table is valid, belongs to the scene of the voltage problem and has as
+ * many rows as required.
  */
 static pzs_status check(const pzs_feed_forward_table *table, const pzs_problem *problem,
                         uint16_t rows)
@@ -93,7 +95,7 @@ static pzs_status check(const pzs_feed_forward_table *table, const pzs_problem *
     return table->outputs == rows ? PZS_OK : PZS_E_ARGUMENT;
 }
 
-/* Let the block point to its tables and its arrays. */
+/* Set the pointers of the feed-forward block to its tables and its arrays. */
 static void place(pzs_feed_forward_state *state, const pzs_known_loads *loads)
 {
     state->tables = loads;
@@ -117,7 +119,10 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     return PZS_OK;
 }
 
-/* Let *signal point to `copy`, which receives the signal minus the effect of the known loads. */
+/*
+ * Write a signal, readings or target shape, minus the effect of the known loads to `copy`, and let
+ * *signal point to this array.
+ */
 static pzs_status subtract_known(const pzs_feed_forward_table *table, const pzs_real *known,
                                  const pzs_real **signal, pzs_real *copy)
 {
@@ -155,9 +160,9 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
 }
 
 /*
- * List the array that the checksum of a feed-forward table covers: table 0 gives the effect of
- * known loads on the shape; table 1, if there is one, that on the readings. Returns the number of
- * arrays; 0: no such table.
+ * List the array that the checksum of a feed-forward table covers. Table 0 holds the effect of
+ * known loads on the shape, table 1 the effect on the sensor readings if these are not the shape
+ * itself. Returns the number of arrays; 0 if there is no such table.
  */
 static uint32_t block_parts(const void *tables, uint32_t number,
                             pzs_table_part part[PZS_TABLE_PARTS], uint32_t *crc)

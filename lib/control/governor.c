@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Reference governor: lets a damped tick follow a moving target without the lag of the damped tick.
+ * Reference governor: lets a control step that also damps vibration follow a moving target shape
+ * without lag.
  *
- * A damped tick goes only the part `share` of the way to the static optimum. Whenever the target
- * changes, the governor computes the optimal voltages v_t within the limits for the target alone.
- * It moves reference voltages v_ref towards v_t, by dr in a tick, which is at most a part of the
- * step limits. It replaces the target shape z by
+ * A control step that damps vibration goes only the part `share` of the way from the last voltages
+ * to the static optimum. Whenever the target changes, the governor computes the voltages v_t within
+ * the limits that are optimal for the target without disturbances. It moves its reference voltages
+ * v_ref towards v_t, by dr in a tick, which is at most a fixed part of the step limits. It replaces
+ * the target shape z by
  *
  *   z - B (v_t - v_ref) + B dr / share
  *
- * with the influence matrix B, so that the damped tick adds all of dr to the voltages, and only a
- * share of what is left. Once v_ref has arrived, the target is passed on unchanged.
+ * with the influence matrix B, so that the control step adds the whole dr to the voltages, and only
+ * a share of the remaining correction. Once v_ref has arrived, the target is passed on unchanged.
  *
  * The work of a tick is zero while the target stands still and v_ref has arrived; otherwise outputs
  * * inputs multiply-adds, and a voltage step when the target has changed.
@@ -37,7 +39,7 @@ static void *work_of(pzs_governor_state *state)
     return (uint8_t *)state + PZS_ALIGNED(sizeof *state);
 }
 
-/* Let the block point to its tables and its arrays. */
+/* Set the pointers of the reference governor to its tables, its controllers and its arrays. */
 static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_control *control)
 {
     const pzs_problem *problem = control->state.problem;
@@ -51,7 +53,10 @@ static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_con
     state->wanted = state->target + problem->outputs;
 }
 
-/* Return the influence matrix as pzs_control_init takes it: NULL stands for that of the problem. */
+/*
+ * Return the influence matrix of a controller in the form in which pzs_control_init takes it: NULL
+ * if the controller uses the matrix of the voltage problem.
+ */
 static const pzs_real *influence_of(const pzs_control *control)
 {
     const pzs_real *influence = control->state.influence;
@@ -85,8 +90,9 @@ static bool are_equal(const pzs_real *left, const pzs_real *right, uint32_t coun
 }
 
 /*
- * Whether two controllers hold the same inputs at the same voltages.
- *   left, right [count] in  voltages at which inputs are held (V), NaN: not held
+ * Whether the same inputs are held at the same voltages in two controllers.
+ *   left, right [count] in  for each controller the voltages at which inputs are held (V), NaN: not
+ *   held
  */
 static bool are_held_alike(const pzs_real *left, const pzs_real *right, uint32_t count)
 {
@@ -97,7 +103,10 @@ static bool are_held_alike(const pzs_real *left, const pzs_real *right, uint32_t
     return i == count;
 }
 
-/* Whether target and held inputs are those for which the last optimum was computed. */
+/*
+ * Whether the target shape and the inputs that are held at a fixed voltage are those for which the
+ * governor has last computed the optimal voltages.
+ */
 static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 {
     const pzs_problem *problem = state->control->state.problem;
@@ -107,9 +116,10 @@ static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 }
 
 /*
- * Compute the optimal voltages for the target, within the voltage limits of the tables, with the
- * inputs held that the loop holds, and without step limits. The limits of the loop's controller are
- * not used, because they may be effects of a hysteresis block.
+ * Compute the optimal voltages for the target shape, within the voltage limits of the tables,
+ * without step limits, and with the same inputs held at a fixed voltage as in the loop. The voltage
+ * limits in the loop's controller are not used, because a hysteresis block may have replaced them
+ * by limits of effects (voltages without hysteresis).
  */
 static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
 {
@@ -127,8 +137,8 @@ static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
 }
 
 /*
- * Return the largest fraction of the way from the reference voltages to the optimum for which no
- * input exceeds the governor's part of its step limit.
+ * Return the largest fraction of the way from the reference voltages of the governor to the optimal
+ * voltages that exceeds for no input the part of its step limit that the governor may use.
  */
 static pzs_real largest_part(const pzs_governor_state *state)
 {
@@ -142,9 +152,10 @@ static pzs_real largest_part(const pzs_governor_state *state)
 }
 
 /*
- * Move the reference voltages by one tick. Then compute the voltages optimum - reference - move /
- * share (V), whose shape is to be subtracted from the target. Returns whether there is anything to
- * subtract.
+ * Move the reference voltages towards the optimal voltages by one tick. Then compute the voltages
+ * optimum - reference - move / share (V), whose shape is to be subtracted from the target; `share`
+ * is the part of the way to the optimum that one control step goes. Returns whether any of these
+ * voltages differs from zero.
  */
 static bool move_reference(pzs_governor_state *state)
 {
@@ -168,7 +179,8 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     const pzs_problem *problem = signals->control->state.problem;
     place(state, signals->tables, signals->control);
     if (pzs_guard_nonfinite(signals->wanted, problem->outputs) >= 0)
-        return PZS_OK; /* the control step will keep the voltages and return the reason */
+        return PZS_OK; /* a target shape that is not finite is left to the control step, which keeps
+                          the last voltages and returns a warning */
     if (!is_known(state, signals->wanted))
         find_optimum(state, signals->wanted);
     if (!state->has_target || !move_reference(state))

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Model of hysteresis and creep of piezoelectric ceramic, and its inverse (pzs_loop.h).
+ * Model of hysteresis and creep of piezoelectric ceramic, and its inverse. The effect of an
+ * electrode is the voltage that would move the structure as far without hysteresis and creep.
  *
- * The effect of an electrode at the voltage v, with s = v - middle, is
+ * The effect of an electrode at the voltage v, with the distance s of v from the middle of the
+ * voltage range, is
  *
  *   u = offset + m(s) + sum_i a_i P_i + sum_j x_j,
  *
@@ -15,10 +17,10 @@
  * to limits of the effect, and the inverse is unique.
  *
  * From the present voltage on, u is a piecewise linear function of v. In either direction the plays
- * begin to move one after the other, in the order of their slack, and cross the middle in this
- * order too. The effect at another voltage is that at the present one plus the changes of the plays
- * that move. The inverse goes through the pieces one by one and ends in one division. Neither needs
- * an iteration.
+ * begin to move one after the other, in the order of their slack, and cross the middle of the
+ * voltage range in this order too. The effect at another voltage is that at the present one plus
+ * the changes of the plays that move. The inverse goes through the straight pieces one by one and
+ * ends with one division. Neither the effect nor its inverse needs an iteration.
  *
  * The work of a tick for each input is `plays` steps of the memory, and one step for each play that
  * moves on the way to the lowest or to the highest voltage of the tick; the inverse goes through at
@@ -78,7 +80,7 @@ pzs_status pzs_hysteresis_seal(pzs_hysteresis *tables)
     return PZS_OK;
 }
 
-/* Whether all entries lie between two bounds or equal one of them. */
+/* Whether all numbers of an array lie between `least` and `most` or equal one of them. */
 static bool are_between(const pzs_real *entry, size_t count, pzs_real least, pzs_real most)
 {
     size_t k = 0;
@@ -99,7 +101,10 @@ static bool are_rising(const pzs_real *slack, uint32_t plays)
     return i == plays;
 }
 
-/* Whether the effect of parameter set k rises with the voltage, and its numbers are finite. */
+/*
+ * Whether parameter set k of the hysteresis model is valid: its numbers are finite, and the effect
+ * rises with the voltage.
+ */
 static bool is_valid_set(const pzs_hysteresis *tables, uint32_t k)
 {
     const size_t plays = tables->plays, creeps = tables->creeps;
@@ -114,7 +119,7 @@ static bool is_valid_set(const pzs_hysteresis *tables, uint32_t k)
            are_between(tables->creep + k * creeps, creeps, 0, most);
 }
 
-/* Return the index of the parameter set of an input. */
+/* Return the index of the parameter set of the hysteresis model that belongs to an input. */
 static size_t set_of(const pzs_hysteresis *tables, uint32_t input)
 {
     return tables->sets > 1 ? input : 0;
@@ -149,9 +154,9 @@ typedef struct electrode {
     const pzs_real *above; /* [plays] weight of each play in the effect above the middle (1) */
     const pzs_real *below; /* [plays] weight of each play in the effect below the middle (1) */
     const pzs_real *creep; /* [creeps] final value of each creep term, divided by the voltage (1) */
-    pzs_real middle;       /* middle of the voltage range (V) */
-    pzs_real half_range;   /* half of the voltage range (V) */
-    pzs_real offset;       /* constant part of the effect (V) */
+    pzs_real middle;       /* middle of the voltage range of the electrode (V) */
+    pzs_real half_range;   /* half of the voltage range of the electrode (V) */
+    pzs_real offset;       /* constant part of the effect of the electrode (V) */
     uint32_t plays, creeps;
 } electrode;
 
@@ -172,8 +177,9 @@ static electrode electrode_of(const pzs_hysteresis *tables, uint32_t input)
 }
 
 /*
- * Return `value`, the position of a play, clamped to [middle - slack, middle + slack], where
- * `middle` is the position that the play follows (V); NaN becomes the lower end.
+ * Return `value`, the position of a play (element with backlash), clamped to [middle - slack,
+ * middle + slack], where `middle` is the position that the play follows (V); NaN becomes the lower
+ * end.
  */
 static pzs_real follow(pzs_real value, pzs_real middle, pzs_real slack)
 {
@@ -183,8 +189,8 @@ static pzs_real follow(pzs_real value, pzs_real middle, pzs_real slack)
 }
 
 /*
- * Return the slack (V) of play i relative to play i - 1, which it follows, or of play 0 relative to
- * the voltage.
+ * Return the difference between the slack of play i and that of play i - 1, which play i follows;
+ * for play 0, its slack (V). A play is an element with backlash.
  */
 static pzs_real slack_behind(const pzs_real *slack, uint32_t i)
 {
@@ -207,7 +213,10 @@ static pzs_real line_at(const electrode *electrode, pzs_real offset)
     return offset < 0 ? -way : way;
 }
 
-/* Return the part of play i in the effect (V) when the play is at `position` (V). */
+/*
+ * Return the contribution of play i (an element with backlash) to the effect of an electrode when
+ * the play is at `position` (V).
+ */
 static pzs_real part_of(const electrode *electrode, uint32_t i, pzs_real position)
 {
     return (position > 0 ? electrode->above : electrode->below)[i] * position;
@@ -229,8 +238,8 @@ void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresi
 }
 
 /*
- * Return the fraction of the way to its final value that a creep term goes in some ticks. `rate` is
- * the fraction in one tick.
+ * Return the fraction of the way to its final value that a creep term goes in a number of ticks,
+ * where `rate` is the fraction in one tick.
  */
 static pzs_real rate_of(pzs_real rate, uint32_t ticks)
 {
@@ -258,8 +267,10 @@ static pzs_real creep_after(pzs_real creep, pzs_real gain, pzs_real rate, pzs_re
 }
 
 /*
- * Move the creep terms of an electrode by some ticks. Returns the sum of their changes (V).
- *   rate [creeps] in  fraction of the way to its final value that each creep term goes
+ * Move the creep terms of an electrode by some ticks under a voltage. Returns the sum of their
+ * changes (V).
+ *   creep [creeps] in/out  creep terms before and after these ticks (V)
+ *   rate  [creeps] in      fraction of the way to its final value that each creep term goes (1)
  */
 static pzs_real move_creeps(const electrode *electrode, pzs_real *creep, pzs_real voltage,
                             const pzs_real *rate)
@@ -275,7 +286,8 @@ static pzs_real move_creeps(const electrode *electrode, pzs_real *creep, pzs_rea
 }
 
 /*
- * Return the effect of an electrode (V) with its plays at the positions that belong to `voltage`.
+ * Move the plays (elements with backlash) of an electrode to the positions that follow from a new
+ * voltage. Returns the effect of the electrode without creep (V).
  *   play [plays] in/out  positions of the plays before and after the change to `voltage` (V)
  */
 static pzs_real move_plays(const electrode *electrode, pzs_real *play, pzs_real voltage)
@@ -323,8 +335,9 @@ pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
 }
 
 /*
- * Return by how much the effect of an electrode changes when its voltage changes (V).
- *   play [plays] in  positions of the plays at the voltage `from` (V)
+ * Return by how much the effect of an electrode changes when its voltage changes from one value to
+ * another (V).
+ *   play [plays] in  positions of the plays (elements with backlash) at the voltage `from` (V)
  */
 static pzs_real effect_change(const electrode *electrode, const pzs_real *play, pzs_real from,
                               pzs_real to)
@@ -363,7 +376,8 @@ typedef struct effect_walk {
                        piecewise linear function changes (V) */
     pzs_real place; /* present position of the search, relative to the middle of the voltage range
                        (V) */
-    pzs_real gain; /* slope of the effect over the voltage just ahead of the present position (1) */
+    pzs_real gain;  /* slope of the effect as a function of the voltage, just ahead of the present
+                       position of the search (1) */
     uint32_t plays;
     uint32_t moving; /* number of plays that have used up their slack and move with the voltage: the
                         first ones in the order of their slack */
@@ -376,8 +390,8 @@ typedef struct effect_walk {
 #define NOWHERE PZS_R(HUGE_VAL)
 
 /*
- * Return the slope of the piecewise linear function in its segment k. The segments are numbered
- * upwards if the search goes upwards, otherwise downwards.
+ * Return the slope of the piecewise linear function in its segment k, the segments numbered in the
+ * direction of the search.
  */
 static pzs_real slope_of(const effect_walk *walk, uint32_t k)
 {
@@ -402,8 +416,8 @@ static effect_walk start_walk(const electrode *electrode, const pzs_real *play, 
 }
 
 /*
- * Return the position of the search at which the next play has used up its slack and begins to move
- * (V).
+ * Return the position of the search at which the next play (element with backlash) has used up its
+ * slack and begins to move (V).
  */
 static pzs_real next_move(const effect_walk *walk)
 {
@@ -412,8 +426,8 @@ static pzs_real next_move(const effect_walk *walk)
 }
 
 /*
- * Return the position of the search at which the next moving play crosses the middle of the voltage
- * range (V).
+ * Return the position of the search at which the next moving play (element with backlash) crosses
+ * the middle of the voltage range (V).
  */
 static pzs_real next_crossing(const effect_walk *walk)
 {
@@ -430,8 +444,8 @@ static pzs_real next_knot(const effect_walk *walk)
 }
 
 /*
- * Let the next play move, and add its weight, which differs before and past the middle of the
- * voltage range, to the slope of the effect.
+ * Let the next play (element with backlash) move with the voltage, and add its weight to the slope
+ * of the effect. The weight differs before and past the middle of the voltage range.
  */
 static void move_play(effect_walk *walk)
 {
@@ -441,14 +455,17 @@ static void move_play(effect_walk *walk)
     walk->crossed = is_beyond ? walk->moving : walk->crossed;
 }
 
-/* Pass the next change of slope of the piecewise linear function. */
+/* Let the search pass the next change of slope of the piecewise linear function. */
 static void pass_knot(effect_walk *walk)
 {
     walk->gain += slope_of(walk, walk->knots + 1u) - slope_of(walk, walk->knots);
     walk->knots++;
 }
 
-/* Pass the nearest position at which the slope of the effect changes, and update the slope. */
+/*
+ * Let the search pass the nearest position at which the slope of the effect changes, and update the
+ * slope.
+ */
 static void pass_break(effect_walk *walk, pzs_real nearest)
 {
     if (next_crossing(walk) <= nearest) {
@@ -461,7 +478,10 @@ static void pass_break(effect_walk *walk, pzs_real nearest)
     }
 }
 
-/* Update the slope of the effect at the start of the search: plays that already move, and knots. */
+/*
+ * Find the slope of the effect at the start of the search: pass all changes of slope that are not
+ * ahead of the start, and let the plays move that have no slack left.
+ */
 static void find_first_slope(effect_walk *walk)
 {
     while (next_move(walk) <= walk->place)
@@ -476,9 +496,9 @@ static pzs_real smaller(pzs_real one, pzs_real other)
 }
 
 /*
- * Return the voltage (V) at which the effect of an electrode differs by `way` (V) from that at the
- * voltage `from`.
- *   play [plays] in  positions of the plays at the voltage `from` (V)
+ * Return the voltage (V) at which the effect of an electrode differs by `way` (V) from the effect
+ * at the voltage `from`.
+ *   play [plays] in  positions of the plays (elements with backlash) at the voltage `from` (V)
  */
 static pzs_real voltage_after(const electrode *electrode, const pzs_real *play, pzs_real from,
                               pzs_real way)
@@ -524,7 +544,7 @@ static size_t effect_bytes(const void *tables, const pzs_problem *problem)
     return PZS_EFFECT_BLOCK_BYTES(problem->inputs, hysteresis->plays, hysteresis->creeps);
 }
 
-/* Let the block point to its tables and its arrays. */
+/* Set the pointers of the hysteresis block to its tables and its arrays. */
 static void place(pzs_compensator *compensator, const pzs_hysteresis *tables)
 {
     const size_t inputs = tables->inputs;
@@ -556,7 +576,9 @@ static pzs_status effect_init(void *self, const void *tables, pzs_loop_signals *
         return status;
     if (!signals->has_inverse)
         return PZS_E_STAGE;
-    if (control->state.problem->limit_rows != NULL) /* limit rows hold voltages, not effects */
+    if (control->state.problem->limit_rows != NULL) /* limit rows (limits of weighted sums) hold for
+                                                       voltages, but the controller computes effects
+                                                       (voltages without hysteresis) */
         return PZS_E_ARGUMENT;
     memset(compensator, 0, sizeof *compensator);
     place(compensator, tables);
@@ -570,8 +592,9 @@ static pzs_status effect_init(void *self, const void *tables, pzs_loop_signals *
 }
 
 /*
- * Compute the range of voltages of input k in this tick. Returns whether its step limit and its
- * voltage limits overlap; otherwise the voltage limits take precedence.
+ * Compute the lowest and the highest voltage of input k that voltage limits and step limit allow in
+ * this tick. If the two limits do not overlap, the voltage limits take precedence. Returns whether
+ * they overlap.
  */
 static bool set_range(pzs_compensator *compensator, const pzs_control *control, uint32_t k,
                       pzs_real given)
@@ -588,9 +611,9 @@ static bool set_range(pzs_compensator *compensator, const pzs_control *control, 
 }
 
 /*
- * Replace the voltage limits of input k in the controller by effects (voltages without hysteresis):
- * the effects at the ends of the range of this tick, for which the plays move from the present
- * voltage `given`.
+ * Replace the voltage limits of input k in the controller by limits of its effect (voltage without
+ * hysteresis): the effects at the lowest and the highest voltage that this tick allows, starting
+ * from the present voltage `given`.
  */
 static void set_effect_limits(const pzs_compensator *compensator, pzs_control *control,
                               const electrode *electrode, uint32_t k, pzs_real given)
@@ -606,8 +629,9 @@ static void set_effect_limits(const pzs_compensator *compensator, pzs_control *c
 }
 
 /*
- * Largest difference between an effect and that of the last prediction that counts as rounding, as
- * a multiple of the machine epsilon and relative to the largest voltage.
+ * Largest difference between the effect (voltage without hysteresis) of an input and that of the
+ * last prediction that counts as a rounding error: this multiple of the machine epsilon, relative
+ * to the largest voltage.
  */
 #define ROUNDING 256
 
@@ -636,9 +660,10 @@ static void take_effects(const pzs_compensator *compensator, pzs_control *contro
 }
 
 /*
- * Compute the effect of input k under the voltage `given` of the last tick, and under the same
- * voltage in this tick, after the creep in between; move its plays and creep terms.
- *   rate [creeps] in  fraction of the way to its final value that each creep term goes
+ * Compute the effect of input k at the voltage `given` of the last tick, and at the same voltage in
+ * this tick, after the creep in between. The function also moves the plays (elements with backlash)
+ * and the creep terms of the input.
+ *   rate [creeps] in  fraction of the way to its final value that each creep term goes (1)
  */
 static void find_effects(pzs_compensator *compensator, const electrode *electrode, uint32_t k,
                          pzs_real given, const pzs_real *rate)
@@ -690,15 +715,15 @@ static pzs_status inverse_init(void *self, const void *tables, pzs_loop_signals 
 }
 
 /*
- * Return the voltage of input k, inside its range of this tick, that has the effect (voltage
- * without hysteresis) which the control step chose.
+ * Return the voltage of input k, inside the range that this tick allows, that has the effect
+ * (voltage without hysteresis) which the control step has chosen.
  */
 static pzs_real voltage_of(const pzs_compensator *compensator, const pzs_control *control,
                            const pzs_real *given, uint32_t k)
 {
     const pzs_real lower = compensator->state.lower[k], upper = compensator->state.upper[k];
     const pzs_real wanted = control->state.voltage[k];
-    if (!number_is_finite(wanted)) /* memory is damaged: keep the present voltage */
+    if (!number_is_finite(wanted)) /* if memory is damaged, the present voltage is kept */
         return number_clamp(given[k], lower, upper);
     if (!(wanted < control->state.upper[k]))
         return upper;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Hysteresis and creep of one electrode (pzs_hysteresis): effect of a voltage, voltage of an
- * effect, and memory of the electrode.
+ * Hysteresis and creep of one electrode: the effect of a voltage, the voltage of an effect, and the
+ * memory of the electrode. The effect is the voltage that would move the structure as far without
+ * hysteresis and creep.
  */
 #ifndef PZS_LIB_HYSTERESIS_H
 #define PZS_LIB_HYSTERESIS_H
@@ -9,11 +10,15 @@
 #include "pzs_loop.h"
 
 /*
- * Return the checksum of the counts and arrays of hysteresis tables, as stored in their member crc.
+ * Return the checksum of the counts and arrays of hysteresis tables, which their member crc must
+ * equal.
  */
 uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables);
 
-/* Memory of one electrode, by which its effect depends on earlier voltages. */
+/*
+ * Memory of one electrode with hysteresis and creep, through which its effect depends on earlier
+ * voltages.
+ */
 typedef struct hysteresis_memory {
     pzs_real *play; /* [plays] position of each play (element with backlash), relative to the middle
                        of the voltage range (V) */
@@ -21,31 +26,33 @@ typedef struct hysteresis_memory {
 } hysteresis_memory;
 
 /*
- * Set the memory of electrode `input` to the state after a voltage has been applied for a long
- * time.
+ * Set the memory of the hysteresis model of electrode `input` to the state that it reaches when a
+ * voltage has been applied for a long time.
  */
 void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresis_memory memory,
                          pzs_real voltage);
 
 /*
- * Update the memory of electrode `input` after a voltage has been applied for some ticks, at least
- * one. A memory that cannot result from any voltages (damage, NaN) becomes the nearest possible
- * one. Return the effect in the first of these ticks (V).
+ * Update the memory of the hysteresis model of electrode `input` after a voltage has been applied
+ * for some ticks, at least one. If damage has made the memory a state that no voltages can cause,
+ * the memory becomes the nearest possible state. Returns the effect, the voltage without
+ * hysteresis, in the first of these ticks (V).
  */
 pzs_real pzs_hysteresis_remember(const pzs_hysteresis *tables, uint32_t input,
                                  hysteresis_memory memory, pzs_real voltage, uint32_t ticks);
 
 /*
- * Return the effect (V) of electrode `input` when its voltage changes to `voltage`. The effect
- * never falls while the voltage rises.
+ * Return the effect of electrode `input`, the voltage that would move the structure as far without
+ * hysteresis, when its voltage changes to `voltage` (V). The effect never falls while the voltage
+ * rises.
  */
 pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
                                hysteresis_memory memory, pzs_real voltage);
 
 /*
- * Return the voltage (V) at which electrode `input` has a wanted effect, starting from its present
- * voltage `from`. The result is exact up to rounding; the search visits at most 2 plays + 4
- * straight pieces of the characteristic.
+ * Return the voltage at which electrode `input` has a wanted effect (voltage without hysteresis),
+ * starting from its present voltage `from` (V). The result is exact up to rounding; the search
+ * visits at most 2 plays + 4 straight pieces of the characteristic.
  */
 pzs_real pzs_hysteresis_voltage(const pzs_hysteresis *tables, uint32_t input,
                                 hysteresis_memory memory, pzs_real from, pzs_real effect);

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Tables of limit rows, and corrections of voltages that violate a row (limit_rows.h): check,
- * checksum, return of voltages to the limits, and what the last gate and the amplifiers do with
- * voltages that violate a row.
+ * Check and checksum of the tables of limit rows (limits of weighted sums of voltages), and
+ * corrections of voltages that violate a limit row.
  *
- * Every correction moves voltages along the straight line between two sets of voltages. The
- * voltages inside a limit row form a convex set, and so do those that violate a row by at most a
- * given amount. Hence no point of the line violates a row more than its two ends do, except by
- * rounding errors, which are checked.
+ * Every correction moves all voltages along the straight line between two vectors of voltages, one
+ * value for each input. The voltages inside a limit row form a convex set, and so do those that
+ * violate a row by at most a given amount. Hence no point of the line violates a row more than both
+ * ends of the line do, except by rounding errors, which are checked.
  */
 #include "limit_rows.h"
 #include "boxls.h"
@@ -16,8 +15,9 @@
 #include "../core/numbers.h"
 
 /*
- * Margin by which a limit row is narrowed, as a multiple of the rounding error of its sum. The
- * margin also covers the rounding errors of rows that are linear combinations of other rows.
+ * Margin by which the optimiser narrows a limit row (limit of a weighted sum of voltages), as a
+ * multiple of the rounding error of the sum. The margin also covers the rounding errors of rows
+ * that are linear combinations of other rows.
  */
 #define MARGIN 16
 
@@ -62,7 +62,10 @@ bool pzs_limit_rows_hold(const pzs_limit_rows *rows, const pzs_real *voltage)
 
 /* ---- check of the limit rows -------------------------------------------- */
 
-/* Whether the entries of limit row k are finite numbers and refer to inputs with finite limits. */
+/*
+ * Whether the coefficients of limit row k are finite numbers and refer to inputs with finite
+ * voltage limits.
+ */
 static bool is_row_usable(const pzs_problem *problem, uint32_t k)
 {
     const pzs_rows *sums = &problem->limit_rows->sums;
@@ -80,7 +83,7 @@ static bool is_row_usable(const pzs_problem *problem, uint32_t k)
     return true;
 }
 
-/* Whether the safe voltages are inside all voltage limits and limit rows. */
+/* Whether the safe voltages of the limit rows are inside all voltage limits and limit rows. */
 static bool is_safe(const pzs_problem *problem)
 {
     const pzs_limit_rows *rows = problem->limit_rows;
@@ -199,7 +202,10 @@ static void take_back(const pzs_problem *problem, const pzs_real *before, pzs_re
     }
 }
 
-/* Return the first input outside the voltage limits in force, or the number of inputs. */
+/*
+ * Return the first input whose voltage is outside the voltage limits in force, or the number of
+ * inputs if there is none.
+ */
 static uint32_t first_outside(const pzs_control *control)
 {
     const pzs_real *voltage = control->state.voltage;

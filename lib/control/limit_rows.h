@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Limit rows: limits of weighted sums of voltages (pzs_limit_rows). The controller, the loop and
- * the last gate call them through one table of functions, so that a program whose voltage problem
- * has no limit rows does not link them.
+ * the last check before the amplifiers call the functions for limit rows through one table of
+ * pointers, so that a program whose voltage problem has no limit rows does not link them.
  */
 #ifndef PZS_LIB_LIMIT_ROWS_H
 #define PZS_LIB_LIMIT_ROWS_H
@@ -37,8 +37,8 @@ struct pzs_limit_row_calls {
      */
     void (*optimise)(pzs_control *control);
     /*
-     * Bring voltages that are outside the voltage limits in force or outside limit rows back
-     * inside: at once if the step limits allow it, otherwise a part of the distance in each tick.
+     * Bring the voltages of the controller back inside voltage limits and limit rows if they are
+     * outside: at once if the step limits allow it, otherwise a part of the distance in each tick.
      * Returns whether they are inside; if not, *where is an input that is outside its limits or has
      * a coefficient in a row outside its limits.
      */
@@ -59,9 +59,9 @@ struct pzs_limit_row_calls {
      */
     int32_t (*scale_back)(const pzs_problem *problem, const pzs_real *inside, pzs_real *voltage);
     /*
-     * Return the inputs of each limit row that a change of voltages violates to their voltages
-     * before the change, until no row is violated more than before. All other inputs keep their new
-     * voltages.
+     * Set voltages back to those before a change where the change violates limit rows: all inputs
+     * of each violated row get their earlier voltages, until no row is violated more than before.
+     * All other inputs keep their new voltages.
      *   before  [inputs] in      voltages before the change (V)
      *   voltage [inputs] in/out  voltages after the change (V)
      */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The control loop: a list of blocks, which are initialised in one workspace and run in the order
- * of the list, followed by the last gate.
+ * The control loop: a list of blocks, which are initialised in one workspace and run in every tick
+ * in the order of the list, followed by a last check of all voltages.
  *
  * The workspace holds, each part aligned to 8 bytes: two arrays of voltages that are published in
  * turn, three copies of the voltages of the last tick, and the blocks.
@@ -33,8 +33,8 @@ static bool is_complete(const pzs_block *block)
 }
 
 /*
- * Whether a list cannot hold both blocks: two blocks of one type, or two blocks of a phase that
- * allows one block only.
+ * Whether two blocks must not be in the same list, because they are of the same type, or of a phase
+ * of the tick in which a list may have one block only.
  */
 static bool excludes(const pzs_block_type *one, const pzs_block_type *other)
 {
@@ -44,8 +44,8 @@ static bool excludes(const pzs_block_type *one, const pzs_block_type *other)
 }
 
 /*
- * Check block k of a list: whether it is complete, may stand beside the blocks before it and is in
- * the order of the phases.
+ * Check block k of the list of a loop: the block must be complete, must be allowed together with
+ * the blocks before it, and must follow them in the order of the phases of a tick.
  */
 static pzs_status check_block(const pzs_block *blocks, size_t k)
 {
@@ -57,7 +57,10 @@ static pzs_status check_block(const pzs_block *blocks, size_t k)
     return k > 0 && blocks[k].type->phase < blocks[k - 1].type->phase ? PZS_E_STAGE : PZS_OK;
 }
 
-/* Return the index of the step block in a list, or `count` if the list has none. */
+/*
+ * Return the index of the control-step block in a list of `count` blocks, or `count` if the list
+ * has none.
+ */
 static size_t find_step(const pzs_block *blocks, size_t count)
 {
     size_t k = 0;
@@ -110,7 +113,7 @@ static size_t bytes_of(const pzs_block *block, const pzs_problem *problem)
     return PZS_ALIGNED(block->type->block_bytes(block->tables, problem));
 }
 
-/* Return the memory of block k of the loop. */
+/* Return the address of the memory of block k in the workspace of the loop. */
 static void *memory_of(const pzs_loop_core *core, const pzs_problem *problem, size_t k)
 {
     uint8_t *memory = core->memory + PZS_LOOP_BYTES(core->count, problem->inputs) -
@@ -129,13 +132,19 @@ static size_t bytes_needed(const pzs_loop_core *core)
     return need;
 }
 
-/* Return the array 0 or 1 of voltages that are published in turn. */
+/*
+ * Return the address of output array 0 or 1. The loop publishes its voltages in two arrays in turn,
+ * so that the program can read one array while the loop fills the other.
+ */
 static pzs_real *frame_of(const pzs_loop_core *core, const pzs_problem *problem, uint32_t number)
 {
     return (pzs_real *)(void *)core->memory + (number & 1u) * (size_t)problem->inputs;
 }
 
-/* Return the last gate, with the array of voltages that it is to fill next. */
+/*
+ * Return the data of the last check before the amplifiers, with the array that the check is to fill
+ * with the next voltages.
+ */
 static output_gate gate_of(const pzs_loop *loop, const pzs_loop_core *core)
 {
     const pzs_problem *problem = problem_of(core);
@@ -147,7 +156,7 @@ static output_gate gate_of(const pzs_loop *loop, const pzs_loop_core *core)
     return gate;
 }
 
-/* Publish the array of voltages that the last gate has just filled. */
+/* Publish the array of voltages that the last check before the amplifiers has just filled. */
 static void publish(pzs_loop *loop, const pzs_loop_core *core)
 {
     const uint32_t frames = loop->info.frames + 1u;
@@ -168,7 +177,10 @@ static pzs_status init_block(pzs_loop *loop, size_t k, pzs_loop_signals *signals
     return status == PZS_OK ? PZS_OK : finish(loop, status, block->type, signals->where);
 }
 
-/* Take the voltages of the controller as the voltages of the last tick, and publish them. */
+/*
+ * Store the voltages of the controller as the voltages of the last tick, from which the next step
+ * limits count, and publish them.
+ */
 static void start_gate(pzs_loop *loop)
 {
     const pzs_loop_core *core = loop->state.core;
@@ -182,8 +194,8 @@ static void start_gate(pzs_loop *loop)
 }
 
 /*
- * Initialise all blocks except the step block, from the last to the first, because each block needs
- * the number of readings of the block after it.
+ * Initialise all blocks except the control-step block, from the last to the first, because each
+ * block must know how many readings the block after it needs.
  */
 static pzs_status init_others(pzs_loop *loop)
 {
@@ -203,8 +215,8 @@ static pzs_status init_others(pzs_loop *loop)
 }
 
 /*
- * Return the checksum of an influence matrix that was computed on the device, or 0 if there is
- * none.
+ * Return the checksum of an influence matrix that the device has computed, or 0 if the matrix is
+ * that of the tables.
  */
 static uint32_t device_influence_crc(const pzs_loop_core *core)
 {
@@ -269,7 +281,8 @@ pzs_status pzs_loop_start(pzs_loop *loop, const pzs_real *voltage)
     const int32_t bad = pzs_guard_nonfinite(voltage, inputs);
     if (bad >= 0)
         return finish(loop, PZS_E_NONFINITE, NULL, bad);
-    for (uint16_t j = 0; j < inputs; j++) /* release every input that is held, also by a test signal
+    for (uint16_t j = 0; j < inputs; j++) /* release every input that is held at a fixed voltage,
+                                             also one that a test signal of the fault detector holds
                                            */
         (void)pzs_release(core->control, j);
     (void)pzs_control_start(core->control, voltage);
@@ -314,7 +327,7 @@ static const pzs_real *voted_voltages(const pzs_loop *loop, const pzs_loop_core 
     return gate.last[0];
 }
 
-/* Return the controller to the voltages of the last tick. */
+/* Set the present voltages of the controller to the voltages of the last tick. */
 static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
 {
     memcpy(core->control->state.voltage, voted_voltages(loop, core),
@@ -323,8 +336,8 @@ static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
 }
 
 /*
- * Continue the check of the tables with the next table of a block, or with the first table of the
- * next block.
+ * Choose the table that the next slice check reads: the next table of the same block, or the first
+ * table of the next block.
  */
 static void go_on(pzs_loop *loop, bool is_same_block)
 {
@@ -335,9 +348,9 @@ static void go_on(pzs_loop *loop, bool is_same_block)
 }
 
 /*
- * Check the next slice of the tables of all blocks except the step block, one table after the
- * other. A table with a wrong checksum is read a second time. Returns whether the tables are
- * intact, as far as is known; if they are not, info.block is the type of the block.
+ * Check the next slice of the constant tables of all blocks except the control-step block, one
+ * table after the other. A table with a wrong checksum is read a second time. Returns whether the
+ * tables are intact, as far as is known; if they are not, info.block is the type of the block.
  *   part [PZS_TABLE_PARTS] work array
  */
 static bool scrub_block(pzs_loop *loop, const pzs_loop_core *core,
@@ -364,8 +377,8 @@ static bool scrub_block(pzs_loop *loop, const pzs_loop_core *core,
 }
 
 /*
- * Check the next slice of the tables against their checksum. Returns whether the tables are intact,
- * as far as is known.
+ * Check the next slice of the constant tables against their checksum. Returns whether the tables
+ * are intact, as far as is known.
  */
 static bool scrub_tables(pzs_loop *loop, const pzs_loop_core *core, const pzs_problem *problem)
 {
@@ -381,7 +394,9 @@ static bool scrub_tables(pzs_loop *loop, const pzs_loop_core *core, const pzs_pr
     return scrub_block(loop, core, part);
 }
 
-/* Whether a status of a block takes precedence over the status of the tick so far. */
+/*
+ * Whether the status that a block has returned takes precedence over the status of the tick so far.
+ */
 static bool takes_precedence(pzs_status status, const pzs_block_type *type, pzs_status result)
 {
     if (status == PZS_OK)
@@ -391,9 +406,10 @@ static bool takes_precedence(pzs_status status, const pzs_block_type *type, pzs_
 }
 
 /*
- * Run all blocks; after an error, also one with which the tick begins, only the supervisor; while
- * the block of PZS_PHASE_COMMISSION returns a warning or an error, no block after it. Returns
- * the status that takes precedence, and stores its block and its index.
+ * Run all blocks of a tick. After an error, also one that was found before the first block, only
+ * the supervisor runs. As long as a block of PZS_PHASE_COMMISSION, which tests the hardware before
+ * the loop takes control, returns a warning or an error, no block after it runs. Returns the status
+ * that takes precedence, and stores its block and its index.
  */
 static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signals *signals,
                       pzs_status result)
@@ -423,7 +439,10 @@ static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signal
     return result;
 }
 
-/* Let the voltages of the controller pass the last gate, and publish them. */
+/*
+ * Check the voltages of the controller against limits in flash, correct them where necessary, and
+ * publish them.
+ */
 static pzs_status give_out(pzs_loop *loop, const pzs_loop_core *core, pzs_status status)
 {
     int32_t where;
@@ -481,8 +500,8 @@ pzs_status pzs_loop_tick(pzs_loop *loop, const pzs_real *wanted, const pzs_real 
 /* ---- for the program ---------------------------------------------------- */
 
 /*
- * Copy the constant part of the state of a loop, after a majority vote, without changing the loop.
- * Returns whether the loop is initialised.
+ * Copy the pointers and sizes of a loop, which stay constant from tick to tick, after a majority
+ * vote over their three copies. The loop is not changed. Returns whether the loop is initialised.
  */
 static bool read_core(const pzs_loop *loop, pzs_loop_core *core)
 {

@@ -23,22 +23,24 @@
 #include "../core/numbers.h"
 
 #define MARGIN                                                                                     \
-    4 /* factor of the deviation that changes of the target explain, in the alarm threshold of the \
-         amplitude */
+    4 /* factor of the deviation that changes of the target explain, in the threshold above which  \
+         the divergence monitor counts a tick as implausible */
 #define NOISE_MARGIN                                                                               \
-    6 /* factor of the RMS noise of the measured shape, in the alarm threshold of the amplitude */
-/* Factor by which the largest deviation of the last ticks decays in each tick. */
+    6 /* factor of the RMS noise of the measured shape, in the threshold above which the           \
+         divergence monitor counts a tick as implausible */
+/* Factor by which the deviation that changes of the target explain decays in each tick. */
 #define PEAK_FADING PZS_R(0.9)
 /*
- * Gain of the low-pass filter of the disturbance (measured minus predicted shape), and of the
- * exponentially decaying sums over the last moves.
+ * Fraction of the way to its present value that a low-passed value of the divergence monitor goes
+ * in one tick, and decay rate of its sums over the last changes of the shape.
  */
 #define SLOW PZS_R(0.02)
 #define LEAST_ANSWER                                                                               \
     PZS_R(0.1) /* smallest plausible ratio of measured to predicted changes of the shape */
 /*
- * The response of the shape is judged only if the root of the exponentially decaying sum of the
- * squared predicted moves exceeds this part of the shape change by the largest sudden load.
+ * The divergence monitor judges the response of the structure only if the predicted changes of the
+ * shape are large enough: the root of their exponentially decaying sum of squares must exceed this
+ * part of the shape change that the largest sudden load causes.
  */
 #define LEAST_MOVE PZS_R(0.25)
 
@@ -58,7 +60,7 @@ void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t out
     pzs_monitor_place(monitor, memory, outputs);
 }
 
-/* Means over the outputs of squares and products in one tick (m2). */
+/* Mean values over all outputs of squares and products of shape changes in one tick (m2). */
 typedef struct squares {
     pzs_real deviation; /* mean square of the disturbance minus its low-passed value (m2) */
     pzs_real target;    /* mean square of the change of the target shape (m2) */
@@ -67,9 +69,10 @@ typedef struct squares {
 } squares;
 
 /*
- * Return the number of inputs that cannot move, times 2, plus 1 while the fault detector applies a
- * test signal. A change of this number means that an input was fixed at, or released from, the
- * voltage that its electrode has; the predicted shape then jumps without a move of the structure.
+ * Return the number of inputs whose voltage is fixed, times 2, plus 1 while the fault detector
+ * applies a test signal. If this number changes, the predicted shape may have jumped without a
+ * motion of the structure, because an input was fixed at the voltage that its electrode really has,
+ * or was released.
  */
 static uint32_t count_fixed(const pzs_loop_signals *signals)
 {
@@ -84,9 +87,10 @@ static uint32_t count_fixed(const pzs_loop_signals *signals)
 }
 
 /*
- * Store the shapes of the first tick, with which the next tick is compared. The monitor also starts
- * anew when an input is fixed or released, because the predicted shape then jumps without a move of
- * the structure, and with it the disturbance (measured minus predicted shape).
+ * Store the shapes of a tick, with which the next tick is compared. The divergence monitor starts
+ * anew in this way in its first tick and when an input is fixed at a voltage or released: the
+ * predicted shape then jumps without a motion of the structure, and with it the disturbance
+ * (measured minus predicted shape).
  */
 static void store_shapes(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {
@@ -188,7 +192,10 @@ pzs_real pzs_monitor_threshold(const pzs_monitor_state *monitor, const pzs_super
     return MARGIN * monitor->envelope + NOISE_MARGIN * tables->noise + tables->load;
 }
 
-/* Whether the last moves are large enough to be judged, and the shape has not responded to them. */
+/*
+ * Whether the predicted changes of the shape in the last ticks are large enough to be compared with
+ * the measured ones, and the measured shape has not followed them.
+ */
 static bool is_unanswered(const pzs_monitor_state *monitor, const pzs_supervision *tables)
 {
     const pzs_real least = LEAST_MOVE * tables->load + NOISE_MARGIN * tables->noise;
@@ -196,8 +203,9 @@ static bool is_unanswered(const pzs_monitor_state *monitor, const pzs_supervisio
 }
 
 /*
- * Add the moves of this tick to the sums from which the response is judged. While electrodes are
- * under test, or have just been held, nothing is added.
+ * Add the shape changes of this tick to the sums from which the response of the structure is
+ * judged. Nothing is added while the fault detector tests electrodes or has just fixed the voltage
+ * of one.
  */
 static void sum_moves(pzs_monitor_state *monitor, const squares *sum,
                       const pzs_loop_signals *signals)

@@ -7,16 +7,26 @@
 
 #include "pzs_loop.h"
 
-/* Initialise the monitor of a loop of `outputs` outputs, with memory [5][outputs]. */
+/*
+ * Initialise the divergence monitor of a loop.
+ *   memory [5][outputs] out  memory for the arrays of the monitor
+ */
 void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t outputs);
 
-/* Let the arrays of the monitor point into its memory again. */
+/*
+ * Set the pointers of the divergence monitor to its arrays again, because damaged memory may have
+ * changed them.
+ *   memory [5][outputs] in  memory for the arrays, as passed to pzs_monitor_init
+ */
 void pzs_monitor_place(pzs_monitor_state *monitor, pzs_real *memory, uint32_t outputs);
 
-/* Return the deviation above which a tick counts as implausible (m). */
+/*
+ * Return the amplitude of the deviation from the model above which the divergence monitor counts a
+ * tick as implausible (m).
+ */
 pzs_real pzs_monitor_threshold(const pzs_monitor_state *monitor, const pzs_supervision *tables);
 
-/* Observe one tick. Returns whether it is implausible. */
+/* Compare one tick with the model. Returns whether the tick is implausible. */
 bool pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tables,
                       const pzs_loop_signals *signals);
 

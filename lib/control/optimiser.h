@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Helpers that the parts of the voltage optimiser share: range of loops over the inputs, and work
- * that is counted and limited.
+ * Functions that all parts of the voltage optimiser use: the length of loops over the inputs, and
+ * the check of the work limit.
  */
 #ifndef PZS_LIB_OPTIMISER_H
 #define PZS_LIB_OPTIMISER_H
@@ -9,9 +9,9 @@
 #include "pzs_control.h"
 
 /*
- * Return the number of entries that a loop over the inputs visits. On vector processors it is the
- * width, a multiple of PZS_TILE; the mask tells the compiler that the loop has no remainder. The
- * entries beyond the inputs are zero.
+ * Return the number of entries that a loop over the inputs visits: the number of inputs, or, on
+ * vector processors, this number rounded up to a multiple of PZS_TILE. The mask tells the compiler
+ * that the loop has no remainder. The entries beyond the inputs are zero.
  */
 static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 {
@@ -28,9 +28,10 @@ static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 }
 
 /*
- * Return whether work of `cost` multiply-adds is within the work limit, together with the products
- * that end the round: the true gradient at its end, and, if the gradient at its start was
- * predicted, the true gradient there, which is needed to undo the round.
+ * Return whether `cost` multiply-adds are within the work limit of the optimiser, together with the
+ * work that ends a round of iterations: the gradient computed from the Hessian at its end, and, if
+ * the gradient at its start was only predicted, also the gradient there, which is needed to undo
+ * the round.
  */
 static inline bool optimiser_affords(const pzs_optimiser *optimiser, uint64_t cost)
 {

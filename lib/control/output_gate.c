@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The last gate before the amplifiers: a check of all voltages against limits in flash
- * (output_gate.h).
+ * The last check before the amplifiers: all voltages are compared with limits in flash and
+ * corrected where necessary.
  */
 #include <string.h>
 #include "output_gate.h"
@@ -36,7 +36,7 @@ static inline bool is_allowed(const pzs_problem *problem, uint32_t i, pzs_real v
            number_absolute(voltage - last) <= problem->step_limit[i];
 }
 
-/* Return the voltage of input i that replaces one that is not allowed (V). */
+/* Return the voltage of input i that replaces a voltage that is not allowed (V). */
 static pzs_real corrected(const output_gate *gate, uint32_t i, pzs_real voltage, pzs_real last)
 {
     const pzs_problem *problem = gate->problem;
@@ -54,8 +54,9 @@ static pzs_real corrected(const output_gate *gate, uint32_t i, pzs_real voltage,
 }
 
 /*
- * Scale voltages back towards the last ones where they violate a limit row, and fill the array
- * gate->frame again. Returns the checksum, continued with the limit rows.
+ * Where voltages violate a limit row (limit of a weighted sum of voltages), scale them back towards
+ * the last voltages, and fill the array gate->frame again. Returns the checksum, continued with the
+ * limits of the limit rows.
  */
 static uint32_t keep_rows(const output_gate *gate, pzs_real *voltage, uint32_t sum, int32_t *where)
 {

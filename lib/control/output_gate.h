@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The last gate before the amplifiers: every voltage of a loop leaves through pzs_output_gate. The
- * gate trusts neither the controller nor its memory: it compares each voltage with the limits in
- * flash and with the last voltage, of which it keeps three copies.
+ * The last check before the amplifiers, which no voltage of a loop can avoid. The check
+ * relies neither on the controller nor on its memory: it compares each voltage with the limits in
+ * flash and with the voltage of the last tick, which is stored in three copies.
  */
 #ifndef PZS_LIB_OUTPUT_GATE_H
 #define PZS_LIB_OUTPUT_GATE_H
@@ -14,8 +14,8 @@ typedef struct output_gate {
     pzs_real *const *held; /* [3][inputs] three copies of the voltage at which an input is held (V);
                               NaN: not held */
     pzs_real *last[3];     /* [inputs] three copies of the voltages of the last tick (V) */
-    volatile pzs_real *frame; /* [inputs] array to fill with the voltages of this tick; it is not
-                                 published yet (V) */
+    volatile pzs_real *frame; /* [inputs] array to fill with the voltages of this tick, which are
+                                 not yet published (V) */
 } output_gate;
 
 /* Return the checksum of the voltage limits and step limits of a voltage problem. */

@@ -4,7 +4,10 @@
 #include "problem.h"
 #include "../core/guard.h"
 
-/* List the arrays of limit rows. Arrays that are missing or too large to be read have 0 bytes. */
+/*
+ * List the arrays of the limit rows (limits of weighted sums of voltages) that the checksum of a
+ * voltage problem covers. An array that is missing or too large to be read gets the size 0 bytes.
+ */
 static void list_row_parts(const pzs_problem *problem, pzs_table_part part[LIMIT_ROW_PARTS])
 {
     const pzs_limit_rows *rows = problem->limit_rows;

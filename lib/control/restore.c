@@ -38,8 +38,8 @@ void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *contr
 }
 
 /*
- * Return the smallest pivot threshold, which covers the rounding errors of a newly computed
- * tableau.
+ * Return the smallest useful threshold for linearly dependent inputs: a pivot of a newly computed
+ * tableau below it, relative to the diagonal of the Hessian, may be a rounding error.
  */
 static pzs_real least_pivot_floor(const pzs_optimiser *optimiser)
 {
@@ -83,7 +83,8 @@ void pzs_control_restore_limits(pzs_control *control)
 
 /*
  * Return the first entry of row k of the Hessian that differs from its source, or the number of
- * inputs. The source is the row of the table, or without a table the entries across the diagonal.
+ * inputs if none does. The source is the row in the tables, or without such a table the mirrored
+ * entries across the diagonal.
  */
 static uint32_t find_difference(const pzs_control *control, const pzs_real *table, uint32_t k)
 {
@@ -103,8 +104,8 @@ static uint32_t find_difference(const pzs_control *control, const pzs_real *tabl
 }
 
 /*
- * Compute rows k and j of the Hessian again, with their diagonal entries and the entries across the
- * diagonal.
+ * Compute rows k and j of the Hessian again, including the mirrored entries across the diagonal,
+ * and the copies of their diagonal entries.
  */
 static void repair_rows(pzs_control *control, const pzs_real *table, uint32_t k, uint32_t j)
 {
@@ -120,8 +121,8 @@ static void repair_rows(pzs_control *control, const pzs_real *table, uint32_t k,
 }
 
 /*
- * Compare row k of the Hessian with its source, the table of the problem or the entries across the
- * diagonal. Returns whether the row had to be repaired.
+ * Compare row k of the Hessian with its source, which is the table of the problem or, without a
+ * table, the mirrored entries across the diagonal. Returns whether the row had to be repaired.
  */
 static bool scrub_row(pzs_control *control, const pzs_real *table, uint32_t k)
 {
@@ -136,8 +137,8 @@ static bool scrub_row(pzs_control *control, const pzs_real *table, uint32_t k)
 }
 
 /*
- * Return the number of inputs in the active set, after setting each mark of the free set to exactly
- * 0 or 1.
+ * Return the number of inputs in the active set, after each mark of the free set has been set to
+ * exactly 0 or 1.
  */
 static uint32_t count_active(pzs_optimiser *optimiser)
 {
@@ -150,9 +151,9 @@ static uint32_t count_active(pzs_optimiser *optimiser)
 }
 
 /*
- * Set the entries beyond the inputs to zero in every `stride`-th row of `width` entries at the
- * start of the workspace, from row `first` on. The rows are those of Hessian and tableau and the
- * vectors. Sums and maxima are taken over whole rows, so that these entries must be zero.
+ * Set the padding of matrix rows and vectors at the start of the workspace to zero: the entries
+ * beyond the number of inputs, in every `stride`-th row of `width` entries from row `first` on. The
+ * padding must be zero, because sums and maxima are taken over whole rows.
  */
 static void clear_padding(pzs_control *control, uint32_t first, uint32_t stride)
 {
@@ -162,7 +163,9 @@ static void clear_padding(pzs_control *control, uint32_t first, uint32_t stride)
             optimiser->hessian[row * optimiser->width + i] = 0;
 }
 
-/* Let the next voltage step compute the tableau anew, and that of the limit rows, if there are any.
+/*
+ * Let the next voltage step compute the tableau of the optimiser anew, and that for limit rows, if
+ * the problem has limit rows.
  */
 static void reset_tableaux(pzs_control *control)
 {
@@ -172,9 +175,10 @@ static void reset_tableaux(pzs_control *control)
 }
 
 /*
- * Check the next row of the Hessian, and set the padding of a part of the rows to zero: of all rows
- * in as many ticks as there are inputs, and at once after a repair. After the last row of the
- * Hessian, or after a repair, set the constants that follow from all rows.
+ * Compare the next row of the Hessian with its source, and set the padding of a part of all matrix
+ * rows and vectors to zero, so that all of it is zero after as many ticks as there are inputs.
+ * After a repair, the padding of all rows is set at once. After the last row of the Hessian or a
+ * repair, the constants that follow from the whole Hessian are set.
  */
 static void scrub_next_row(pzs_control *control, const pzs_real *table)
 {
@@ -208,8 +212,8 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     control->state.influence = influence != NULL ? influence : problem->influence;
     control->state.stage = CONTROL_READY;
     pzs_control_place(control, work);
-    pzs_control_damp(control, 1, NULL, NULL); /* the vibration damper of this tick may set its
-                                                 damping again */
+    pzs_control_damp(control, 1, NULL, NULL); /* the vibration damper of this tick sets its damping
+                                                 again, if the loop has one */
     guard_repair_bool(&optimiser->is_verified);
     guard_repair_bool(&optimiser->is_rebuilding);
     guard_repair_bool(&optimiser->is_predicted);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Scrub of constant tables, which checks them slice by slice (scrub.h). */
+/* Check of constant tables in slices, one slice in each tick of the loop. */
 #include "scrub.h"
 #include "../core/guard.h"
 

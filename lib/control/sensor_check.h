@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Sensor check: differences between measurements and their expected values. Measurements that are
- * missing or stuck are rejected.
+ * Sensor check: computes the differences between measurements and the values that the model
+ * predicts, and rejects measurements that are missing or stuck.
  */
 #ifndef PZS_LIB_SENSOR_CHECK_H
 #define PZS_LIB_SENSOR_CHECK_H

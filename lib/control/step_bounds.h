@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Range of voltages that a step limit allows in one step. Rounding may narrow this range but never
- * widens it: the computed difference to the last voltage is at most the step limit.
+ * Range of voltages that a step limit (largest change of a voltage in one step) allows. Rounding
+ * may narrow this range but never widens it: the computed difference to the last voltage is at most
+ * the step limit.
  */
 #ifndef PZS_LIB_STEP_BOUNDS_H
 #define PZS_LIB_STEP_BOUNDS_H

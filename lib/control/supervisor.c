@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Supervisor of the loop (pzs_loop.h): a table of transitions between modes, a divergence monitor
- * (monitor.c) and ramps. A ramp is a straight line: with `remaining` ticks to go, each tick moves
- * the voltages by 1 / remaining of the way from those of the last tick. This number alone must be
- * remembered, and a ramp that the last gate has to clamp still ends in time or at the step limit.
+ * Supervisor of the control loop: a table of transitions between operating modes, a monitor that
+ * detects a diverging loop, and ramps of the voltages. A ramp is a straight line: with `remaining`
+ * ticks to go, each tick moves the voltages from those of the last tick by 1 / remaining of the way
+ * to the end. The number of remaining ticks is all that must be stored, and a ramp whose voltages
+ * had to be corrected still ends in time, unless a step limit prevents it.
  */
 #include <string.h>
 #include "control.h"
@@ -62,9 +63,12 @@ static pzs_status check(const pzs_supervision *tables, const pzs_problem *proble
 
 /* ---- transitions -------------------------------------------------------- */
 
-#define STAY PZS_MODES /* the event leaves the mode unchanged */
+#define STAY PZS_MODES /* the event does not change the operating mode */
 
-/* Transition table: the next mode for each mode (row) and each event (column). */
+/*
+ * Transition table of the supervisor: the next operating mode for each operating mode (row) and
+ * each event (column).
+ */
 static const uint8_t transition[PZS_MODES][PZS_EVENTS] = {
     [PZS_MODE_INITIALISE] = {STAY, STAY, PZS_MODE_ARMED, PZS_MODE_PARKING, STAY, PZS_MODE_STOPPING,
                              STAY, STAY, PZS_MODE_STOPPING, STAY},
@@ -96,12 +100,12 @@ static bool is_in_control(uint32_t mode)
 /* ---- ramps -------------------------------------------------------------- */
 
 #define MOST_TICKS                                                                                 \
-    4e9f /* longest bounded ramp (ticks): a ramp that would take more ticks is                     \
-            taken as one that never ends */
+    4e9f /* longest bounded ramp (ticks): a ramp that would take more ticks is treated as one that \
+            never ends */
 
 /*
- * Return the smallest number of ticks in which a voltage changes by `way` (V) with a step limit
- * (V).
+ * Return the smallest number of ticks in which a voltage changes by `way` (V) if it may change by
+ * at most `step_limit` (V) in each tick.
  */
 static uint32_t ticks_of(pzs_real way, pzs_real step_limit)
 {
@@ -110,13 +114,13 @@ static uint32_t ticks_of(pzs_real way, pzs_real step_limit)
         return 0;
     if (!(ticks < (pzs_real)MOST_TICKS))
         return UINT32_MAX;
-    /* the factor covers rounding errors of the ramp */
+    /* the factor covers the rounding errors of the computed voltages of a ramp */
     return (uint32_t)(ticks * (1 + 16 * PZS_EPSILON)) + 1u;
 }
 
 /*
- * Return the larger one of `most` and the number of ticks that the voltage of input i needs from
- * the start to the end of a ramp.
+ * Return the number of ticks that the voltage of input i needs from the start to the end of a ramp,
+ * or `most` if that is larger.
  */
 static uint32_t longer_duration(uint32_t most, const pzs_problem *problem, uint32_t i,
                                 pzs_real from, pzs_real to)
@@ -154,7 +158,10 @@ uint32_t pzs_supervisor_longest_ramp(const pzs_supervision *tables, const pzs_pr
     return most;
 }
 
-/* Return the voltage of an input at the end of the ramp (V). */
+/*
+ * Return the voltage of input i at the end of the present ramp (V): its reference voltage or its
+ * park voltage, as the last command demands.
+ */
 static pzs_real target_of(const pzs_supervisor *supervisor, uint32_t i)
 {
     const pzs_problem *problem = supervisor->state.problem;
@@ -163,7 +170,10 @@ static pzs_real target_of(const pzs_supervisor *supervisor, uint32_t i)
         problem, i, is_flat ? problem->reference_voltage[i] : supervisor->state.tables->park[i]);
 }
 
-/* Start a ramp from the voltages of the last tick. */
+/*
+ * Start a ramp from the voltages of the last tick to the reference voltages or the park voltages.
+ *   given [inputs] in  voltages of the last tick (V)
+ */
 static void start_ramp(pzs_supervisor *supervisor, const pzs_real *given)
 {
     const pzs_problem *problem = supervisor->state.problem;
@@ -173,7 +183,10 @@ static void start_ramp(pzs_supervisor *supervisor, const pzs_real *given)
     supervisor->state.core[0].remaining = most;
 }
 
-/* Whether every voltage [inputs] is already at the end of the ramp. */
+/*
+ * Whether the voltage of every input is already at the end of the ramp.
+ *   given [inputs] in  voltages of the last tick (V)
+ */
 static bool has_arrived(const pzs_supervisor *supervisor, const pzs_real *given)
 {
     uint32_t i = 0;
@@ -183,7 +196,10 @@ static bool has_arrived(const pzs_supervisor *supervisor, const pzs_real *given)
     return i == supervisor->state.problem->inputs;
 }
 
-/* Set the voltages of the next tick of the ramp. At the end of the ramp they stay. */
+/*
+ * Set the voltages of the next tick of a ramp. After the end of the ramp the voltages stay
+ * constant.
+ */
 static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
     pzs_supervisor_core *core = &supervisor->state.core[0];
@@ -203,7 +219,10 @@ static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *sign
 
 /* ---- events ------------------------------------------------------------- */
 
-/* Change the mode according to an event. */
+/*
+ * Change the operating mode of the supervisor after an event, and start a ramp if the new mode
+ * needs one.
+ */
 static void process_event(pzs_supervisor *supervisor, pzs_supervisor_event event,
                           const pzs_loop_signals *signals)
 {
@@ -236,7 +255,7 @@ static uint32_t command_word(const pzs_supervisor *supervisor)
     return (first & second) | (first & third) | (second & third);
 }
 
-/* Carry out the command given since the last tick. */
+/* Carry out the command that the program has given to the supervisor since the last tick. */
 static void carry_out_command(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
     pzs_supervisor_core *core = &supervisor->state.core[0];
@@ -261,7 +280,10 @@ static void carry_out_command(pzs_supervisor *supervisor, const pzs_loop_signals
 
 #define WARNED(signals, status) (((signals)->warnings >> (status)&1u) != 0)
 
-/* Count ticks without usable readings, and change the mode when readings arrive or are missing. */
+/*
+ * Count the ticks without usable readings, and change the operating mode of the supervisor when
+ * readings arrive or are missing.
+ */
 static void judge_readings(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
     pzs_supervisor_core *core = &supervisor->state.core[0];
@@ -276,8 +298,8 @@ static void judge_readings(pzs_supervisor *supervisor, const pzs_loop_signals *s
 }
 
 /*
- * Change the mode after a time-out, an alarm of the divergence monitor or an error of another
- * block.
+ * Change the operating mode of the supervisor after a time-out of the readings, an alarm of the
+ * divergence monitor or an error of another block.
  */
 static void judge_health(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
@@ -323,7 +345,10 @@ static pzs_real *work_of(pzs_supervisor *supervisor)
     return (void *)((uint8_t *)supervisor + PZS_ALIGNED(sizeof *supervisor));
 }
 
-/* Make the other two copies of the supervisor's variables equal to the first one. */
+/*
+ * Copy the first of the three copies of the supervisor's variables, which protect them against
+ * damaged memory, over the other two.
+ */
 static void copy_core(pzs_supervisor *supervisor)
 {
     supervisor->state.core[1] = supervisor->state.core[0];
@@ -359,7 +384,10 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     return PZS_OK;
 }
 
-/* Return the status of a mode in which the loop is not in control. */
+/*
+ * Return the status of a tick in which the supervisor, not the control step, determines the
+ * voltages.
+ */
 static pzs_status status_of(uint32_t mode)
 {
     if (mode == PZS_MODE_STOPPING)

@@ -6,8 +6,8 @@
 #include "pzs_loop.h"
 
 /*
- * Return the checksum of the settings and arrays of supervisor tables, as stored in their member
- * crc.
+ * Return the checksum of the settings and arrays of supervisor tables, which their member crc must
+ * equal.
  */
 uint32_t pzs_supervision_crc(const pzs_supervision *tables);
 

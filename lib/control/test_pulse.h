@@ -47,8 +47,8 @@ static inline pzs_real test_pulse_odd(pzs_real place)
 }
 
 /*
- * Check the tables of test pulses against the loop in which they are used. Writes to `where` the
- * index of the input whose pulse is too high, or -1.
+ * Check that the tables of test pulses are intact and fit the loop in which they are used. Writes
+ * to `where` the index of the input whose pulse exceeds its limits, or -1.
  * Errors: PZS_E_FORMAT, PZS_E_ARGUMENT, PZS_E_CRC, PZS_E_NONFINITE, PZS_E_LIMITS.
  */
 pzs_status pzs_selftest_check(const pzs_selftest_tables *tables, const pzs_loop_signals *signals,

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Vibration damper: the vibration modes of the structure are observed from the readings and damped
- * by the control step.
+ * Vibration damper: estimates the vibration modes of the structure from the sensor readings, and
+ * lets the control step damp them.
  *
- * A mode has the coordinate q, the static coordinate g v under the voltages v, and the static
- * coordinate w under loads. With the deviation d = q - g v - w from its equilibrium and the
+ * A vibration mode has the modal coordinate q. In static equilibrium, the voltages v contribute g v
+ * to it, and loads contribute w. With the deviation d = q - g v - w from its equilibrium and the
  * velocity p divided by the angular frequency, one tick under constant voltages turns (d, p) into R
  * (d, p), with a 2 x 2 matrix R. An observer of constant gain estimates q, p and w of each mode
- * from readings that are `delay` ticks old: it corrects the state that it predicted for the time of
- * the readings, and predicts from there to the present tick.
+ * from readings that are `delay` ticks old: it corrects the state that it has predicted for the
+ * time at which the readings were taken, and predicts the present state from the corrected one.
  *
  * The control step then minimises, within all limits and up to terms that do not depend on v,
  *
@@ -20,11 +20,11 @@
  * move. Unchanged voltages are always allowed, so the sum of the energy of the modes and of the
  * static objective never rises, whatever the voltage limits, the step limits and the held inputs
  * are (for exact modes that are observed without error, with pzs_vibration.mix = 0). In static
- * equilibrium d = p = 0, and the voltages are those of the undamped tick.
+ * equilibrium d = p = 0, and the voltages are those of a control step without damping.
  *
- * The deviation that is damped is a weighted mean of q - g v - w and of the change of the velocity
- * in one tick, divided by the angle that the mode turns in a tick. The second form does not depend
- * on g.
+ * The deviation d_i in the damping term is a weighted mean of two estimates of the deviation of
+ * mode i: q - g v - w, and the change of p in one tick divided by the angle by which the mode turns
+ * in a tick. The second estimate does not depend on errors of g.
  *
  * The work of a tick, in addition to the control step, is at most 3 modes (sensors + outputs) +
  * inputs (sensors + 2 modes) + outputs sensors multiply-adds. It does not depend on the data.
@@ -40,8 +40,8 @@
 
 #define READY 1u
 /*
- * A reading that deviates by more than this from its prediction counts as missing. Sums of squares
- * up to this size do not overflow.
+ * A reading whose difference from the predicted reading exceeds this number counts as missing, so
+ * that sums of squares do not overflow.
  */
 #define DEVIATION_LIMIT PZS_R(1e12)
 
@@ -144,8 +144,8 @@ static size_t sensor_width(const pzs_damper *damper)
 }
 
 /*
- * Return the row of a ring buffer of the last ticks: age 0 is the present tick, age `delay` the
- * tick in which the present readings were taken.
+ * Return the index of the row that belongs to a tick in a ring buffer of the last ticks. Age 0 is
+ * the present tick; age `delay` is the tick in which the present readings were taken.
  */
 static size_t row_of(const pzs_damper *damper, uint32_t age)
 {
@@ -164,8 +164,8 @@ static pzs_real *expected_of(const pzs_damper *damper, uint32_t age)
 }
 
 /*
- * Compute the static modal coordinates and static readings under the present voltages into the
- * newest row of the ring buffer.
+ * Compute the modal coordinates and the readings of static equilibrium under the present voltages,
+ * and store them in the newest row of the ring buffer.
  */
 static void record_voltages(pzs_damper *damper)
 {
@@ -184,8 +184,10 @@ static void record_voltages(pzs_damper *damper)
 }
 
 /*
- * Predict the state [3][width] of all modes by one tick, under voltages with a given static
- * equilibrium.
+ * Predict the state of all vibration modes one tick ahead. The width is the number of modes rounded
+ * up to a multiple of 4.
+ *   state       [3][width] in/out  position, velocity and static position under loads of each mode
+ *   equilibrium [width]    in      static modal coordinates under the voltages of this tick
  */
 static void predict(const pzs_damper *damper, pzs_real *state, const pzs_real *equilibrium)
 {
@@ -204,7 +206,7 @@ static void predict(const pzs_damper *damper, pzs_real *state, const pzs_real *e
 
 /*
  * Copy the static modal coordinates and static readings of the previous tick into the newest row of
- * the ring buffer.
+ * the ring buffer, because the voltages have not changed.
  */
 static void repeat_voltages(pzs_damper *damper)
 {
@@ -216,7 +218,8 @@ static void repeat_voltages(pzs_damper *damper)
 }
 
 /*
- * Advance by one tick: the present voltages take the newest row of the ring buffer.
+ * Advance the ring buffer by one tick: its newest row receives the static modal coordinates and
+ * readings under the present voltages.
  *   is_same in  true: the voltages are those of the previous tick
  */
 static void advance(pzs_damper *damper, bool is_same)
@@ -230,7 +233,10 @@ static void advance(pzs_damper *damper, bool is_same)
     predict(damper, damper->state.late, equilibrium_of(damper, damper->state.tables->delay));
 }
 
-/* Predict the state at the present tick from the corrected state at the time of the readings. */
+/*
+ * Predict the state of the vibration modes at the present tick from the corrected state at the time
+ * at which the readings were taken.
+ */
 static void catch_up(pzs_damper *damper)
 {
     const size_t width = width_of(damper);
@@ -242,13 +248,16 @@ static void catch_up(pzs_damper *damper)
 
 /* ---- readings --------------------------------------------------------- */
 
-/* Return the table of the readings per modal coordinate, [sensors][modes]. */
+/* Return the table [sensors][modes] of readings per unit of each modal coordinate. */
 static const pzs_real *readings_table(const pzs_vibration *tables)
 {
     return tables->reading != NULL ? tables->reading : tables->shape;
 }
 
-/* Predict the readings, at their time, from the voltages and the modes. */
+/*
+ * Predict the readings from the voltages and the estimated vibration modes at the time at which the
+ * readings were taken.
+ */
 static void predict_readings(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
@@ -263,8 +272,8 @@ static void predict_readings(pzs_damper *damper)
 
 /*
  * Compute the residuals of all sensors: the low-passed innovation (reading minus predicted reading)
- * of each, minus the part that the modes explain.
- *   rest [sensors] out  (unit of each sensor)
+ * of each sensor, minus the part that the vibration modes explain.
+ *   rest [sensors] out  residuals (unit of each sensor)
  */
 static void find_residuals(pzs_damper *damper, pzs_real *rest)
 {
@@ -278,7 +287,8 @@ static void find_residuals(pzs_damper *damper, pzs_real *rest)
 
 /*
  * Replace the innovations (reading minus predicted reading) of unusable readings by the residuals
- * of their sensors. Returns the number of unusable readings.
+ * of their sensors. Returns the number of unusable readings; *where receives the index of the first
+ * one.
  */
 static uint32_t replace_unusable(pzs_damper *damper, const pzs_real *readings, int32_t *where)
 {
@@ -298,8 +308,8 @@ static uint32_t replace_unusable(pzs_damper *damper, const pzs_real *readings, i
 }
 
 /*
- * Compute the innovations, readings minus predicted readings. Returns the number of unusable
- * readings.
+ * Compute the innovation of each sensor, its reading minus its predicted reading. Returns the
+ * number of unusable readings; *where receives the index of the first one.
  */
 static uint32_t compare(pzs_damper *damper, const pzs_real *readings, int32_t *where)
 {
@@ -319,8 +329,9 @@ static uint32_t compare(pzs_damper *damper, const pzs_real *readings, int32_t *w
 }
 
 /*
- * Project the innovations of the sensors, weighted by their precision, onto the modes, into fit
- * [modes].
+ * Project the innovations (readings minus predicted readings), each multiplied by the precision of
+ * its sensor, onto the vibration modes.
+ *   fit [modes] out  products of innovations and mode shapes at the sensors
  */
 static void project_innovation(pzs_damper *damper, pzs_real *fit)
 {
@@ -336,7 +347,7 @@ static void project_innovation(pzs_damper *damper, pzs_real *fit)
                          tables->modes);
 }
 
-/* Move low-passed values the fraction `slow` of the way to their present values. */
+/* Move low-passed values by the fraction `slow` of the way to their present values. */
 static void low_pass(pzs_real *restrict filtered, const pzs_real *restrict present, pzs_real slow,
                      size_t count)
 {
@@ -345,8 +356,8 @@ static void low_pass(pzs_real *restrict filtered, const pzs_real *restrict prese
 }
 
 /*
- * Correct the state at the time of the readings, and low-pass the part that the modes do not
- * explain.
+ * Correct the estimated state of the vibration modes at the time at which the readings were taken,
+ * and low-pass the part of the readings that the modes do not explain.
  */
 static void correct(pzs_damper *damper)
 {
@@ -367,7 +378,10 @@ static void correct(pzs_damper *damper)
 
 /* ---- results ---------------------------------------------------------- */
 
-/* Compute the deviations of the modes from their equilibrium and the damping gradient. */
+/*
+ * Compute how far each vibration mode deviates from its static equilibrium, and the damping
+ * gradient, by which the control step damps the modes.
+ */
 static void damp(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
@@ -396,8 +410,10 @@ static void add_vector(pzs_real *restrict sum, const pzs_real *restrict vector, 
 }
 
 /*
- * Static shape under the present voltages and loads, from sensors that measure the shape: predicted
- * shape, plus shape of the modes under loads, plus residual.
+ * Compute the static shape under the present voltages and loads, if the sensors measure the shape
+ * itself: predicted shape, plus the shape that the modes take under loads, plus the low-passed
+ * residual.
+ *   shape [outputs] out  static shape (m)
  */
 static void measured_shape(pzs_damper *damper, pzs_real *shape)
 {
@@ -412,8 +428,10 @@ static void measured_shape(pzs_damper *damper, pzs_real *shape)
 }
 
 /*
- * Static shape under the present voltages and loads, from few sensors: predicted shape, plus shape
- * of the modes under loads, plus gain times residual readings.
+ * Compute the static shape under the present voltages and loads from few sensors: predicted shape,
+ * plus the shape that the modes take under loads, plus the gain matrix of the estimator times the
+ * residual readings.
+ *   shape [outputs] out  static shape (m)
  */
 static void estimated_shape(pzs_damper *damper, pzs_real *shape)
 {
@@ -435,7 +453,7 @@ static pzs_status finish(pzs_damper *damper, pzs_status status, int32_t where)
     return status;
 }
 
-/* Let the arrays of the damper point into the workspace. */
+/* Set the pointers of the vibration damper to its arrays in the workspace. */
 static void lay_out(pzs_damper *damper, pzs_real *at)
 {
     const size_t width = width_of(damper), sensors = sensor_width(damper);
@@ -463,7 +481,10 @@ static void lay_out(pzs_damper *damper, pzs_real *at)
     damper->info.load = damper->state.now + 2 * width;
 }
 
-/* Set the state of a structure in static equilibrium under the present voltages. */
+/*
+ * Set the state of the vibration modes to that of a structure in static equilibrium under the
+ * present voltages.
+ */
 static void set_initial_state(pzs_damper *damper)
 {
     const size_t bytes = width_of(damper) * sizeof(pzs_real);
@@ -475,7 +496,7 @@ static void set_initial_state(pzs_damper *damper)
     memcpy(damper->state.now, equilibrium_of(damper, 0), bytes);
 }
 
-/* Let the damper point to its controller, its tables and its arrays. */
+/* Set the pointers of the vibration damper to its controller, its tables and its arrays. */
 static void place(pzs_damper *damper, pzs_control *control, const pzs_vibration *tables, void *work)
 {
     damper->state.control = control;
@@ -565,7 +586,10 @@ static void *work_of(pzs_damper *damper)
     return (uint8_t *)damper + PZS_ALIGNED(sizeof *damper);
 }
 
-/* Initialise the damper block. Its memory holds the damper, its workspace, and the static shape. */
+/*
+ * Initialise the vibration damper as a block of the control loop. Its memory holds the damper, then
+ * the workspace of the damper, then the static shape.
+ */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     const pzs_vibration *vibration = tables;
@@ -585,8 +609,8 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     place(damper, signals->control, tables, work_of(damper));
     (void)pzs_damper_skip(damper, (uint16_t)signals->missed);
     const pzs_status status = pzs_damper_tick(damper, signals->readings, shape);
-    if (!number_is_finite(damper->info.deviation)) { /* working memory was damaged: start again in
-                                                        static equilibrium */
+    if (!number_is_finite(damper->info.deviation)) { /* damaged memory has made the state not
+                                                        finite: start again in static equilibrium */
         memset(work_of(damper), 0, workspace_of(tables));
         set_initial_state(damper);
     }

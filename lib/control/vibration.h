@@ -6,8 +6,8 @@
 #include "pzs_loop.h"
 
 /*
- * Return the checksum of the counts, arrays and settings of vibration tables, as stored in their
- * member crc.
+ * Return the checksum of the counts, arrays and settings of vibration tables, which their member
+ * crc must equal.
  */
 uint32_t pzs_vibration_crc(const pzs_vibration *tables);
 
