@@ -557,8 +557,9 @@ static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
 }
 
 /*
- * Find the active inputs (whose voltages are kept) that would each change to the opposite bound if
- * it alone became free and violate the optimality (KKT) conditions by more than `rounding`.
+ * Find the active inputs (whose voltages are kept) that violate the optimality (KKT) conditions by
+ * more than `rounding` and whose voltage would change as far as the opposite bound if no other
+ * active input became free.
  *   way [width] out  distance with sign of each of these inputs to that bound, 0 for all other
  *                    inputs (V)
  * Returns the number of these inputs.
