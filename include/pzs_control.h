@@ -179,11 +179,7 @@ typedef struct pzs_control {
     pzs_control_state state;
 } pzs_control;
 
-/*
- * PZS_CONTROL_BYTES is the size of the workspace of a controller (bytes); PZS_CONTROL_ROWS is the
- * number of vectors of PZS_CONTROL_WIDTH reals at its start.
- */
-#define PZS_CONTROL_ROWS(inputs) (2u * (size_t)(inputs) + 23u + PZS_PENDING)
+/* Size of the workspace of a controller (bytes). */
 #define PZS_CONTROL_BYTES(inputs, outputs)                                                         \
     (sizeof(pzs_real) * (PZS_CONTROL_ROWS(inputs) * PZS_CONTROL_WIDTH(inputs) +                    \
                          PZS_DUAL_REALS(inputs) + 5u * (size_t)(outputs)) +                        \

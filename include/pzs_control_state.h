@@ -41,6 +41,9 @@ struct pzs_block;
 #define PZS_ROUND_WORK(inputs)                                                                     \
     (PZS_PRODUCT_WORK(inputs) + PZS_ROUND_LOOPS * PZS_CONTROL_WIDTH(inputs))
 
+/* Number of vectors of PZS_CEIL(inputs) real numbers at the start of a controller's workspace. */
+#define PZS_CONTROL_ROWS(inputs) (2u * (size_t)(inputs) + 23u + PZS_PENDING)
+
 /*
  * Number of reals that the dual active-set method of the optimiser needs in addition
  * (PZS_DUAL_INPUTS): a Cholesky factor and two vectors.
