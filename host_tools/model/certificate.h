@@ -29,14 +29,14 @@ enum { CERTIFICATE_TEXT = 2000 }; /* length of the text that describes a certifi
 
 /*
  * Certificate of a loop on the structure linearised about the equilibrium at its target, where
- * deformation and prestress change its response and its modes. The loop has the tables that it
- * always has; the structures of these tests differ from the deformed one as those of the other
- * tests differ from the model.
+ * deformation and prestress change its response and its modes. The loop keeps the tables that the
+ * firmware gets. The simulated structures have 0.8 to 1.33 times the static response and 0.9 to 1.1
+ * times the natural frequencies of the deformed structure.
  */
 typedef struct certificate_target {
     bool is_made;
-    char reason[SCENE_ERROR]; /* why there is no such certificate although the scene's kinematics is
-                                 not linear; otherwise empty */
+    char reason[SCENE_ERROR]; /* why the loop was not certified about the target although the
+                                 scene's kinematics is not linear; otherwise empty */
     double amplitude;         /* largest displacement of a target node, divided by the thickness */
     double first;   /* first natural frequency of the deformed structure, relative to that of the
                        reference state */

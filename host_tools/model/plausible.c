@@ -154,8 +154,11 @@ static const struct rule {
      "amplifiers silent; leave the self-test out"},
     {"loop_amplitude", SUBJECT_LOOP, measure_amplitude, 0, 1.01, "thicknesses",
      "the loop is certified on a linear structure about the undeformed shape, and larger "
-     "deformations change its response and its modes; write kinematics: nonlinear, "
-     "simulate: {influence: target}, and simulate it"},
+     "deformations change its response and its modes; write kinematics: nonlinear, with which it "
+     "is certified about the target, too, and simulate: {influence: target}"},
+    {"loop_amplitude_certified", SUBJECT_LOOP, measure_amplitude_certified, 0, 2.01, "thicknesses",
+     "with tables of the undeformed shape such a loop may settle slowly and far from the best "
+     "shape; write simulate: {influence: target}, and simulate it"},
     {"loop_amplitude_at_target", SUBJECT_LOOP, measure_amplitude_at_target, 0, 3.01, "thicknesses",
      "the loop is certified on the linear modes of the undeformed shape, and larger deformations "
      "change them; simulate the loop with kinematics: nonlinear"},

@@ -108,7 +108,7 @@ measure measure_target, measure_unreached, measure_idle, measure_dependent;
  * older than stated, and how many thicknesses the target displaces the structure
  * (plausible_result.c).
  */
-measure measure_age, measure_amplitude, measure_amplitude_at_target;
+measure measure_age, measure_amplitude, measure_amplitude_certified, measure_amplitude_at_target;
 
 /*
  * Function that measures the hysteresis of the actuators where the control loop has a self-test

@@ -197,27 +197,44 @@ int measure_idle(const subject *of, int k, measured *found)
 /* ---- certified loop --------------------------------------------------- */
 
 /*
- * Measure the largest displacement of the target, divided by the thickness. The rule applies to a
- * control loop whose influence matrix belongs to the undeformed shape (at_target false) or to the
- * shape at the target (at_target true); for any other loop the number is NAN.
+ * Measure the largest displacement of the target of a control loop, divided by the thickness.
+ *   applies in  false: the rule does not apply to the loop, and the number is NAN
  */
-static int measure_target_amplitude(const subject *of, int k, bool at_target, measured *found)
+static int measure_target_amplitude(const subject *of, int k, bool applies, measured *found)
 {
-    found->value = of->scene->simulate.at_target == at_target ? of->amplitude : (double)NAN;
+    found->value = applies ? of->amplitude : (double)NAN;
     found->at = of->scene->target.what.at;
     snprintf(found->what, WHAT,
              "largest displacement of the target of a loop that damps vibration");
     return k == 0;
 }
 
+/*
+ * Whether the loop is certified on the structure linearised about its target, besides the structure
+ * in its reference state.
+ */
+static bool is_certified_at_target(const subject *of)
+{
+    return of->scene->kinematics != KINEMATICS_LINEAR;
+}
+
 int measure_amplitude(const subject *of, int k, measured *found)
 {
-    return measure_target_amplitude(of, k, false, found);
+    const bool has_tables_at_target = of->scene->simulate.at_target;
+    return measure_target_amplitude(of, k, !has_tables_at_target && !is_certified_at_target(of),
+                                    found);
+}
+
+int measure_amplitude_certified(const subject *of, int k, measured *found)
+{
+    const bool has_tables_at_target = of->scene->simulate.at_target;
+    return measure_target_amplitude(of, k, !has_tables_at_target && is_certified_at_target(of),
+                                    found);
 }
 
 int measure_amplitude_at_target(const subject *of, int k, measured *found)
 {
-    return measure_target_amplitude(of, k, true, found);
+    return measure_target_amplitude(of, k, of->scene->simulate.at_target, found);
 }
 
 int measure_age(const subject *of, int k, measured *found)

@@ -27,7 +27,8 @@
 
 /*
  * A structure with its target. is_beyond: the target is so large that `pzs check` warns of it by
- * the rule loop_amplitude; the storms need not settle then, and the results are only printed.
+ * the rule loop_amplitude or loop_amplitude_certified; the storms need not settle then, and the
+ * results are only printed.
  */
 typedef struct structure {
     const char *name, *scene, *changes;

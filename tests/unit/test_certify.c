@@ -123,7 +123,8 @@ static void test_text(void **state)
 
 /*
  * A loop that tolerates no older reading, or whose target displaces the structure by more than one
- * thickness, is warned of by name; one that tolerates a tick and a smaller target is not.
+ * thickness (two where the loop is certified about its target), is warned of by name; one that
+ * tolerates a tick and a smaller target is not.
  */
 static void test_warning(void **state)
 {
@@ -140,6 +141,13 @@ static void test_warning(void **state)
     plausible_loop(&warnings, &run.scene, 1, 1.1);
     assert_int_equal(warnings.count, 2);
     assert_string_equal(warnings.warning[1].rule, "loop_amplitude");
+    scene_run_close(&run);
+    assert_int_equal(scene_run_open(&run, PANEL, "kinematics=nonlinear"), 0);
+    plausible_loop(&warnings, &run.scene, 1, 1.99);
+    assert_int_equal(warnings.count, 2);
+    plausible_loop(&warnings, &run.scene, 1, 2.1);
+    assert_int_equal(warnings.count, 3);
+    assert_string_equal(warnings.warning[2].rule, "loop_amplitude_certified");
     scene_run_close(&run);
 }
 
