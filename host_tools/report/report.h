@@ -35,7 +35,7 @@ int report_solve(const report_job *job, const analysis *analysis, const double *
 /*
  * Write the report of `pzs shape`: the reached shape, the misfit (reached minus target values) and
  * the voltages of each result, a table of their errors, and the errors of the target's modes.
- *   result [results]  in  sets of voltages
+ *   result [results]  in  optimal voltages of all amplifiers, for each pair of voltage limits
  */
 int report_shape(const report_job *job, const analysis *analysis, const voltages *result,
                  int results, const modes *modes);
@@ -49,7 +49,7 @@ typedef struct report_array {
     char name[256];
     int components; /* number of values at each point or in each cell */
     bool of_cells;  /* true: values of the cells; false: values of the points */
-    double *value;  /* [points or cells][components] */
+    double *value;  /* [points or cells][components] values of the array */
 } report_array;
 
 /*
@@ -62,7 +62,8 @@ int report_vtu(FILE *file, const mesh *mesh, const stress_points *points, const 
 /*
  * Write a VTK file with the displacement and the recovered stresses: for each layer and height
  * stress and strain in material axes, at the element centres and averaged at the nodes; reserve
- * factors, resultants, electric fields. A node on the border of a patch has a point for each side.
+ * factors, resultants, electric fields. A node on the border of a patch has two points in the file,
+ * one for each side of the border.
  *   vector [nodes][3] in  displacement of the middle surface, in Cartesian components
  */
 int report_stress_vtu(FILE *file, const stress_field *field, const double *vector);
@@ -70,7 +71,7 @@ int report_stress_vtu(FILE *file, const stress_field *field, const double *vecto
 /*
  * Compute the Cartesian displacement of the middle surface at the nodes.
  *   u      [dof]       in   displacement vector
- *   vector [nodes][3]  out
+ *     vector [nodes][3]  out  displacement of each node along x, y and z
  */
 void report_displacement(const mesh *mesh, const double *u, double *vector);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Drawing layer of the report (report_draw.h). */
+/* Functions that draw diagrams, axes and colour scales of reports as SVG. */
 #include "report_draw.h"
 #include <math.h>
 
@@ -164,7 +164,10 @@ double draw_round(double value)
     return number[k] * power;
 }
 
-/* Draw the grid line of a value of x (is_x) or of y, and its number. */
+/*
+ * Draw a grid line at one value of the horizontal axis (is_x) or of the vertical axis of a diagram,
+ * and write this value beside the axis.
+ */
 static void draw_tick(FILE *file, const draw_axis *x, const draw_axis *y, bool is_x, double value)
 {
     const draw_axis *axis = is_x ? x : y;
@@ -179,11 +182,15 @@ static void draw_tick(FILE *file, const draw_axis *x, const draw_axis *y, bool i
     fputs("</text>\n", file);
 }
 
-/* Value of tick number `index` of an axis; the first ticks may lie below the range of the axis. */
+/*
+ * Return the value at which the axis of a diagram has its tick mark number `index`; the first marks
+ * may lie below the range of the axis.
+ */
 static double tick_value(const draw_axis *axis, int index)
 {
     static const double number[3] = {1, 2, 5};
-    const int numbers = axis->high / axis->low > 1e3 ? 1 : 3; /* ticks per power of ten */
+    const int numbers = axis->high / axis->low > 1e3 ? 1 : 3; /* number of tick marks in each power
+                                                                 of ten */
     const double factor = axis->unit.factor;
     if (axis->is_log)
         return number[index % numbers] * pow(10, floor(log10(axis->low)) + index / numbers);

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Drawing layer of the report: SVG pictures, with coordinates in pixels and y pointing down. */
+/*
+ * Functions that draw the SVG pictures of reports. Coordinates are in pixels, with y pointing down.
+ */
 #ifndef REPORT_DRAW_H
 #define REPORT_DRAW_H
 
@@ -14,7 +16,10 @@
  */
 typedef enum draw_type { DRAW_IMAGE, DRAW_GROUP, DRAW_CHART } draw_type;
 
-/* Begin and end a picture of a size in pixels. Its title and description are plain text. */
+/*
+ * draw_begin begins an SVG picture with a size in pixels, a title and a description in plain text;
+ * draw_end ends the picture.
+ */
 void draw_begin(FILE *file, draw_type type, double width, double height, const char *title,
                 const char *description);
 void draw_end(FILE *file, draw_type type);
@@ -24,9 +29,10 @@ void draw_page_style(FILE *file);
 void draw_picture_style(FILE *file);
 
 /*
- * Begin and end an SVG path with a style class. Between both calls, draw_step appends a point to a
- * line unless its coordinates are not finite, and draw_polygon a polygon, or a straight line
- * through 2 points, unless any of its points is not finite.
+ * draw_path begins an SVG path with a style class, and draw_path_end ends it. Between both calls,
+ * draw_step appends a point to a line, and draw_polygon appends a polygon, or a straight line
+ * through 2 points. Points whose coordinates are not finite are left out, with the whole polygon to
+ * which they belong.
  */
 void draw_path(FILE *file, const char *style);
 void draw_step(FILE *file, bool *is_drawing, const double at[2]);
@@ -61,21 +67,25 @@ int draw_level(const draw_scale *scale, double value);
 const char *draw_class(const draw_scale *scale, int level);
 const char *draw_colour(const draw_scale *scale, double value);
 
-/* Style class of a text on the colour of a value: "strong" near the ends of a scale, or "mild". */
+/*
+ * Style class of a text that is written on the colour of a value: "strong" on the dark or saturated
+ * colours near the ends of a colour scale, "mild" on others.
+ */
 const char *draw_tone(const draw_scale *scale, double value);
 
 /*
- * Draw the legend of a colour scale with its numbers, 30 pixels high: draw_legend_at inside a
- * picture at x, y (pixels), draw_legend as a picture of its own.
+ * Draw the legend of a colour scale with its numbers, 30 pixels high. draw_legend_at draws it
+ * inside a picture at x, y (pixels); draw_legend makes a picture of it.
  */
 void draw_legend_at(FILE *file, const draw_scale *scale, double x, double y);
 void draw_legend(FILE *file, const draw_scale *scale);
 
 typedef struct draw_axis {
-    double low, high; /* values at both ends of the axis */
-    double from, to;  /* pixel coordinates of both ends */
+    double low, high; /* values at both ends of the axis of a diagram */
+    double from, to;  /* pixel coordinates of both ends of the axis of a diagram */
     bool is_log;
-    const char *format; /* format of the numbers on the axis, with directives of the function put */
+    const char *format; /* format of the numbers on the axis of a diagram, as the function `put`
+                           takes it */
     put_unit unit;
 } draw_axis;
 

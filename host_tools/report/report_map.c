@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Maps of the values at the nodes, and of the voltages in the patches (report_shell.h). */
+/* Maps of a surface, coloured by values at the nodes or by the voltages of the electrodes. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +10,10 @@
 /* Height of the lines of text below a map, in pixels. */
 enum { FOOT = 25 };
 
-/* Write below a map the ranges of its coordinates, or the direction from which it is seen. */
+/*
+ * Write below a map the ranges of its two surface coordinates, or the direction from which the
+ * surface is seen.
+ */
 static void write_ranges(const shell *map)
 {
     static const char *const names[2][2] = {{"x to the right", "y upwards"},
@@ -83,9 +86,10 @@ int shell_find_plans(const design *design, int *plan)
 
 /* An electrode on a map: a patch of whole elements, or an electrode of arbitrary outline. */
 typedef struct electrode {
-    shell part; /* copy of the map, for a patch of whole elements with only its elements */
+    shell part; /* copy of the map with only the elements of the electrode, if the electrode is a
+                   patch of whole elements */
     const scene_patches *patches;
-    int index;                    /* number of the electrode in `patches` */
+    int index;                    /* index of the electrode in its group of patches */
     double low[2], high[2], area; /* bounding box (pixels) and area (pixels squared) in the picture,
                                      known after drawing */
 } electrode;
@@ -197,14 +201,15 @@ static void begin_amplifier(FILE *file, const design *design, const shell_voltag
 
 /*
  * Write the voltage of an amplifier in the largest font that fits into its space, and end the group
- * of the amplifier. A voltage at a limit is written in any case, another one only if its font is
- * large enough to be read.
+ * of the amplifier. A voltage at a limit is written in any case, all other voltages only if its
+ * font is large enough to be read.
  */
 static void end_amplifier(FILE *file, const shell_voltage_set *set, int amplifier,
                           const text_room *room)
 {
-    const double digit = 0.6; /* width of a digit relative to the font size */
-    const double smallest = 4.5, readable = 9, largest = 14; /* font sizes (pixels) */
+    const double digit = 0.6; /* width of a digit of a text relative to the font size */
+    const double smallest = 4.5, readable = 9, largest = 14; /* sizes of fonts for voltages on a map
+                                                                (pixels) */
     const double voltage = set->voltage[amplifier], most = set->scale->most;
     char text[40];
     snprintf(text, sizeof text, "%.*f", (most < 100) + (most < 10), voltage);

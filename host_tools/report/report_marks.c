@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Loads, outputs, directions and rigid bodies in a picture in space (report_shell.h). */
+/*
+ * Marks in a picture of the mesh in space: loads, outputs, directions of x, y and z, and rigid
+ * bodies.
+ */
 #include <math.h>
 #include <string.h>
 #include "../mesh/springs.h"
@@ -13,7 +16,10 @@ void shell_node(const shell *shell, int node, const char *style, double radius)
     draw_disc(shell->file, style, at, radius);
 }
 
-/* Draw a point load as an arrow to its node, or along the line of sight as a disc. */
+/*
+ * Draw a point load as an arrow that ends at its node, or, if its direction is along the line of
+ * sight, as a disc.
+ */
 static void draw_load(const shell *shell, const scene_load *load)
 {
     const double degree = 0.017453292519943295, length = 46;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Frames of pages and of single pictures, and shapes with their misfit (report_page.h). */
+/*
+ * Frame of report pages and of single pictures, and pictures of shapes with their misfit (reached
+ * minus target values).
+ */
 #include "report_page.h"
 #include <math.h>
 #include <stdlib.h>
@@ -52,13 +55,19 @@ static void write_command(const report_job *job)
     }
 }
 
-/* Result of a numerical check for display: NAN for a negative value, a check that was not made. */
+/*
+ * Return the result of a numerical check for display: NAN for a negative value, which stands for a
+ * check that was not made.
+ */
 static double checked(double value)
 {
     return value < 0 ? (double)NAN : value;
 }
 
-/* Write the size of the mesh and the checks of the solves. */
+/*
+ * Write the size of the mesh and the results of the numerical checks, such as the largest residual
+ * of the linear solves, on a report page.
+ */
 static void write_structure_facts(const page *page, double residual)
 {
     const mesh *mesh = page->mesh;

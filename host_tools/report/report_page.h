@@ -27,34 +27,47 @@ typedef struct page {
                          has its target value; NAN at nodes outside the target */
     double *value;    /* [nodes] values that are shown in colours; for a reached shape its misfit,
                          reached minus target value, NAN outside the target */
-    double *row;      /* [targets] work: misfit of each target row */
-    double largest;   /* largest length of the displacement of a node */
-    double misfit;    /* largest absolute value of the misfit */
+    double *row; /* [targets] work array for the misfit (reached minus target value) of each target
+                    row */
+    double largest; /* largest length of the displacement of any node */
+    double misfit;  /* largest absolute value of the misfit, reached minus target value */
 } page;
 
 /*
- * Prepare a page, and release it. page_open returns 0, or -1 if memory runs out. page_close is
- * called in both cases, and returns -1 if the page has failed or cannot be written, else 0.
+ * page_open prepares a report page, and page_close writes and releases it. page_open returns 0, or
+ * -1 if memory runs out. page_close is called in both cases, and returns -1 if the page has failed
+ * or cannot be written, else 0.
  */
 int page_open(page *page, const report_job *job, const analysis *analysis);
 int page_close(page *page, bool has_failed);
 
 /*
- * Begin and end an HTML page, which begins with the scene's name and purpose, checks and warnings,
- * and ends with the structure, the text of the scene file and the command.
+ * page_begin begins an HTML page with name and purpose of the scene, numerical checks and warnings;
+ * page_end ends the page with the layers and materials of the shell, the text of the scene file and
+ * the command line.
  *   residual  in  largest relative residual of the solves shown on this page
  */
 void page_begin(const page *page, const char *kind, double residual);
 void page_end(const page *page);
 
-/* Begin and end the main picture alone, with a title and the size of the drawing in pixels. */
+/*
+ * page_begin_picture begins an SVG file that contains only the main picture of a report, with a
+ * title and the size of the drawing in pixels; page_end_picture ends the file.
+ */
 void page_begin_picture(const page *page, const char *title, double width, double height);
 void page_end_picture(const page *page, double width, double height);
 
-/* End a figure with a caption in the format of put, and with the legend of scale, if not NULL. */
+/*
+ * End a figure of a report page with a caption, and with the legend of a colour scale if `scale` is
+ * not NULL.
+ *   format in  caption with directives of the function put
+ */
 void page_caption(const page *page, const draw_scale *scale, const char *format, ...);
 
-/* Begin a figure with the map of value [nodes]; page_caption ends the figure. */
+/*
+ * Begin a figure of a report page with a map of values [nodes] in colours; page_caption ends the
+ * figure.
+ */
 void page_map(const page *page, const double *value, const draw_scale *scale, const char *title);
 
 /*
@@ -69,20 +82,25 @@ void page_stress(const page *page, const stress_field *field);
 void page_voltages(const page *page, const voltages *result, int results);
 void page_modes(const page *page, const modes *modes);
 
-/* Let the page draw the displacement vector u [dof] from now on, coloured by its length. */
+/*
+ * Let a report page draw the displacement vector u [dof] from now on, coloured by the length of the
+ * displacement.
+ */
 void page_displace(page *page, const double *u);
 
 /*
- * Let the page draw a shape that the voltages reach for a target, coloured by its misfit.
+ * Let a report page draw from now on a shape that voltages reach for a target, coloured by its
+ * misfit (reached minus target value).
  *   u               [dof]      in  displacement vector
- *   reached, target [targets]  in  reached values and target values of the target's component
+ *   reached, target [targets]  in  reached value and target value of each target row
  */
 void page_shape(page *page, const double *u, const double *reached, const double *target);
 
 /*
- * Draw the shape of the page in space coloured by its misfit, with mesh lines of the target over
- * the shape; the misfit at the outputs of a measured matrix as coloured discs. page_keys writes the
- * legend of the lines in this picture, followed by the markup `more`.
+ * Draw the reached shape in space, coloured by its misfit (reached minus target value), and the
+ * mesh lines of the target shape over it. For a measured influence matrix, which has no mesh, the
+ * misfit at its outputs is drawn as coloured discs. page_keys writes the legend of the lines in
+ * this picture, followed by the markup `more`.
  */
 void page_draw_shape(const page *page, const draw_scale *scale);
 void page_keys(const page *page, const char *more);

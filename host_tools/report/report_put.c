@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Text of the report pages (report_put.h). */
+/* Writing of formatted text, numbers and tables into HTML and SVG reports. */
 #include "report_put.h"
 #include <math.h>
 #include <stdarg.h>
@@ -44,7 +44,10 @@ static void put_text(FILE *file, const char *text, bool raises_digits)
     }
 }
 
-/* Write a number with some significant digits, far from 1 with a power of ten. */
+/*
+ * Write a number with a given number of significant digits, and with a power of ten if it is very
+ * large or very small.
+ */
 static void put_number(FILE *file, double value, int digits)
 {
     const double size = fabs(value);
@@ -85,14 +88,17 @@ put_unit put_unit_of(double most, const char *unit)
     return (put_unit){length[known].metres / length[best].metres, length[best].written};
 }
 
-/* Write a no-break space and the unit. */
+/* Write a space at which lines are not broken, and the name of a unit. */
 static void put_unit_name(FILE *file, const char *unit)
 {
     fputs(*unit ? "\xc2\xa0" : "", file);
     put_text(file, unit, true);
 }
 
-/* Write a quantity in the unit that is most readable for `most`. */
+/*
+ * Write a quantity with its unit. For lengths the unit is the one in which the value `most` is most
+ * readable, such as mm or um.
+ */
 static void put_quantity(FILE *file, double value, double most, const char *name)
 {
     const put_unit unit = put_unit_of(most, name);
@@ -112,7 +118,10 @@ static void put_limits(FILE *file, const double limit[2], const char *unit)
         put(file, "%n to %q", limit[0], limit[1], unit);
 }
 
-/* Write the value of a directive that begins with a real number. */
+/*
+ * Write one value with a directive of the function put, such as %n for a number with four
+ * significant digits.
+ */
 static void put_value(FILE *file, char directive, double value, va_list *more)
 {
     const bool has_most = directive == 'a' || directive == 'b';
@@ -145,7 +154,10 @@ static void put_directive(FILE *file, char directive, va_list *more)
     }
 }
 
-/* Write the opening tag of a table cell. Returns its text without the character for alignment. */
+/*
+ * Write the opening tag of a cell of an HTML table. Returns the text of the cell, without the first
+ * character if that stands for the alignment of the cell.
+ */
 static const char *open_cell(FILE *file, const char *tag, const char *at)
 {
     static const char *const style[] = {"", " class=\"word\"", " class=\"note\""};

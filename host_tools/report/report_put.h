@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Text of the report pages: escaped text, numbers and tables, as UTF-8 and XML. */
+/* Writing of escaped text, numbers and tables into HTML and SVG reports in UTF-8. */
 #ifndef REPORT_PUT_H
 #define REPORT_PUT_H
 
@@ -26,7 +26,8 @@
 void put(FILE *file, const char *format, ...);
 
 /*
- * Write a text with values, whose format has the directives of put.
+ * Write a text with values, whose format has the directives of the function put (%n for a number,
+ * %q for a quantity and others).
  *   cell  in  HTML tag of the first of the table cells that '|' separates, or NULL: no cells
  */
 void put_list(FILE *file, const char *format, const char *cell, va_list *more);
@@ -38,7 +39,8 @@ void put_list(FILE *file, const char *format, const char *cell, va_list *more);
 void put_row(FILE *file, const char *format, ...);
 
 /*
- * Begin and end a table. On a narrow page the table can be scrolled on its own.
+ * put_table begins an HTML table, and put_table_end ends it. On a narrow page the table can be
+ * scrolled on its own.
  *   caption  in  markup
  *   head     in  heading cells in the format of put_row; "" for no heading
  */

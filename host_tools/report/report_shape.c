@@ -4,17 +4,23 @@
 #include <stdlib.h>
 #include "report_page.h"
 
-/* Page of `pzs shape`. All results have the same colour scale of the misfit, page.scale. */
+/*
+ * Report page of `pzs shape`. All results, one for each pair of voltage limits, have the same
+ * colour scale of the misfit (reached minus target value), page.scale.
+ */
 typedef struct shape_page {
     page page;
-    const voltages *result; /* [results] sets of voltages */
+    const voltages *result; /* [results] optimal voltages of all amplifiers for each pair of voltage
+                               limits */
     int results;
-    int *plan; /* [actuators] plan on which each actuator is drawn, from shell_find_plans */
-    int plans; /* number of plans: maps on which no patches overlap */
+    int *plan; /* [actuators] index of the map on which each actuator is drawn */
+    int plans; /* number of maps of the surface over which the actuators are distributed, so that no
+                  electrodes overlap on a map */
     draw_scale voltage;
-    shell_mark *mark; /* [amplifiers] marks of the voltages of the result that is drawn at present
-                       */
-    double *limit;    /* [2][amplifiers] lowest and highest voltages of this result */
+    shell_mark *mark; /* [amplifiers] for the result that is drawn at present: whether each voltage
+                         is at a limit, beyond the limits, or neither */
+    double *limit; /* [2][amplifiers] lowest and highest voltages that the result drawn at present
+                      may have */
 } shape_page;
 
 static bool is_limited(const voltages *result)
@@ -41,7 +47,10 @@ static double largest_voltage(const voltages *result)
     return scale.most;
 }
 
-/* Mark voltages at active limits, unless the amplifier is held, and beyond the scene's limits. */
+/*
+ * Mark the voltages of a result that are at an active limit or beyond the limits of the scene.
+ * Amplifiers that are held at a fixed voltage get no mark at a limit.
+ */
 static void find_marks(const shape_page *shape, const voltages *result)
 {
     const design *design = shape->page.design;
@@ -59,7 +68,10 @@ static void find_marks(const shape_page *shape, const voltages *result)
     }
 }
 
-/* Let the page draw a result from now on. Returns the colour scale of the result's misfit. */
+/*
+ * Let the page draw a result (optimal voltages for one pair of limits, and the shape that they
+ * reach) from now on. Returns the colour scale of its misfit, reached minus target value.
+ */
 static draw_scale take_result(shape_page *shape, const voltages *result)
 {
     page *page = &shape->page;
@@ -68,7 +80,10 @@ static draw_scale take_result(shape_page *shape, const voltages *result)
     return (draw_scale){true, page->misfit, page->design->units.length};
 }
 
-/* Choose the colour scales, the magnification and the view in space, common to all results. */
+/*
+ * Choose colour scales, magnification of the displacement, and view in space, which all results on
+ * the page have in common.
+ */
 static void fit_page(shape_page *shape)
 {
     page *page = &shape->page;
@@ -94,7 +109,10 @@ static void fit_page(shape_page *shape)
     view_fit(&page->space.view, 420, 420, 180);
 }
 
-/* Result that the page shows first: the first one with voltage limits, or the first one of all. */
+/*
+ * Return the result that the page shows first: the first one with voltage limits, or the first
+ * result if none has limits.
+ */
 static const voltages *main_result(const shape_page *shape)
 {
     for (int k = 0; k < shape->results; k++)
@@ -103,7 +121,10 @@ static const voltages *main_result(const shape_page *shape)
     return shape->result;
 }
 
-/* Write the shape error and the number of active limits of the main result in one sentence. */
+/*
+ * Write one sentence with the shape error and the number of voltages at a limit, for the result
+ * that the page shows first.
+ */
 static void write_verdict(const shape_page *shape)
 {
     const voltages *best = main_result(shape);
@@ -150,7 +171,10 @@ static void write_table(const shape_page *shape)
     put_table_end(shape->page.file);
 }
 
-/* Write notes on narrower limits, on target rows that no voltage moves, and on free functions. */
+/*
+ * Write notes on the page: voltage limits narrower than those of the scene, target rows that no
+ * voltage moves, and free functions (shapes that may be added to the target at no cost).
+ */
 static void write_notes(const shape_page *shape)
 {
     FILE *file = shape->page.file;
@@ -171,7 +195,10 @@ static void write_notes(const shape_page *shape)
             design->goal.free[k].name, k + 1 == design->free_functions ? ".</p>\n" : "");
 }
 
-/* Draw target and reached values at the outputs of a measured matrix, on one scale. */
+/*
+ * Draw the target values and the reached values at the outputs of a measured influence matrix with
+ * a common colour scale.
+ */
 static void draw_levels(const page *page, const voltages *result)
 {
     draw_scale scale = {true, 0, page->design->units.length};
@@ -183,7 +210,7 @@ static void draw_levels(const page *page, const voltages *result)
     page_caption(page, &scale, "Reached, on one scale with target:");
 }
 
-/* Draw the voltages on one plan, or as bars where there are no plans. */
+/* Draw the voltages of a result on one map of the surface, or as bars if there is no such map. */
 static void draw_plan(const shape_page *shape, int which, const voltages *result)
 {
     const shell_voltage_set set = {result->voltage, shape->mark, &shape->voltage};
@@ -259,7 +286,10 @@ static void write_page(shape_page *shape, const modes *modes)
     page_end(page);
 }
 
-/* Write the main picture: the reached shape and the voltages of the main result. */
+/*
+ * Write the main picture of the report of `pzs shape`: the reached shape and the voltages of the
+ * result that the page shows first.
+ */
 static void write_picture(shape_page *shape)
 {
     const page *page = &shape->page;

@@ -7,12 +7,16 @@
 #include "../quads/vector.h"
 
 /*
- * Largest number of cells (quadrilaterals) whose sides are drawn (FINE), and of pieces in different
- * colours: of all cells in space and on a map, and along a side of a cell (SIDE_PIECES).
+ * Limits of the detail of a picture of a mesh. FINE: largest number of cells (quadrilaterals) whose
+ * sides are drawn. SPACE_PIECES, MAP_PIECES: largest number of coloured pieces of all cells in a
+ * picture in space and on a map. SIDE_PIECES: largest number of pieces along a side of a cell.
  */
 enum { FINE = 3000, SPACE_PIECES = 3000, MAP_PIECES = 6000, SIDE_PIECES = 12 };
 
-/* Points and cells of most pictures: the nodes and the elements of the mesh. */
+/*
+ * Fill in the points and cells of a picture whose points are the nodes and whose cells are the
+ * elements of the mesh.
+ */
 static void fill_from_elements(shell *shell)
 {
     for (int n = 0; n < shell->points; n++) {
@@ -23,7 +27,10 @@ static void fill_from_elements(shell *shell)
         shell->cell[k / 4][k % 4] = shell->mesh->element[k / 4][k % 4];
 }
 
-/* Points and cells of the parameter plane of a mesh along lines of curvature. */
+/*
+ * Fill in the points and cells of a picture on the plane of the parameters theta1 and theta2, for a
+ * mesh along lines of curvature.
+ */
 static void fill_from_parameters(shell *shell)
 {
     const scene_line *line = shell->mesh->line;
@@ -41,7 +48,10 @@ static void fill_from_parameters(shell *shell)
     }
 }
 
-/* Mark the nodes (node [nodes] work) of all supports but those that include all nodes. */
+/*
+ * Mark the nodes of all supports, except supports that include all nodes, for a picture.
+ *   node [nodes] out  work array
+ */
 static void find_supports(shell *shell, int *node)
 {
     const design *design = shell->design;
@@ -117,7 +127,10 @@ void shell_include(shell *shell)
     }
 }
 
-/* Bilinear weights of the four corners of a cell at a point inside. */
+/*
+ * Compute the bilinear weights of the four corners of a quadrilateral cell at a point inside.
+ *   share [2] in  position of the point along the sides, from 0 to 1
+ */
 static void corner_weights(const double share[2], double weight[4])
 {
     weight[0] = (1 - share[0]) * (1 - share[1]);
@@ -138,7 +151,11 @@ void shell_inside(const shell *shell, int cell, const double share[2], double at
     }
 }
 
-/* Append the part of a cell between two points (from 0 to 1 along its sides) to the SVG path. */
+/*
+ * Append the part of a quadrilateral cell between two points to an SVG path.
+ *   from, to [2] in  opposite corners of the part, as positions from 0 to 1 along the sides of the
+ *   cell
+ */
 static void draw_part(const shell *shell, int cell, const double from[2], const double to[2])
 {
     const double share[4][2] = {
@@ -149,7 +166,10 @@ static void draw_part(const shell *shell, int cell, const double from[2], const 
     draw_polygon(shell->file, (const double(*)[2])at, 4);
 }
 
-/* Draw all cells as one path in a style, except cells where a displacement is NaN. */
+/*
+ * Draw all cells of a mesh as one SVG path with a style class; cells with a displacement of NaN are
+ * left out.
+ */
 static void draw_cells(const shell *shell, const char *style)
 {
     static const double first[2] = {0, 0}, last[2] = {1, 1};
@@ -195,7 +215,7 @@ static int farther_first(const void *one, const void *other)
     return (a->cell > b->cell) - (a->cell < b->cell);
 }
 
-/* List the cells from the farthest to the nearest. */
+/* Sort the cells of a mesh from the farthest to the nearest to the viewer. */
 static void sort_cells(const shell *shell)
 {
     for (int k = 0; k < shell->cells; k++) {
@@ -209,7 +229,11 @@ static void sort_cells(const shell *shell)
     qsort(shell->order, (size_t)shell->cells, sizeof *shell->order, farther_first);
 }
 
-/* Index of the colour at a point inside a cell with the values `own` at its corners. */
+/*
+ * Return the index of the colour at a point inside a cell, with values interpolated from those at
+ * its corners.
+ *   own [4] in  values at the corners
+ */
 static int level_inside(const double own[4], const draw_scale *scale, double first, double second)
 {
     const double share[2] = {first, second};
@@ -221,8 +245,9 @@ static int level_inside(const double own[4], const draw_scale *scale, double fir
 }
 
 /*
- * Draw a cell in pieces, each in the colour of the value at its middle; neighbouring pieces in one
- * row with the same colour are drawn as one. Returns whether the cell has values at all corners.
+ * Draw a cell of a mesh in pieces, each in the colour of the value at its middle; neighbouring
+ * pieces of the same colour in a row are drawn as one. Returns whether the cell has values at all
+ * corners.
  */
 static bool paint_cell(const shell *shell, int cell, const double *value, const draw_scale *scale,
                        int pieces)
@@ -260,7 +285,10 @@ static void draw_frame(const shell *shell, int cell)
             shell_node(shell, single.cell[0][r], "pin", 2.5);
 }
 
-/* Draw the values at the points as coloured discs; of very many points, only at some. */
+/*
+ * Draw the values at the points of a mesh as coloured discs. If there are very many points, only
+ * some are drawn.
+ */
 static void draw_points(const shell *shell, const double *value, const draw_scale *scale)
 {
     enum { MOST_DOTS = 2500 };

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Pictures of a mesh in space or as a map: colours, lines, supports, loads and voltages. */
+/*
+ * Pictures of a mesh, in space or as a flat map: coloured surface, mesh lines, supports, loads and
+ * voltages.
+ */
 #ifndef REPORT_SHELL_H
 #define REPORT_SHELL_H
 
@@ -7,7 +10,7 @@
 #include "../quads/quad_side.h"
 #include "report_draw.h"
 
-/* Width of a map in pixels. */
+/* Width of a flat map of a surface in a report, in pixels. */
 enum { SHELL_MAP_WIDTH = 320 };
 
 /*
@@ -15,10 +18,11 @@ enum { SHELL_MAP_WIDTH = 320 };
  * coordinates: x, y, z in space, or theta1, theta2 and 0 on a parameter plane.
  */
 typedef struct view {
-    double axis[3][3];      /* directions to the right, up and towards the viewer */
-    double low[2], high[2]; /* range of the included points, to the right and up */
+    double axis[3][3];      /* unit vectors to the right, up and towards the viewer */
+    double low[2], high[2]; /* smallest and largest coordinates of the included points, to the right
+                               and up */
     double zoom;            /* pixels per length unit */
-    double width, height;   /* size of the picture in pixels */
+    double width, height;   /* width and height of the picture in pixels */
 } view;
 
 /*
@@ -32,17 +36,24 @@ void view_begin(view *view, const mesh *mesh, bool is_map);
 bool view_has_parameters(const mesh *mesh);
 
 /*
- * view_include makes a point visible; view_fit fits the included points into a picture of a size in
- * pixels, at least `least` pixels high; view_project computes the pixel coordinates of a point.
+ * view_include extends a view so that a point is visible; view_fit fits the included points into a
+ * picture of a size in pixels, at least `least` pixels high; view_project computes the pixel
+ * coordinates of a point.
  */
 void view_include(view *view, const double point[3]);
 void view_fit(view *view, double width, double height, double least);
 void view_project(const view *view, const double point[3], double at[2]);
 
-/* Round magnification that draws the displacement `most` as about `share` of the mesh's size. */
+/*
+ * Return a round factor of magnification that draws a displacement of length `most` as about the
+ * part `share` of the size of the mesh.
+ */
 double view_magnification(const mesh *mesh, double most, double share);
 
-/* A cell with the sum of its four corners' coordinates towards the viewer. */
+/*
+ * A cell of a mesh with its depth: the sum over its four corners of their coordinates towards the
+ * viewer, by which cells are sorted.
+ */
 typedef struct shell_depth {
     double depth;
     int cell;
@@ -60,14 +71,17 @@ typedef struct shell {
     view view;
     bool is_map;
     int points, cells;
-    int *node;            /* [points] mesh node of each point */
-    double (*place)[3];   /* [points] coordinates of the undeformed mesh, as the view takes them */
-    int (*cell)[4];       /* [2 cells] corners of each cell, in order; memory for a part follows */
-    bool *is_held;        /* [nodes] whether a support includes the node; in space only */
-    shell_depth *order;   /* [cells] work: cells sorted by depth */
-    quad_side *side;      /* [cells][4] work: sides of the cells */
-    const double *vector; /* [nodes][3] displacement in space, or NULL: none */
-    double factor;        /* magnification of the displacement */
+    int *node;          /* [points] mesh node of each point */
+    double (*place)[3]; /* [points] coordinates of the undeformed mesh: x, y, z in a picture in
+                           space, theta1, theta2 and 0 on a map of the parameters */
+    int (*cell)[4];     /* [2 cells] point indices of the corners of each cell; the second half is
+                           memory for a copy with fewer cells */
+    bool *is_held; /* [nodes] whether a support includes the node; only in a picture in space */
+    shell_depth *order;   /* [cells] work array: cells sorted by depth */
+    quad_side *side;      /* [cells][4] work array: sides of the cells */
+    const double *vector; /* [nodes][3] displacement along x, y and z that is drawn; NULL: the
+                             undeformed mesh is drawn */
+    double factor;        /* factor by which the drawn displacement is magnified */
 } shell;
 
 /*
@@ -78,8 +92,9 @@ int shell_open(shell *shell, FILE *file, const design *design, bool is_map);
 void shell_close(shell *shell);
 
 /*
- * Coordinates, and pixel coordinates, of a point with its displacement. In space the points are the
- * nodes of the mesh. shell_inside computes the pixel coordinates of a point inside a cell.
+ * shell_place computes the coordinates of a point with its displacement, and shell_at its pixel
+ * coordinates. In space the points are the nodes of the mesh. shell_inside computes the pixel
+ * coordinates of a point inside a cell.
  *   share [2]  in  from 0 to 1; the first increases from corner 0 to corner 1, the second from
  *                  corner 0 to corner 3
  */
@@ -97,8 +112,9 @@ void shell_include(shell *shell);
 void shell_surface(const shell *shell, const double *value, const draw_scale *scale);
 
 /*
- * Draw lines in a style: shell_lines the sides of all cells, of a very fine mesh only its edges;
- * shell_edges only sides that belong to a single cell. Cells displaced by NaN are left out.
+ * Draw mesh lines with a style class. shell_lines draws the sides of all cells, or of a very fine
+ * mesh only its outer edges; shell_edges draws only the outer edges, which are sides of a single
+ * cell. Cells with a displacement of NaN are left out.
  */
 void shell_lines(const shell *shell, const char *style);
 void shell_edges(const shell *shell, const char *style);
@@ -114,41 +130,55 @@ void shell_loads(const shell *shell);
 void shell_outputs(const shell *shell);
 void shell_directions(const shell *shell);
 
-/* The part of the rigid body of a contact that is near the shell: a grid of points. */
+/*
+ * Number of points along each side of the grid that draws the part of a rigid body near the shell.
+ */
 enum { SHELL_NET = 13 };
 typedef struct shell_body {
     bool is_given;
-    double normal[3]; /* outward unit normal of the body at the point nearest to the shell */
+    double normal[3]; /* outward unit normal of the rigid body at the point nearest to the shell */
     double place[SHELL_NET][SHELL_NET][3];
 } shell_body;
 
-/* Find the rigid body in its position at the last equilibrium, and include it in the view. */
+/*
+ * Find the part of the rigid body near the shell, at its position in the last equilibrium, and make
+ * it visible in the view.
+ */
 void shell_find_body(shell_body *body, const analysis *analysis, shell *shell);
 
 /* Draw the rigid body of a contact if it lies in front of the shell (is_in_front), or behind it. */
 void shell_draw_body(const shell *shell, const shell_body *body, bool is_in_front);
 
-/* Draw a whole picture: the map of value [nodes] with frame, mesh lines and ranges. */
+/*
+ * Draw a whole map of a surface: values [nodes] in colours, frame, mesh lines and ranges of the
+ * coordinates.
+ */
 void shell_map(const shell *map, const double *value, const draw_scale *scale, const char *title);
 
 typedef enum shell_mark { SHELL_FREE, SHELL_AT_LIMIT, SHELL_BEYOND } shell_mark;
 
 /* Voltages of all amplifiers, as pictures show them. */
 typedef struct shell_voltage_set {
-    const double *voltage;  /* [amplifiers] voltages (in the voltage unit of the scene) */
-    const shell_mark *mark; /* [amplifiers] active limit, beyond the limits, or neither */
+    const double *voltage;  /* [amplifiers] voltages of the amplifiers (in the voltage unit of the
+                               scene) */
+    const shell_mark *mark; /* [amplifiers] for each voltage: whether it is at an active limit,
+                               beyond the limits, or neither */
     const draw_scale *scale;
 } shell_voltage_set;
 
 /*
- * Distribute the actuators over several plans, maps on which no patches overlap. An actuator
- * without patches and stacks, such as the temperature of the whole shell, gets plan -1.
- *   plan [actuators]  out  index of the plan of each actuator
- * Returns the number of plans.
+ * Distribute the actuators over as many maps of the surface as are necessary so that no patches
+ * overlap on a map. An actuator without patches and stacks, such as the temperature of the whole
+ * shell, is on no map.
+ *   plan [actuators]  out  index of the map of each actuator, or -1
+ * Returns the number of maps.
  */
 int shell_find_plans(const design *design, int *plan);
 
-/* Draw one plan: the voltages in the patches of the actuators with plan[actuator] == which. */
+/*
+ * Draw one map of the surface with voltages in the patches of those actuators whose map number
+ * plan[actuator] is `which`.
+ */
 void shell_voltages(const shell *map, const int *plan, int which, const shell_voltage_set *set);
 
 /* Draw the voltages of all amplifiers as bars, for scenes without patches. */

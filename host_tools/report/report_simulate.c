@@ -9,11 +9,14 @@ typedef struct simulate_page {
     page page;
     const simulation *simulation;
     const simulate_record *record;
-    draw_axis time, bin; /* horizontal axes of the diagrams over time: in ticks of the control loop,
-                            and in bins (equal time intervals) of the record */
+    draw_axis time, bin; /* horizontal axes of the diagrams over time: one in ticks of the control
+                            loop, one in bins (equal time intervals of the record) */
 } simulate_page;
 
-/* Write the largest excess of the controller's error over the optimum at the end of a phase. */
+/*
+ * Write the largest difference, over all phases of the simulation, between the shape error of the
+ * controller at the end of the phase and the least possible error.
+ */
 static void write_verdict(const simulate_page *self)
 {
     const simulation *simulation = self->simulation;
@@ -102,7 +105,10 @@ static void write_plant(const simulate_page *self)
         simulate->at_target ? "nonlinear optimum of its model" : "undeformed shell");
 }
 
-/* Write whether the plant has inertia, its first natural frequency, and the loop's certificate. */
+/*
+ * Write whether the simulated structure has inertia, its first natural frequency, and the result of
+ * the stability tests of the control loop.
+ */
 static void write_certificate(const simulate_page *self)
 {
     FILE *file = self->page.file;
@@ -125,10 +131,16 @@ static void write_certificate(const simulate_page *self)
         certificate->has_modes ? text : certificate->reason);
 }
 
-/* Edges of the diagrams over time, and height FOOT of the text below, in pixels. */
+/*
+ * Position in pixels of the edges of the diagrams over time (TOP, BOTTOM, LEFT, RIGHT), and height
+ * of the text below a diagram (FOOT).
+ */
 enum { TOP = 8, BOTTOM = 250, FOOT = 34, LEFT = 64, RIGHT = 1150 };
 
-/* Draw a frame with the time axis, and a vertical line at the beginning of each phase. */
+/*
+ * Draw the frame of a diagram with the time axis, and a vertical line at the beginning of each
+ * phase of the simulation.
+ */
 static void draw_time(const simulate_page *self, double bottom)
 {
     FILE *file = self->page.file;
@@ -143,7 +155,10 @@ static void draw_time(const simulate_page *self, double bottom)
         bottom + 28, self->record->ticks / self->page.design->control.rate, "s");
 }
 
-/* Draw all errors over time on a logarithmic axis of at most six powers of ten. */
+/*
+ * Draw the shape errors of all control laws over time, on a logarithmic axis of at most six powers
+ * of ten.
+ */
 static void draw_errors(const simulate_page *self)
 {
     FILE *file = self->page.file;
@@ -151,7 +166,7 @@ static void draw_errors(const simulate_page *self)
     const simulate_record *record = self->record;
     const struct {
         const char *style;
-        const double *value; /* [bins] values of the curve in each time bin of the record */
+        const double *value; /* [bins] values of a curve, one for each time bin of the record */
         int bins;
     } curve[] = {{"rest bold", record->error[LAW_CLAMP], record->bins},
                  {"wire bold", record->error[LAW_CONTROLLER], record->bins},
@@ -194,14 +209,17 @@ static void write_errors(const simulate_page *self)
         (record->ticks + record->bins - 1) / record->bins);
 }
 
-/* Whether a voltage limit of an amplifier is active in a time bin of the record. */
+/* Whether the voltage of an amplifier is at a limit at the end of a time bin of the record. */
 static bool is_active(const simulate_record *record, int amplifier, int bin)
 {
     const double voltage = record->voltage[bin * record->amplifiers + amplifier];
     return voltage <= record->lower[amplifier] || voltage >= record->upper[amplifier];
 }
 
-/* Draw the voltage of an amplifier over time in colours, with a line at active limits. */
+/*
+ * Draw the voltage of an amplifier over time as a coloured strip, with a line where the voltage is
+ * at a limit.
+ */
 static void draw_row(const simulate_page *self, int amplifier, const draw_scale *scale, double y,
                      double height)
 {
@@ -247,7 +265,10 @@ static void write_voltages(const simulate_page *self)
                  "marks active limits.");
 }
 
-/* Draw the shape at the end of the last phase under the controller, with its misfit. */
+/*
+ * Draw the shape that the controller has reached at the end of the last phase of the simulation,
+ * with its misfit (reached minus target value).
+ */
 static void write_shape(page *page, const simulate_phase *last)
 {
     const simulate_course *course = &last->course[LAW_CONTROLLER];

@@ -4,21 +4,28 @@
 #include "../quads/vector.h"
 #include "report_page.h"
 
-/* Page of `pzs solve`. */
+/* Data of the report page of `pzs solve`. */
 typedef struct solve_page {
     page page;
     const double *output;       /* [output rows] values of the outputs */
-    const stress_field *stress; /* recovered stresses; NULL: none */
+    const stress_field *stress; /* recovered stresses, which the page shows; NULL: the page shows no
+                                   stresses */
     shell_body body;
 } solve_page;
 
-/* Value number i of output k of the scene. */
+/*
+ * Return value number i of output k of the scene, where an output may have one value or one for
+ * each node.
+ */
 static double value_of(const solve_page *solve, int k, int i)
 {
     return analysis_output(solve->page.analysis, k, i, solve->output);
 }
 
-/* Write a row of the table of outputs: the value of an output, or the range of its values. */
+/*
+ * Write a row of the table of outputs: the value of output k, or, if the output has several values,
+ * their range.
+ */
 static void write_output(const solve_page *solve, int k)
 {
     const scene_output *output = &solve->page.design->output[k];
@@ -57,8 +64,9 @@ static void write_outputs(const solve_page *solve)
 }
 
 /*
- * List the values of a displacement output along one mesh line of theta1 (along = 0) or theta2 (1).
- *   theta, value [nodes]  out  parameter along the line, and value
+ * List the values of a displacement output along one mesh line of theta1 (along = 0) or theta2
+ * (along = 1).
+ *   theta, value [nodes]  out  parameter of each node along the line, and displacement there
  * Returns the number of values, 0 for other outputs.
  */
 static int list_values(const solve_page *solve, int k, int along, double *theta, double *value)
@@ -117,7 +125,10 @@ static void draw_lines(const solve_page *solve, int along)
     fputs("</section>\n", page->file);
 }
 
-/* Choose the colour scale and the view; displacements of a nonlinear analysis are not magnified. */
+/*
+ * Choose colour scale, magnification and view of the picture of the deformed shape. Displacements
+ * of a nonlinear analysis are not magnified.
+ */
 static void fit_deformed(solve_page *solve)
 {
     page *page = &solve->page;
@@ -163,7 +174,10 @@ static void write_deformed(const solve_page *solve)
                  page->space.factor, page->scale.most, page->scale.unit);
 }
 
-/* Draw the maps of the displacement components along e1, e2 and e3 of the nodes. */
+/*
+ * Draw a map of each displacement component, along the directions e1, e2 (tangential) and e3
+ * (normal) of the surface.
+ */
 static void write_components(const page *page)
 {
     static const char *const name[3] = {"u₁ along e₁", "u₂ along e₂", "u₃ outwards"};

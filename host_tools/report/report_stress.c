@@ -6,7 +6,12 @@
 #include "../text/words.h"
 #include "report_page.h"
 
-/* Average load [elements] at the nodes (value [nodes] out), weighted with the elements' areas. */
+/*
+ * Average a load that is given for each element at the nodes, weighted with the areas of the
+ * elements.
+ *   load  [elements] in   load of each element
+ *   value [nodes]    out  mean load at each node
+ */
 static void average_load(const stress_field *field, const double *load, double *value)
 {
     const mesh *mesh = &field->state.design->mesh;
@@ -62,7 +67,9 @@ static void write_components(const page *page, const stress_summary *summary)
     put_table_end(page->file);
 }
 
-/* Return the value of an extreme, or NAN if the extreme has no value. */
+/*
+ * Return the largest value that was found for a stress or reserve factor, or NAN if there is none.
+ */
 static double value_of(const stress_extreme *found)
 {
     return found->element >= 0 ? found->value : (double)NAN;

@@ -9,8 +9,9 @@
 #include "report.h"
 
 /*
- * Arrays in the cells of the VTK file for one layer: stresses and strains at each height, presence
- * of the layer, electric field, electric displacement, and, if it has strengths, reserve factor.
+ * Numbers of the arrays that the VTK file contains for one layer, with values in each cell: stress
+ * and strain at each height of the layer, whether the layer is present, electric field, electric
+ * displacement, and, if the scene states strengths, the reserve factor.
  */
 enum { STRAIN = STRESS_HEIGHTS, PRESENT = 2 * STRESS_HEIGHTS, FIELD, FLUX, RESERVE, LAYER_ARRAYS };
 
@@ -21,12 +22,12 @@ enum { UNIT_TEXT = 2 * WORDS_UNIT };
 typedef struct stress_file {
     const stress_field *field;
     stress_points points;
-    report_array *array; /* arrays of values that the VTK file will contain */
+    report_array *array; /* arrays that will be written into the VTK file */
     int arrays;
     bool is_full; /* true after an allocation of memory has failed */
 } stress_file;
 
-/* Begin an array of zeros, whose name is a text with values. Returns the array. */
+/* Begin an array of zeros for the VTK file. Its name is a format with values. Returns the array. */
 static report_array *add_array(stress_file *out, bool of_cells, int components, const char *format,
                                ...)
 {
@@ -43,7 +44,12 @@ static report_array *add_array(stress_file *out, bool of_cells, int components, 
     return array;
 }
 
-/* Store the values of an element in the arrays [LAYER_ARRAYS] of a layer. */
+/*
+ * Store the values of an element (stresses, strains, electric field, reserve factor) in the arrays
+ * of a layer.
+ *   array [LAYER_ARRAYS] in/out  arrays of the layer, in the order of the enumeration that ends
+ *                                with LAYER_ARRAYS
+ */
 static void fill_element(const report_array *array, const scene_strength *strength, int element,
                          const stress_layer *result)
 {
@@ -75,7 +81,10 @@ static const char *unit_text(const stress_file *out, words_quantity quantity, ch
     return text;
 }
 
-/* Begin the arrays of a layer in the cells. Returns the first one. */
+/*
+ * Begin the arrays that the VTK file contains for a layer, with values in the cells. Returns the
+ * first array.
+ */
 static report_array *name_arrays(stress_file *out, int layer, bool has_strength)
 {
     const char *given = out->field->state.design->layer[layer].name;
@@ -99,7 +108,9 @@ static report_array *name_arrays(stress_file *out, int layer, bool has_strength)
     return first;
 }
 
-/* Add the arrays of a layer: values of the cells, and stresses and strains averaged at the points.
+/*
+ * Add all values of a layer to the VTK file: stresses and strains in the cells, and their averages
+ * at the points.
  */
 static void add_layer(stress_file *out, int layer)
 {
@@ -122,7 +133,10 @@ static void add_layer(stress_file *out, int layer)
     }
 }
 
-/* Add the displacement of the middle surface (vector [nodes][3]) and the stress resultants. */
+/*
+ * Add the displacement of the middle surface and the stress resultants to the VTK file.
+ *   vector [nodes][3] in  displacement along x, y and z
+ */
 static void add_structure(stress_file *out, const double *vector)
 {
     const scene_unit_names *units = &out->field->state.design->units;

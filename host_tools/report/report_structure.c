@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Tables of layers, materials, voltages and modes, and the text of the scene (report_page.h). */
+/*
+ * Tables of layers, materials, voltages and target shapes, and the text of the scene, on report
+ * pages.
+ */
 #include <math.h>
 #include <string.h>
 #include "report_page.h"
@@ -19,7 +22,10 @@ static void write_layers(const page *page)
     put_table_end(page->file);
 }
 
-/* Write the table of the material constants; d31 or e31, whichever the scene contains. */
+/*
+ * Write the table of the material constants. Its piezoelectric constants are the strains d31 or the
+ * stresses e31, as in the scene file.
+ */
 static void write_materials(const page *page)
 {
     const design *design = page->design;
@@ -82,7 +88,10 @@ void page_voltages(const page *page, const voltages *result, int results)
     fputs("</details>\n", page->file);
 }
 
-/* Write the errors of all modes within pair `limits` of the voltage limits. */
+/*
+ * Write the shape errors of all target shapes (modes of the target) for one pair of voltage limits.
+ *   limits in  index of the pair of voltage limits
+ */
 static void write_modes(const page *page, const modes *modes, int limits)
 {
     put(page->file, "<section>\n<h2>Mode by mode within %l</h2>\n", modes->left[limits].limit,

@@ -16,7 +16,7 @@ static const unsigned signed_dark[STOPS] = {0x9beaff, 0x63b5e9, 0x3381bc, 0x2f53
 static const unsigned viridis[STOPS] = {0x440154, 0x472d7b, 0x3b528b, 0x2c728e, 0x21918c,
                                         0x28ae80, 0x5ec962, 0xaddc30, 0xfde725};
 
-/* Named colours, for light and for dark display. */
+/* Named colours of reports, each for a light and for a dark display. */
 static const struct {
     const char *name, *colour[2];
 } palette[] = {{"page", {"#fff", "#121417"}},      {"panel", {"#f8f8f6", "#1a1d21"}},
@@ -117,7 +117,10 @@ static void write_variables(FILE *file, int is_dark)
     fputs("}\n", file);
 }
 
-/* Write a style rule with colours in place of CSS variables, which many SVG viewers do not know. */
+/*
+ * Write a rule of a style sheet with colours in place of CSS variables, because many SVG viewers do
+ * not know variables.
+ */
 static void write_expanded(FILE *file, const char *rule, int is_dark)
 {
     const char *at;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Parallel projections to a picture (report_shell.h). */
+/* Parallel projections of a mesh to a picture. */
 #include "report_shell.h"
 #include <float.h>
 #include <math.h>
@@ -9,7 +9,10 @@
 /* Smallest distance of included points from the edges of a picture, in pixels. */
 enum { EDGE = 18 };
 
-/* Set the axes of a view along a normal: y points up, or z where the normal is along y. */
+/*
+ * Set the axes of a view along a normal. The y axis of space points up, or the z axis if the normal
+ * is along y.
+ */
 static void look_along(view *view, const double normal[3])
 {
     double(*axis)[3] = view->axis;
@@ -22,7 +25,11 @@ static void look_along(view *view, const double normal[3])
     vector_cross(axis[1], axis[2], axis[0]);
 }
 
-/* Choose the view in space, 30 degrees above the horizon, that shows most of the outer side. */
+/*
+ * Choose a view in space, 30 degrees above the horizon, that shows most of the outer side of the
+ * shell.
+ *   normal [3] in  mean normal of the surface
+ */
 static void look_at(view *view, const double normal[3])
 {
     static const double degree = 0.017453292519943295, azimuth[4] = {-58, 32, 122, 212};
@@ -41,8 +48,8 @@ static void look_at(view *view, const double normal[3])
 }
 
 /*
- * Set the axes of the parameter plane: theta1 downwards, theta2 to the right. The aspect ratio is
- * that of the mean lengths of the shell along theta1 and theta2, within 0.3 and 3.
+ * Set the axes of a map of the parameters: theta1 downwards, theta2 to the right. The aspect ratio
+ * is that of the mean lengths of the shell along theta1 and theta2, within 0.3 and 3.
  */
 static void look_at_parameters(view *view, const mesh *mesh)
 {
@@ -59,7 +66,10 @@ static void look_at_parameters(view *view, const mesh *mesh)
     view->axis[1][0] = -fmin(fmax(aspect, 0.3), 3) / range[0];
 }
 
-/* Mean of the normals at the nodes. Returns its length: 1 for a plate, 0 for a closed surface. */
+/*
+ * Compute the mean of the unit normals at all nodes. Returns its length: 1 for a plate, 0 for a
+ * closed surface.
+ */
 static double mean_normal(const mesh *mesh, double normal[3])
 {
     normal[0] = normal[1] = normal[2] = 0;

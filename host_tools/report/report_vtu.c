@@ -12,7 +12,10 @@ void report_displacement(const mesh *mesh, const double *u, double *vector)
     }
 }
 
-/* Begin an array of data. Characters of the name that are special to XML become underscores. */
+/*
+ * Begin an array in the XML text of a VTK file. Characters of the name that are special to XML
+ * become underscores.
+ */
 static void begin_array(FILE *file, const char *type, int components, const char *name)
 {
     fprintf(file, "<DataArray type=\"%s\" NumberOfComponents=\"%d\" format=\"ascii\" Name=\"", type,
@@ -22,7 +25,10 @@ static void begin_array(FILE *file, const char *type, int components, const char
     fputs("\">\n", file);
 }
 
-/* Write those arrays that belong to the cells, or those that belong to the points. */
+/*
+ * Write those arrays of a VTK file that have values in its cells, or those that have values at its
+ * points.
+ */
 static void write_arrays(FILE *file, bool of_cells, int rows, const report_array *array, int arrays)
 {
     for (int k = 0; k < arrays; k++) {
@@ -39,7 +45,7 @@ static void write_arrays(FILE *file, bool of_cells, int rows, const report_array
     }
 }
 
-/* Write the places of the points. */
+/* Write the coordinates of the points of a VTK file. */
 static void write_places(FILE *file, const mesh *mesh, const stress_points *points, int count)
 {
     begin_array(file, "Float64", 3, "place");
@@ -50,7 +56,10 @@ static void write_places(FILE *file, const mesh *mesh, const stress_points *poin
     fputs("</DataArray>\n", file);
 }
 
-/* Write the corners of the cells, the end of each cell in that list, and the cell type VTK_QUAD. */
+/*
+ * Write the cells of a VTK file: the points at the corners of all cells, the end of each cell in
+ * that list, and the cell type VTK_QUAD.
+ */
 static void write_cells(FILE *file, const mesh *mesh, const stress_points *points)
 {
     begin_array(file, "Int32", 1, "connectivity");

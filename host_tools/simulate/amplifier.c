@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Amplifier of a simulated plant (amplifier.h). */
+/*
+ * Output voltage of the amplifiers of a simulated structure: limits, step limit, resolution and
+ * dead band.
+ */
 #include "amplifier.h"
 #include <math.h>
 

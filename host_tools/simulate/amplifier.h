@@ -18,13 +18,13 @@ typedef struct amplifier {
 /*
  * Output voltage of an amplifier for a command (V). The amplifier enforces its voltage limits and
  * its step limit, rounds to its resolution, and ignores changes within its dead band.
- *   before in  present output voltage (V)
+ *     before in  output voltage before the command (V)
  */
 double amplifier_output(const amplifier *amplifier, double before, double command);
 
 /*
- * Voltage nearest to `to` whose change from `from` stays within a step limit without any rounding
- * tolerance (V).
+ * Voltage nearest to `to` whose change from `from`, computed without any tolerance for rounding
+ * errors, does not exceed a step limit (V).
  */
 double amplifier_limited(double from, double to, double step_limit);
 

@@ -39,8 +39,9 @@ int certify_loop(analysis *analysis, char *error);
 int certify_margins(analysis *analysis, bool with_rates, char *error);
 
 /*
- * Describe the structure with which a certified loop is unstable or does not settle after fast
- * jumps of the target.
+ * Describe the structure, relative to the model, on which a certified loop is unstable or does not
+ * settle after fast jumps of the target.
+ *   text out  description
  */
 void certify_failure(const certificate *certificate, char text[SCENE_ERROR]);
 

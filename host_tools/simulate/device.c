@@ -24,7 +24,7 @@ enum {
     RELEASE,
     KNOW,
     SKIP
-}; /* orders to the firmware, sent as the first word of a frame */
+}; /* orders to the firmware, each sent as the first word of a message */
 enum {
     PATIENCE = 20000 /* longest time to wait for an answer of the firmware (ms) */,
     MOST_ARGUMENTS = 16
@@ -111,8 +111,8 @@ static size_t real_bytes(const device *device)
 }
 
 /*
- * Write floating-point numbers into a frame, in the precision of the device. Returns the address
- * behind them.
+ * Write floating-point numbers into a message to the firmware, in the precision of the firmware.
+ * Returns the address behind them.
  */
 static unsigned char *put_reals(const device *device, unsigned char *at, const double *value,
                                 size_t count)
@@ -148,8 +148,8 @@ static void get_reals(const device *device, double *value, size_t count)
 }
 
 /*
- * Allocate a frame for an order and a given number of floating-point numbers. Returns whether
- * memory was available.
+ * Allocate memory for a message to the firmware that consists of an order and a number of
+ * floating-point numbers. Returns whether memory was available.
  */
 static int take_frame(device *device, size_t reals)
 {
@@ -159,10 +159,7 @@ static int take_frame(device *device, size_t reals)
     return more != NULL;
 }
 
-/*
- * Send the frame (one message of the protocol) to the device. Returns whether all bytes up to the
- * address `end` were sent.
- */
+/* Send a message to the firmware, up to the address `end`. Returns whether all bytes were sent. */
 static int send(const device *device, const unsigned char *end)
 {
     for (const unsigned char *at = device->frame; at < end;) {
@@ -181,7 +178,8 @@ static int receive(const device *device, void *to, size_t bytes)
         errno = 0;
         const int ready = poll(&wait, 1, PATIENCE);
         if (ready < 0 && errno == EINTR)
-            continue; /* the call was interrupted by the timer of progress.h and is repeated */
+            continue; /* the call was interrupted by the timer of the progress display and is
+                         repeated */
         const ssize_t moved = ready > 0 ? read(device->from, at, bytes) : 0;
         if (ready == 0)
             errno = ETIMEDOUT;
@@ -224,8 +222,8 @@ static int launch(device *child, const char *folder)
                                               NULL};
     const char *const program[] = {image, NULL};
     snprintf(image, sizeof image, "%s/firmware/%s-loop", folder, child->board->name);
-    signal(SIGPIPE, SIG_IGN); /* A write to a device that has ended must return an error and must
-                                 not end this program. */
+    signal(SIGPIPE, SIG_IGN); /* Without this call, writing to a firmware that has ended would end
+                                 this program; now it returns an error. */
     return child->process =
                program_begin(child->board->machine ? qemu : program, &child->to, &child->from);
 }

@@ -15,21 +15,24 @@ typedef struct device_board {
     const char *machine; /* QEMU's name of the board; NULL: the firmware is a program on this
                             computer */
     int bits;            /* bits of a floating-point number of the firmware: 32 or 64 */
-    const char *twin; /* name of the table row of the twin, a program on this computer that runs the
-                         firmware's C code in the precision of the board */
+    const char *twin;    /* name of the board table row of its twin, a program on this computer that
+                            runs the C code of the firmware in the precision of the board */
 } device_board;
 
 /*
- * Table of the boards that QEMU emulates. A row holds the name of the board, QEMU's name of it, the
- * number of bits of a floating-point number of its firmware, and its twin (a program on this
- * computer with the same code); the targets of firmware.mk have the same names.
+ * Table of the microcontroller boards that QEMU emulates. A row holds the name of the board, QEMU's
+ * name of it, the number of bits of a floating-point number of its firmware, and its twin (a
+ * program on this computer with the same code); the targets of firmware.mk have the same names.
  */
 #define DEVICE_BOARDS(ROW)                                                                         \
     ROW("netduinoplus2", "netduinoplus2", 32, "host-32")                                           \
     ROW("mps2-an386", "mps2-an386", 32, "host-32")                                                 \
     ROW("mps2-an500", "mps2-an500", 64, "host-64")
 
-/* Board with a given name, or NULL where there is none. The name may be NULL. */
+/*
+ * Return the microcontroller board with a given name, or NULL if there is none. The name may be
+ * NULL.
+ */
 const device_board *device_find(const char *name);
 
 /* Sizes of the character arrays for a path and for an error message of one line. */
@@ -69,7 +72,10 @@ int device_start(device *device, const device_board *board, const char *folder,
                  char error[DEVICE_ERROR]);
 void device_stop(device *device);
 
-/* Call pzs_hold or pzs_release in the firmware. A failure is reported by the next device_tick. */
+/*
+ * Call pzs_hold (fix an input at a voltage) or pzs_release in the firmware. If the call fails, the
+ * next device_tick reports it.
+ */
 void device_hold(device *device, int input, double voltage);
 void device_release(device *device, int input);
 

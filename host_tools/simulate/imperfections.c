@@ -154,8 +154,9 @@ void imperfections_actuate(const imperfections *on, const double *output, double
 
 /*
  * Compute the voltages that act on the ceramic just after all amplifiers have moved to their lower
- * limits, or all to their upper limits. Where a limit is infinite, so is the result.
- *   electrode [amplifiers] work  copies of the states of the electrodes
+ * limits, or all to their upper limits. If a limit is infinite, the voltage that acts is infinite
+ * too.
+ *   electrode [amplifiers] out  work array for copies of the states of the electrodes
  */
 static void act_at_limit(const imperfections *on, electrode *electrode, const double *limit,
                          double *effect)

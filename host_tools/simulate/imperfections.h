@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Imperfections between the controller and the structure: from the amplifiers' outputs to the
- * voltages that act on the ceramic, and from the true readings of the sensors to those that the
- * controller receives. Each imperfection is one row of a table in imperfections.c. `pzs simulate`
- * and the plants that `pzs fmu` exports use these functions.
+ * Imperfections of the hardware in a simulation: those of amplifiers, cables and ceramic, which
+ * change the voltages that act on the structure, and those of sensors, which change the readings
+ * that the controller receives. `pzs simulate` and the plants that `pzs fmu` exports use these
+ * functions.
  */
 #ifndef IMPERFECTIONS_H
 #define IMPERFECTIONS_H
@@ -72,8 +72,8 @@ typedef struct imperfection_tables {
 } imperfection_tables;
 
 /*
- * Number of parts into which the simulation divides a time interval in which voltages or loads
- * vary.
+ * Number of equal parts into which the simulation divides the time between two ticks if voltages or
+ * loads vary during this time.
  */
 enum { IMPERFECTION_PARTS = 8 };
 
@@ -109,7 +109,8 @@ void imperfections_actuate(const imperfections *imperfections, const double *out
  * ceramic if all amplifiers moved to their lower or upper limits at once. Hysteresis makes the
  * stroke smaller than the voltage limits, and creep makes it larger with time; a faulty electrode
  * has no stroke. The states of the electrodes do not change.
- *   lowest, highest [amplifiers] out  (V), infinite where the voltage limit is infinite
+ *     lowest, highest [amplifiers] out  these voltages (V), infinite where the voltage limit is
+ *     infinite
  * Returns whether memory was available.
  */
 bool imperfections_stroke(const imperfections *imperfections, double *lowest, double *highest);

@@ -20,8 +20,8 @@ double imperfections_hysteresis(const design *design);
 int imperfections_check(const design *design, char *error);
 
 /*
- * Return the constants of the imperfections of a scene. The arrays in the result belong to the
- * design, which must remain valid as long as the result is used.
+ * Return the constants of the imperfections of a scene. The arrays in the constants belong to
+ * `design`, which must remain valid as long as the constants are used.
  */
 imperfection_tables imperfections_of_scene(const design *design);
 

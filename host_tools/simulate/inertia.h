@@ -14,17 +14,17 @@
 
 typedef struct inertia {
     const modal *modal;
-    double gain;       /* factor of the static response of the vibration modes to the inputs; 1: the
-                          response in the modal description */
-    double stretch;    /* factor of all natural frequencies; 1: the frequencies in the modal
-                          description */
-    double *memory;    /* one allocation that holds the arrays `deviation`, `velocity`, `input` and
-                          `propagator`; NULL if the caller provides their memory */
-    double *deviation; /* [modes] deviation of the coordinate of each vibration mode from its
-                          equilibrium */
-    double *velocity;  /* [modes] velocity of the coordinate of each vibration mode, divided by the
-                          angular frequency of the mode */
-    double *input;     /* [inputs] present inputs of the structure */
+    double gain;    /* factor of the static response of the vibration modes to the inputs; 1: the
+                       response in the modal description */
+    double stretch; /* factor of all natural frequencies; 1: the frequencies in the modal
+                       description */
+    double *memory; /* one allocated block of memory that holds the arrays `deviation`, `velocity`,
+                       `input` and `propagator`; NULL if the caller provides their memory */
+    double *deviation;  /* [modes] deviation of the modal coordinate of each vibration mode from its
+                           static equilibrium */
+    double *velocity;   /* [modes] velocity of the coordinate of each vibration mode, divided by the
+                           angular frequency of the mode */
+    double *input;      /* [inputs] present inputs of the structure */
     double *propagator; /* [modes][2][2] propagator of each vibration mode: 2 x 2 matrix that
                            advances its deviation and its scaled velocity by the time `interval` */
     double interval;    /* time interval of the propagator (s); 0: not computed */
@@ -50,21 +50,21 @@ bool inertia_open(inertia *inertia, const modal *modal);
 void inertia_close(inertia *inertia);
 
 /*
- * Set all vibration modes to rest in the equilibrium under given inputs.
- *   input [inputs] in
+ * Set all vibration modes to rest in the static equilibrium under given inputs.
+ *   input [inputs] in  values of the inputs, such as voltages and load factors
  */
 void inertia_rest(inertia *inertia, const double *input);
 
 /*
  * Set the inputs to new values at one instant. The modal coordinates do not change, but their
  * static equilibrium moves.
- *   input [inputs] in
+ *     input [inputs] in  values of the inputs, such as voltages and load factors
  */
 void inertia_jump(inertia *inertia, const double *input);
 
 /*
- * Apply the impulse of one input: the unit force of the input during `seconds`, in a time too short
- * for any displacement.
+ * Apply an impulse at one instant: the force that one unit of an input exerts, multiplied by
+ * `seconds`.
  */
 void inertia_kick(inertia *inertia, size_t input, double seconds);
 
@@ -72,9 +72,10 @@ void inertia_kick(inertia *inertia, size_t input, double seconds);
 void inertia_advance(inertia *inertia, double interval);
 
 /*
- * Deviation of output rows from their static displacement.
- *   first      in   first of these output rows of the structure
- *   out [rows] out
+ * Compute by how much outputs of the structure deviate from their static values because of
+ * vibration.
+ *   first      in   index of the first of these outputs
+ *   out [rows] out  deviations
  */
 void inertia_observe(const inertia *inertia, size_t first, size_t rows, double *out);
 

@@ -6,8 +6,8 @@
 #include <stddef.h>
 
 /*
- * Static values of the output rows: sum [rows] = influence [rows][inputs] times input [inputs],
- * each sum in ascending order of the inputs.
+ * Static values of outputs: sum [rows] = influence [rows][inputs] times input [inputs]. Each sum is
+ * computed in ascending order of the inputs, so that the result has the same bits everywhere.
  */
 void influence_sum(const double *influence, const double *input, size_t rows, size_t inputs,
                    double *sum);

@@ -64,7 +64,10 @@ static law *law_of(const pzs_loop_signals *signals)
     return (law *)(void *)(uintptr_t)signals->control->state.problem;
 }
 
-/* Displacement of one output that the model predicts under the present voltages. */
+/*
+ * Return the displacement of one output that the model of the controller predicts under the present
+ * voltages.
+ */
 static double predicted_displacement(const law *law, const double *voltage, size_t output)
 {
     const double *row = law->problem.influence + output * law->problem.inputs;

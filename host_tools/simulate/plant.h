@@ -23,8 +23,10 @@
 struct plant_motion;
 
 typedef struct plant {
-    scene scene;  /* copy of the scene with the constants of the plant */
-    expr *kelvin; /* formula of the temperature change that is added to the loads, or NULL */
+    scene scene;  /* copy of the scene in which the material constants are those of the simulated
+                     structure */
+    expr *kelvin; /* formula of the temperature change that is added to the loads of the simulated
+                     structure, or NULL */
     analysis analysis;
     double *input; /* [inputs] inputs for the next shape: voltages, loads and temperature change; on
                       a nonlinear structure also prescribed displacements and the motion of the
@@ -38,7 +40,7 @@ typedef struct plant {
     bool has_shape;      /* whether at least one shape of the plant has been computed */
     bool is_at_rest;     /* true: plant_rest has just set the plant to rest, and no time has passed
                             since */
-    long linear_solves;  /* number of linear solves of the nonlinear equilibrium solver */
+    long linear_solves;  /* number of linear solves of the nonlinear equilibrium solver so far */
     const struct plant_motion *motion; /* way in which the motion of the plant is computed:
                                           quasi-static, modal or nonlinear */
     bool has_inertia;
@@ -55,9 +57,9 @@ typedef struct plant {
 } plant;
 
 /*
- * Build the structure with the material constants and kinematics of the scene's `simulate` section.
- * All loads have the factor 1 (their values in the scene file), and the temperature change is zero.
- * Returns 0, or -1 with error filled and the plant empty.
+ * Build the simulated structure with the material constants and kinematics of the scene's
+ * `simulate` section. All loads have the factor 1 (their values in the scene file), and the
+ * temperature change is zero. Returns 0, or -1 with error filled and the plant empty.
  */
 int plant_open(plant *plant, const design *nominal, char *error);
 void plant_close(plant *plant);
@@ -118,7 +120,7 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
  */
 int plant_readings(plant *plant, double *reading, char *error);
 
-/* Displacement vector of the latest shape of the plant. */
+/* Compute the displacement vector of the latest shape of the simulated structure. */
 int plant_displacement(plant *plant, double *displacement, char *error);
 
 /*

@@ -25,8 +25,9 @@ static void close_modal(plant *plant)
 }
 
 /*
- * Set the inputs of the modal model to their present values. At the first call after plant_rest,
- * which requests a state of rest, the plant is at rest in the equilibrium under these inputs.
+ * Set the inputs (voltages and loads) of the model of vibration modes to their present values. At
+ * the first call after plant_rest, which requests a state of rest, the plant is at rest in the
+ * equilibrium under these inputs.
  */
 static void set_modal_inputs(plant *plant)
 {

@@ -21,9 +21,9 @@ typedef struct plant_motion {
      */
     int (*open)(struct plant *plant, char *error);
     void (*close)(struct plant *plant);
-    /* Apply the force of a load during `seconds`, at one instant. */
+    /* Apply the impulse of a load at one instant: its force multiplied by `seconds`. */
     void (*kick)(struct plant *plant, int load, double seconds);
-    /* Let time pass under the present inputs. */
+    /* Let a time pass under the present inputs (voltages, loads and temperature). */
     int (*advance)(struct plant *plant, double seconds, char *error);
     /*
      * Compute the shape at this instant and, for a plant with inertia, the deviation of every
@@ -42,8 +42,9 @@ typedef struct plant_motion {
 extern const plant_motion plant_quasi_static, plant_modal, plant_nonlinear;
 
 /*
- * Index of the input that belongs to a load. On a nonlinear structure each follower load (load that
- * turns with the surface) has its own input behind those of all loads, in the order of the loads.
+ * Return the index of the structure's input that belongs to a load. On a nonlinear structure each
+ * follower load (load that turns with the surface) has its own input behind those of all loads, in
+ * the order of the loads.
  */
 int plant_input(const struct plant *plant, int load);
 

@@ -16,12 +16,12 @@
 #include "../tables/tables.h"
 
 enum {
-    LAST = 20, /* smallest number of ticks, at the end of a phase of the simulation, over which the
-                  results are averaged */
+    LAST = 20,       /* smallest number of ticks over which the results at the end of a phase (time
+                        between events of the scene) are averaged */
     LAST_MOST = 500, /* largest number of ticks over which results are averaged at the end of a
                         phase; usually one period of the first vibration mode where that is shorter
                       */
-    WINDOW = 1000    /* number of ticks in which the settling time is measured */
+    WINDOW = 1000    /* number of ticks after an event in which the settling time is measured */
 };
 
 static const double settled_part = 0.05;
@@ -176,8 +176,8 @@ static int check_inertia(const simulation *simulation, char *error)
 }
 
 /*
- * Prepare the estimator, the known loads and the block list of the controller. Returns 0, or -1
- * with error filled.
+ * Prepare the parts of the simulated controller: shape estimator, known loads and list of its
+ * blocks. Returns 0, or -1 with error filled.
  */
 static int prepare_controller(simulation *simulation, char *error)
 {
@@ -314,7 +314,7 @@ void simulate_close(simulation *simulation)
 
 typedef struct course_log {
     double *window; /* [WINDOW][targets] shapes of the plant in the first ticks of the phase */
-    double *last;   /* [end_ticks][targets] shapes of the plant in the last ticks of the phase */
+    double *last;   /* [targets] mean of the shapes at the end of the phase of the simulation */
     double *mean;   /* [targets] mean of the shapes at the end of the phase */
     int end_ticks;  /* number of ticks at the end of a phase over which the results are averaged */
     double error[LAST_MOST], measurement_error[LAST_MOST], vibration[LAST_MOST];
@@ -372,8 +372,8 @@ static void log_tick(course_log *record, const loop *loop, simulate_course *cour
 }
 
 /*
- * Weighted norm of the difference of two shapes.
- *   first, second [targets] in
+ * Return the weighted norm of the difference of two shapes.
+ *   first, second [targets] in  displacements of the two shapes
  */
 static double weighted_distance(const design *design, const double *first, const double *second)
 {
@@ -381,8 +381,8 @@ static double weighted_distance(const design *design, const double *first, const
 }
 
 /*
- * Number of ticks after which the distance from the final shape remains below a fraction of its
- * largest value in the window; -1 where it does not.
+ * Return the number of ticks after which the distance of the shape from the final shape stays below
+ * a fraction of its largest value; -1 if it does not.
  */
 static int settled_after(const course_log *record, const design *design)
 {

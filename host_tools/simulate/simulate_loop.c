@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* One closed loop of a simulation, run tick by tick (simulate_loop.h). */
+/*
+ * One closed loop of a simulation, run tick by tick: events, sensors, controller, amplifiers and
+ * structure.
+ */
 #include "simulate_loop.h"
 #include <float.h>
 #include <math.h>
@@ -179,8 +182,8 @@ static void end_faults(loop *loop)
 }
 
 /*
- * Set the load factors of the next tick that the controller knows. The controller knows the future
- * factors of known loads one tick in advance.
+ * Set the factors that the controller knows for the known loads in the next tick. The controller
+ * knows the future factors of these loads one tick in advance.
  */
 static void set_next_loads(loop *loop, int tick)
 {
@@ -241,7 +244,7 @@ static void set_waves(loop *loop, double time)
     }
 }
 
-/* Whether voltages on the ceramic or loads vary between this tick and the next one. */
+/* Whether the voltages on the ceramic or the loads vary between two ticks. */
 static bool varies(const loop *loop)
 {
     const imperfection_tables tables = imperfections_of_scene(loop->design);
@@ -533,8 +536,8 @@ static int count_beyond_limits(const loop *loop, const double *voltage, const do
 }
 
 /*
- * Whether the voltage of an amplifier in limit row k (a limit between amplifiers) is not chosen by
- * the controller, because the amplifier is held.
+ * Whether the limit of a sum of voltages with index k contains the voltage of an amplifier that is
+ * held at a fixed voltage, which the controller does not choose.
  */
 static bool has_held_amplifier(const loop *loop, const pzs_rows *sums, uint32_t k)
 {
@@ -619,7 +622,9 @@ int loop_tick(loop *loop, int tick, char *error)
 
 /* ---- self-test -------------------------------------------------------- */
 
-/* Let the electrodes fail that the schedule declares dead or stuck at tick 0. */
+/*
+ * Let those electrodes fail that the scene's schedule of events declares dead or stuck at tick 0.
+ */
 static void fail_first_electrodes(loop *loop)
 {
     const scene_simulate *simulate = &loop->design->simulate;
@@ -629,8 +634,10 @@ static void fail_first_electrodes(loop *loop)
 }
 
 /*
- * Let the sensors fail that the schedule declares missing or stuck at tick 0: during all `ticks`
- * ticks of the self-test, and then for the stated number of ticks of the schedule.
+ * Let those sensors fail that the scene's schedule of events declares missing or stuck at tick 0.
+ * They fail during all ticks of the self-test, and then for the number of ticks that the schedule
+ * states.
+ *   ticks in  number of ticks of the self-test
  */
 static void fail_first_sensors(loop *loop, int ticks)
 {
@@ -642,8 +649,8 @@ static void fail_first_sensors(loop *loop, int ticks)
 }
 
 /*
- * End the self-test: shift the ends of the sensor failures by the duration of the self-test, so
- * that they agree with the schedule.
+ * At the end of the self-test, shift the tick at which each failure of a sensor ends by the number
+ * of ticks of the self-test, so that the failure lasts as long as the schedule of events states.
  */
 static void shift_first_sensors(loop *loop, int ticks)
 {
@@ -673,7 +680,7 @@ static int run_selftest_tick(loop *loop, int tick, char *error)
     return 0;
 }
 
-/* Report the findings of the self-test as an error. */
+/* Write the findings of the self-test as an error message. */
 static int refuse(const loop *loop, char *error)
 {
     const pzs_selftest *selftest = pzs_loop_find(&loop->controller, &pzs_selftest_block);

@@ -13,8 +13,8 @@
 /* Sinusoidal part of the factor by which a load is multiplied. */
 typedef struct wave {
     double amplitude, frequency; /* amplitude of the load factor (no unit); frequency (Hz) */
-    double start;                /* time at which the sine is 0 and increasing (s) */
-    int until;                   /* tick at which the sinusoidal part of the load ends */
+    double start;                /* time at which the sine is 0 and rising (s) */
+    int until; /* number of the tick at which the sinusoidal part of the load ends */
 } wave;
 
 /*
@@ -55,7 +55,7 @@ typedef struct loop {
                            voltages) where the simulation has a board */
     char *message;      /* [SCENE_ERROR] error text of a board that does not answer */
     bool is_silent;     /* whether the board failed to answer in the last tick */
-    uint64_t random;    /* state of the random number generator */
+    uint64_t random;    /* state of the random number generator of the simulated loop */
     int next_event, missed_until;
     double factor, scheduled_factor; /* factor by which the target is multiplied (1): present value,
                                         and value that the scene's schedule alone would give,
@@ -69,7 +69,7 @@ typedef struct loop {
                                       is the temperature change (K) */
     double *shape;   /* [targets] present displacements of the plant of the target nodes (controlled
                         displacements) */
-    double *scratch; /* [targets] work array for a shape */
+    double *scratch; /* [targets] work array for the displacements of a shape */
     double *command; /* [amplifiers] voltages that the controller commands (V) */
     double *output;  /* [amplifiers] output voltages of the amplifiers (V) */
     double *effect;  /* [amplifiers] voltages that act on the ceramic, after faults and hysteresis
@@ -77,7 +77,7 @@ typedef struct loop {
     double *previous_output; /* [amplifiers] output voltages of the amplifiers before the last
                                 change (V) */
     double time;             /* time since the start of the simulation (s) */
-    wave *wave;              /* [loads] sinusoidal part of the factor of each load */
+    wave *wave; /* [loads] sinusoidal part of the factor by which each load is multiplied */
     disturbance late, jitter, delay; /* temporary disturbances: late: voltages are set later than
                                         the tick (fraction of the tick interval); jitter: the
                                         interval between ticks varies (fraction of the tick
@@ -90,7 +90,7 @@ typedef struct loop {
     electrode *electrode;                /* [amplifiers] state of the electrode of each amplifier */
     int sensors;    /* number of sensors: one for each target, or those of the scene's `estimate`
                        section */
-    sensor *sensor; /* [sensors] faults and drift of each sensor */
+    sensor *sensor; /* [sensors] state of each sensor: its faults and its drift */
     double *sense_memory; /* one allocation that holds all vectors from `noise` to `next_load` */
     double *noise;   /* [sensors] standard deviation of the noise, in the unit of the reading */
     double *reading; /* [sensors] latest readings, with noise and faults */
@@ -113,8 +113,8 @@ typedef struct loop {
                                     and of the board's twin (the firmware's C code on this computer)
                                   */
     void *controller_memory;     /* memory that the library's control loop works in */
-    double error;      /* relative shape error at the start of the last tick: weighted norm of shape
-                          minus wanted shape divided by the weighted norm of the scene's target */
+    double error; /* relative shape error at the start of the last tick: weighted norm of (shape
+                     minus wanted shape) divided by the weighted norm of the scene's target */
     pzs_status status; /* status of the controller in the last tick */
     int iterations;
     bool twin_agrees; /* true: the board and its twin (the firmware's C code on this computer) gave
@@ -126,8 +126,8 @@ typedef struct loop {
     bool is_missed;      /* whether the last tick was missed */
     int beyond_limits, not_finite; /* for the last tick: number of voltages or steps beyond their
                                       limits; number of voltages that are not finite */
-    int beyond_rows; /* for the last tick: number of limits between amplifiers (differences and sums
-                        of voltages) that the commanded or the output voltages violate */
+    int beyond_rows; /* for the last tick: number of limits of differences and sums of voltages that
+                        the commanded voltages or the output voltages violate */
 } loop;
 
 /*
@@ -151,20 +151,21 @@ int loop_selftest(loop *loop, char *error);
 int loop_tick(loop *loop, int tick, char *error);
 
 /*
- * Number of limits between amplifiers that voltages [amplifiers] violate by more than the rounding
- * error of a sum in 32 or 64 bits, the precision in which the voltages were computed. Limits with a
- * held amplifier are left out.
+ * Return the number of limits of differences and sums of voltages that voltages [amplifiers]
+ * violate by more than the rounding error of a sum. The rounding error is that of 32 or 64 bits,
+ * the precision in which the voltages were computed. A limit is left out if an amplifier in it is
+ * held at a fixed voltage.
  */
 int loop_beyond_rows(const loop *loop, const double *voltage, int bits);
 
-/* Number of commanded voltages that are at one of their limits. */
+/* Return the number of commanded voltages that are at one of their limits. */
 int loop_active(const loop *loop);
 
 /* ---- simulate_sense.c: inputs of the controller ------------------------- */
 
 /*
- * Allocate the memory of the sensors. Returns whether memory was available; call sense_close in
- * either case.
+ * Prepare the simulated sensors and their memory. Returns whether memory was available; call
+ * sense_close in either case.
  */
 int sense_open(loop *loop);
 void sense_close(loop *loop);
@@ -176,14 +177,14 @@ void sense_close(loop *loop);
 int sense_tick(loop *loop, int tick, char *error);
 
 /*
- * Compute the member `measurement_error`, the relative difference between the true shape and the
- * shape measured by the controller.
+ * Compute the member `measurement_error`: the norm of the difference between the true shape and the
+ * shape that the controller measures, relative to the norm of the scene's target.
  */
 void sense_measurement_error(loop *loop);
 
 /*
- * Load factors [loads] that the controller knows for the time at which the readings of a tick were
- * taken.
+ * Return the load factors [loads] that the controller knows for the time at which the readings of a
+ * tick were taken.
  */
 const double *sense_known_loads(const loop *loop, int tick);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Record of a simulation over time, for reports and JSON. The ticks are divided into bins of equal
- * length, because a page cannot show every tick of a long simulation.
+ * Results of a simulation over time, for reports and JSON. The ticks are divided into time bins of
+ * equal length, because a page cannot show every tick of a long simulation.
  */
 #ifndef SIMULATE_RECORD_H
 #define SIMULATE_RECORD_H
@@ -27,11 +27,14 @@ typedef struct simulate_record {
                               time in which a limit is active (V) */
 } simulate_record;
 
-/* Prepare an empty record for a simulation. Returns 0, or -1 where memory runs out. */
+/*
+ * Prepare an empty record of the results of a simulation over time. Returns 0, or -1 where memory
+ * runs out.
+ */
 int record_open(simulate_record *record, const simulation *simulation);
 void record_close(simulate_record *record);
 
-/* Add the results of one tick of a simulation to the record. */
+/* Add the results of one tick of a simulation to the record of its results over time. */
 void record_tick(simulate_record *record, const simulate_sample *sample);
 
 #endif

@@ -25,7 +25,10 @@ static void take_noise(loop *loop)
             *deviation++ = design->estimate.reading[reading].noise;
 }
 
-/* Number of ticks whose readings must be stored because they may arrive later. */
+/*
+ * Return the number of ticks whose readings must be stored because the controller may receive them
+ * later.
+ */
 static int kept_ticks(const scene_simulate *simulate)
 {
     int most = 0;

@@ -64,7 +64,7 @@ static void name_electrodes(const design *design, const scene_event *event, cons
         snprintf(text, room, "%.60s %s", name, word);
 }
 
-/* Write a text on an impulse or on a sinusoidal part of a load. */
+/* Describe in a text an event that applies an impulse of a load or gives it a sinusoidal part. */
 static void name_motion(const design *design, const scene_event *event, char *text, size_t room)
 {
     const char *name = name_of_load(&design->load[event->load]);

@@ -151,7 +151,8 @@ typedef struct simulation {
 } simulation;
 
 /*
- * Read the plant and set up the phases.
+ * Build the simulated structure and set up the phases of the simulation, each from one tick with
+ * events to the next.
  *   nominal in  analysis of a scene with a simulate section, after analysis_influence; must outlive
  *       the simulation. Its option quasi_static leaves out the vibration model of the controller,
  *       and is set for a quasi-static plant
@@ -184,10 +185,13 @@ int simulate_device(simulation *simulation, const device_board *board, char *err
 int simulate_run(simulation *simulation, simulate_law law, simulate_tick_callback *callback,
                  void *context, char *error);
 
-/* Compute the optimum of each phase, after simulate_run. Returns 0, or -1 with error filled. */
+/*
+ * Compute for each phase of the simulation (time between events of the scene) the best shape that
+ * the voltages could reach; to be called after simulate_run. Returns 0, or -1 with error filled.
+ */
 int simulate_optima(simulation *simulation, char *error);
 
-/* Number of ticks in which a control law ran. */
+/* Return the number of ticks in which a control law ran, that is, which were not missed. */
 long simulate_ran(const simulate_count *count);
 
 #endif

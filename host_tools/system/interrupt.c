@@ -33,7 +33,8 @@ static void remove_folder(void)
 
 /*
  * End the process group of a program that pzs runs. The program may have started other programs,
- * which may run and write files for a moment longer; therefore wait until the group is empty.
+ * which may run and write files for a moment longer; the function therefore waits until the group
+ * is empty.
  */
 static void end_group(void)
 {
@@ -55,8 +56,8 @@ static void clean_up(int signal_number)
     if (folder_used)
         remove_folder();
     signal(signal_number, SIG_DFL);
-    raise(signal_number); /* The signal remains blocked until this handler returns; then the signal
-                             ends the program. */
+    raise(signal_number); /* The signal stays blocked until this handler returns; after that it ends
+                             the program. */
 }
 
 void interrupt_install(void)

@@ -25,8 +25,9 @@ int program_begin(const char *const *argument, int *to, int *from)
             dup2(out[1], 1);
             close(in[0]), close(in[1]), close(out[0]), close(out[1]);
         }
-        unsetenv("MAKEFLAGS"); /* remove the variables of a make that runs pzs, because the make of
-                                  the build would otherwise share the job slots of the outer one */
+        unsetenv("MAKEFLAGS"); /* remove the variables that an outer `make` passes to pzs, because
+                                  the `make` that builds a firmware would otherwise use the job
+                                  slots of the outer one */
         execvp(argument[0], (char *const *)(uintptr_t)argument);
         perror(argument[0]);
         _exit(127);

@@ -25,7 +25,7 @@ static const uint32_t *volatile solves;
 static volatile sig_atomic_t done, total, is_running, is_shown;
 static struct timespec began;
 
-/* Text of the progress display and its length, while the text is being composed. */
+/* Text of the progress display and its length, while the text is being put together. */
 typedef struct text {
     char at[LINE];
     size_t length;

@@ -13,20 +13,20 @@
 void progress_start(void);
 
 /*
- * Set the description of the present stage of a command and reset all counts. The text is not
- * copied and must remain valid.
+ * Set the text that describes what the command does at present, such as "solving", and reset all
+ * counts. The text is not copied and must remain valid.
  */
 void progress_stage(const char *what);
 
 /*
- * Set the number of completed parts of the present stage and the total number of its parts; total =
- * 0: the total is unknown.
+ * Set how many parts of its present work a command has completed, and how many parts there are in
+ * total; total = 0: the total number is unknown.
  */
 void progress_count(int done, int total);
 
 /*
- * Display a counter of linear solves during the present stage. The counter must remain valid until
- * the next stage begins.
+ * Display the present value of a counter of linear solves. The counter must remain valid until the
+ * next call of progress_stage, which begins another part of the command.
  */
 void progress_solves(const uint32_t *counter);
 

@@ -12,8 +12,10 @@
 static const char ending[] = ".yaml";
 
 /*
- * Find a file or folder whose path is relative to the parent of the folder of this program. Returns
- * whether it exists.
+ * Find a file or folder of the installation.
+ *   inside in   path relative to the folder above that of this program
+ *   path   out  full path
+ * Returns whether the file or folder exists.
  */
 static int beside_program(const char *inside, char path[SHIPPED_PATH])
 {
@@ -67,8 +69,8 @@ int shipped_is_name(const char *name)
 }
 
 /*
- * Shorten the path of a file below the current folder to the path relative to this folder, for
- * messages.
+ * If a file lies below the current folder, replace its path by the path relative to the current
+ * folder, for messages.
  */
 static void shorten(char path[SHIPPED_PATH])
 {

@@ -8,19 +8,20 @@
 typedef struct json {
     FILE *file;
     int depth;
-    int line; /* nesting depth of the outermost container that is written on one line; 0: none is */
-    int filled[48]; /* whether an element was already written in the open container at each nesting
-                       depth */
+    int line; /* nesting depth of the outermost array or object that is written on one line; 0:
+                 every one has several lines */
+    int filled[48]; /* whether the open array or object at each nesting depth already has an element
+                     */
 } json;
 
 /*
- * Write the brackets, members and elements of a JSON document. key is the name of a member of an
+ * Write the brackets, members and elements of a JSON document. `key` is the name of a member of an
  * object, NULL for an element of an array. A number that is not finite is written as null.
  */
 void json_open(json *json, const char *key, char bracket);
-void json_open_line(json *json, const char *key, char bracket); /* opens a container that is written
-                                                                   on one line with all its contents
-                                                                 */
+void json_open_line(json *json, const char *key, char bracket); /* begins an array or object that is
+                                                                   written on one line with all its
+                                                                   contents */
 void json_close(json *json, char bracket);
 void json_number(json *json, const char *key, double value);
 void json_bool(json *json, const char *key, int is_true);

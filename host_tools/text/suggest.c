@@ -11,8 +11,8 @@ static int least(int first, int second)
 
 int suggest_distance(const char *from, const char *to)
 {
-    int row[3][SUGGEST_NAME + 1]; /* rows i - 2, i - 1 and i of the table of edit distances; row i
-                                     is stored at i modulo 3 */
+    int row[3][SUGGEST_NAME + 1]; /* rows i - 2, i - 1 and i of the table of edit distances between
+                                     the beginnings of two words; row i is stored at i modulo 3 */
     const int rows = (int)strlen(from), columns = (int)strlen(to);
     for (int j = 0; j <= columns; j++)
         row[0][j] = j;
@@ -38,8 +38,8 @@ void suggest_begin(suggestion *suggestion, const char *word)
 }
 
 /*
- * A name is suggested only if its edit distance is at most a third of the letters of the mistyped
- * word.
+ * Compare a name with the mistyped word. A name is suggested only if its edit distance is at most a
+ * third of the letters of the word.
  */
 void suggest_consider(suggestion *suggestion, const char *name)
 {

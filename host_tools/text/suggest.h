@@ -29,7 +29,10 @@ int suggest_distance(const char *from, const char *to);
 void suggest_begin(suggestion *suggestion, const char *word);
 void suggest_consider(suggestion *suggestion, const char *name);
 
-/* Write " (did you mean 'NAME'?)", or an empty text if no name is similar. Returns text. */
+/*
+ * Write the text " (did you mean 'NAME'?)" with the most similar name, or an empty text if no name
+ * is similar. Returns `text`.
+ */
 const char *suggest_text(const suggestion *suggestion, char text[SUGGEST_TEXT]);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Dual active-set method of the voltage optimiser (boxls_dual.h). P denotes the inverse of the
- * Hessian, A the active set.
+ * Dual active-set method of the voltage optimiser. P denotes the inverse of the Hessian, A the
+ * active set (inputs whose voltages are kept at a bound); all other inputs are free.
  *
  * An iteration takes the free input that is farthest outside its bounds and changes its multiplier
  * until this input reaches its bound; the multipliers of A follow so that the inputs of A stay at
@@ -20,10 +20,16 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-/* Voltages count as inside their bounds up to this multiple of their rounding error. */
+/*
+ * Voltages count as inside their bounds if they are outside by no more than this multiple of their
+ * rounding error.
+ */
 #define ROUNDING_FACTOR 8
 
-/* Work arrays of the dual method among the vectors in which the tableau collects its exchanges. */
+/*
+ * Work arrays of the dual method. They use the memory of the vectors in which the primal method
+ * collects pivot exchanges.
+ */
 enum { SOLUTION, CHANGE, RESPONSE, COSINE };
 
 static pzs_real *work_array(const pzs_optimiser *optimiser, uint32_t k)
@@ -39,7 +45,7 @@ void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work)
     optimiser->order = (uint16_t *)(optimiser->side + inputs);
 }
 
-/* Return the bound at which active input i stays (V). */
+/* Return the bound at which the voltage of active input i is kept (V). */
 static pzs_real bound_of(const pzs_optimiser *optimiser, uint32_t i)
 {
     return optimiser->side[i] < 0 ? optimiser->lower[i] : optimiser->upper[i];
@@ -47,13 +53,16 @@ static pzs_real bound_of(const pzs_optimiser *optimiser, uint32_t i)
 
 /* ---- factor ------------------------------------------------------------ */
 
-/* Return row k of the factor, which has k + 1 entries. */
+/* Return row k of the Cholesky factor of the dual method, which has k + 1 entries. */
 static pzs_real *factor_row(const pzs_optimiser *optimiser, uint32_t k)
 {
     return optimiser->factor + (size_t)k * (k + 1u) / 2u;
 }
 
-/* Solve L x = b for the factor L of the active set; x replaces b. */
+/*
+ * Solve L x = b for the Cholesky factor L of the inverse Hessian restricted to the active inputs; x
+ * replaces b in `vector`.
+ */
 static void solve_lower(const pzs_optimiser *optimiser, pzs_real *vector)
 {
     for (uint32_t k = 0; k < optimiser->active_count; k++) {
@@ -69,7 +78,10 @@ static void subtract_multiple(pzs_real *restrict vector, const pzs_real *restric
         vector[i] -= factor * row[i];
 }
 
-/* Solve L^T x = b for the factor L of the active set; x replaces b. */
+/*
+ * Solve L' x = b for the Cholesky factor L of the inverse Hessian restricted to the active inputs;
+ * x replaces b in `vector`.
+ */
 static void solve_upper(const pzs_optimiser *optimiser, pzs_real *vector)
 {
     for (uint32_t k = optimiser->active_count; k-- > 0;) {
@@ -80,8 +92,9 @@ static void solve_upper(const pzs_optimiser *optimiser, pzs_real *vector)
 }
 
 /*
- * Let input i join the active set.
- *   solution [active_count] in  row of the factor, without its last entry
+ * Make free input i active, so that its voltage is kept at a bound, and append its row to the
+ * Cholesky factor.
+ *   solution [active_count] in  this row without its last entry
  *   pivot                   in  square of the last entry (V2/m2)
  */
 static void join_active_set(pzs_optimiser *optimiser, uint32_t i, const pzs_real *solution,
@@ -98,9 +111,9 @@ static void join_active_set(pzs_optimiser *optimiser, uint32_t i, const pzs_real
 }
 
 /*
- * Move row k + 1 of the factor to row k, after input `removed` of the order has left the active
- * set: the rotations of the rows before are applied, and a new one makes the entry beyond the
- * diagonal zero.
+ * Move row k + 1 of the Cholesky factor to row k, after the input of row `removed` has become free.
+ * The plane rotations that have been found for the rows before are applied to the row, and a new
+ * rotation makes its entry beyond the diagonal zero.
  */
 static void rotate_row(const pzs_optimiser *optimiser, uint32_t removed, uint32_t k)
 {
@@ -119,7 +132,7 @@ static void rotate_row(const pzs_optimiser *optimiser, uint32_t removed, uint32_
     to[k] = length;
 }
 
-/* Let the input of row k of the factor leave the active set. */
+/* Make the input of row k of the Cholesky factor free, and remove this row. */
 static void leave_active_set(pzs_optimiser *optimiser, uint32_t k)
 {
     const uint32_t last = optimiser->active_count - 1u;
@@ -133,7 +146,7 @@ static void leave_active_set(pzs_optimiser *optimiser, uint32_t k)
     optimiser->work += 2u * (uint64_t)last * (last - k);
 }
 
-/* Let all inputs leave the active set. */
+/* Make all inputs free, so that no voltage is kept at a bound. */
 static void free_all(pzs_optimiser *optimiser)
 {
     for (uint32_t i = 0; i < optimiser->inputs; i++)
@@ -142,7 +155,10 @@ static void free_all(pzs_optimiser *optimiser)
     optimiser->inverse_trace = 0;
 }
 
-/* Whether the order of the factor lists exactly the inputs that are marked as active. */
+/*
+ * Whether the list of the inputs that belong to the rows of the Cholesky factor contains each
+ * active input once and no free input; otherwise memory is damaged.
+ */
 static bool is_order_valid(const pzs_optimiser *optimiser)
 {
     pzs_real *seen = work_array(optimiser, SOLUTION);
@@ -188,7 +204,8 @@ bool pzs_dual_is_at_bounds(const pzs_optimiser *optimiser)
 
 /*
  * Subtract from a vector [width] the rows of the tableau that belong to the active inputs, each
- * times its factor. As the tableau is -P, this adds columns of P.
+ * multiplied by an entry of `factor`. As the tableau is the negative inverse of the Hessian, this
+ * adds columns of the inverse.
  */
 static void add_columns(pzs_optimiser *optimiser, pzs_real *vector, const pzs_real *factor)
 {
@@ -198,9 +215,9 @@ static void add_columns(pzs_optimiser *optimiser, pzs_real *vector, const pzs_re
 }
 
 /*
- * Change the multipliers of the active inputs, in the array `direction`, so that the active inputs
- * move to their bounds, and let the free inputs follow.
- *   next [width] in/out  voltages (V)
+ * Change the multipliers of the active inputs, in the array `direction`, so that the voltages of
+ * the active inputs reach their bounds, and let the voltages of the free inputs follow.
+ *   next [width] in/out  voltages of all inputs (V)
  */
 static void move_to_bounds(pzs_optimiser *optimiser, pzs_real *next)
 {
@@ -222,8 +239,8 @@ static void move_to_bounds(pzs_optimiser *optimiser, pzs_real *next)
 }
 
 /*
- * Whether the multiplier of an active input pulls the input away from its bound by more than
- * `rounding`, and another voltage is allowed.
+ * Whether the multiplier of active input i has the wrong sign, so that a voltage away from its
+ * bound would lower the objective, by more than `rounding` (m2/V), and its bounds differ.
  */
 static bool is_wrong(const pzs_optimiser *optimiser, uint32_t i, pzs_real rounding)
 {
@@ -255,8 +272,8 @@ uint32_t pzs_dual_predict_step(pzs_optimiser *optimiser, pzs_real rounding)
 /* ---- iterations ------------------------------------------------------------ */
 
 /*
- * Whether the work limit allows `cost` multiply-adds and the end of the round, in which the
- * gradient may have to be computed twice.
+ * Whether the work limit of the optimiser allows `cost` multiply-adds and the end of the round of
+ * iterations, in which the gradient may have to be computed twice.
  */
 static bool affords(pzs_optimiser *optimiser, uint64_t cost)
 {
@@ -264,11 +281,11 @@ static bool affords(pzs_optimiser *optimiser, uint64_t cost)
 }
 
 /*
- * Choose the active inputs whose multipliers have the wrong sign, as many as the work limit allows
- * to leave the active set.
- *   change [active_count] out  change of their multipliers to zero; 0 for the other active inputs
- *                              (m2/V)
- * Returns the number of inputs chosen.
+ * Choose the active inputs that are to become free because their multipliers have the wrong sign,
+ * as many as the work limit allows.
+ *   change [active_count] out  for each chosen input the change of its multiplier to zero, 0 for
+ *                              all others (m2/V)
+ * Returns the number of chosen inputs.
  */
 static uint32_t choose_wrong(pzs_optimiser *optimiser, pzs_real rounding, pzs_real *change)
 {
@@ -290,8 +307,8 @@ static uint32_t choose_wrong(pzs_optimiser *optimiser, pzs_real rounding, pzs_re
 }
 
 /*
- * Let the active inputs whose multipliers have the wrong sign leave the active set, until there are
- * none, or until the work limit stops this.
+ * Make the active inputs free whose multipliers have the wrong sign, until no active input has such
+ * a multiplier, or until the work limit stops the optimiser.
  */
 static void drop_wrong(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -306,8 +323,8 @@ static void drop_wrong(pzs_optimiser *optimiser, pzs_real rounding)
 }
 
 /*
- * Return the free input that is farthest outside its bounds, or the number of inputs if all are
- * inside up to rounding errors.
+ * Return the free input whose voltage is farthest outside its bounds, or the number of inputs if
+ * all voltages are inside up to rounding errors.
  */
 static uint32_t farthest_outside(const pzs_optimiser *optimiser)
 {
@@ -326,8 +343,8 @@ static uint32_t farthest_outside(const pzs_optimiser *optimiser)
 }
 
 /*
- * Compute the row that free input i would have in the factor, in the array SOLUTION [active_count].
- * Returns the square of its last entry (V2/m2).
+ * Compute the row that free input i would have in the Cholesky factor if it became active, into the
+ * work array SOLUTION [active_count]. Returns the square of the last entry of the row (V2/m2).
  */
 static pzs_real find_factor_row(pzs_optimiser *optimiser, uint32_t i)
 {
@@ -341,18 +358,22 @@ static pzs_real find_factor_row(pzs_optimiser *optimiser, uint32_t i)
     return -row[i] - pzs_product_dot(solution, solution, count);
 }
 
-/* Return the smallest pivot with which input i may join the active set (V2/m2). */
+/*
+ * Return the smallest pivot with which input i may become active (V2/m2). With a smaller pivot its
+ * voltage depends linearly on those of the active inputs.
+ */
 static pzs_real least_pivot(const pzs_optimiser *optimiser, uint32_t i)
 {
     return optimiser->pivot_floor * -optimiser->tableau[i * (size_t)optimiser->width + i];
 }
 
 /*
- * Compute how multipliers and voltages respond to the multiplier of free input i.
- *   SOLUTION [active_count] out  row that the input would have in the factor
+ * Compute how the multipliers of the active inputs and all voltages respond to the multiplier of
+ * free input i. The results are in work arrays:
+ *   SOLUTION [active_count] out  row that the input would have in the Cholesky factor
  *   CHANGE   [active_count] out  change of the multipliers of the active inputs (1)
  *   RESPONSE [width]        out  change of the voltages (V2/m2)
- * Returns the square of the last entry of the row of the factor (V2/m2).
+ * Returns the square of the last entry of the row (V2/m2).
  */
 static pzs_real find_response(pzs_optimiser *optimiser, uint32_t i)
 {
@@ -376,7 +397,8 @@ static pzs_real find_response(pzs_optimiser *optimiser, uint32_t i)
  * changes in the direction `sense`.
  *   part in/out  in: largest change of the multiplier of the free input; out: that at which the
  *                multiplier becomes zero (m2/V)
- * Returns its row in the factor, or the number of active inputs.
+ * Returns the row of this active input in the Cholesky factor, or the number of active inputs if no
+ * multiplier becomes zero.
  */
 static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_real *part)
 {
@@ -395,9 +417,10 @@ static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_r
 }
 
 /*
- * Make one iteration: change the multiplier of free input i, which is outside its bounds, until the
- * input reaches its bound and joins the active set, or until the multiplier of an active input
- * becomes zero and this input leaves the active set. Returns false if neither happens.
+ * Make one iteration of the dual method: change the multiplier of free input i, whose voltage is
+ * outside its bounds, until the voltage reaches its bound and the input becomes active, or until
+ * the multiplier of an active input becomes zero and this input becomes free. Returns false if
+ * neither happens.
  */
 static bool pull_inside(pzs_optimiser *optimiser, uint32_t i, pzs_real *multiplier)
 {
@@ -429,8 +452,8 @@ static bool pull_inside(pzs_optimiser *optimiser, uint32_t i, pzs_real *multipli
 }
 
 /*
- * Count one more iteration if its work is within the work limit. Otherwise note that the work limit
- * has stopped the optimiser. Returns whether the iteration may be made.
+ * Count one more iteration of the dual method if its work is within the work limit. Otherwise note
+ * that the work limit has stopped the optimiser. Returns whether the iteration may be made.
  */
 static bool may_iterate(pzs_optimiser *optimiser)
 {

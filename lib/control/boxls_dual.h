@@ -11,41 +11,43 @@
 #include "optimiser.h"
 
 /*
- * Let the arrays of the dual method point into work [PZS_DUAL_REALS(inputs)]. The member inputs
- * must be set.
+ * Set the pointers of the dual method to its arrays in the memory `work` of PZS_DUAL_REALS(inputs)
+ * reals. The member `inputs` of the optimiser must be set before.
  */
 void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work);
 
 /*
- * At the start of a voltage step, let all inputs become free if the list of active inputs is
- * damaged, or if the bound of an active input is not finite.
+ * At the start of a voltage step, make all inputs free if the list of active inputs is damaged, or
+ * if the bound of an active input is not finite.
  */
 void pzs_dual_check(pzs_optimiser *optimiser);
 
 /*
- * Return the number of multiply-adds that a round of the dual method takes in addition to
- * PZS_ROUND_WORK: those of pzs_dual_predict_step, and another gradient at the end of the round.
+ * Return the number of multiply-adds by which a round of iterations of the dual method exceeds
+ * PZS_ROUND_WORK, the work of a round of the primal method.
  */
 uint64_t pzs_dual_round_work(const pzs_optimiser *optimiser);
 
-/* Return whether the voltage of each active input is the bound at which the input stays. */
+/*
+ * Return whether the voltage of each active input is equal to the bound at which it is to be kept.
+ */
 bool pzs_dual_is_at_bounds(const pzs_optimiser *optimiser);
 
 /*
  * Predict the whole step to the minimum over the free inputs, with the active inputs at their
- * bounds. In the array `direction` the product of the tableau with the gradient of the free inputs
- * is replaced by the step of the free inputs and the multipliers of the active ones; the arrays
- * next_voltage and scratch receive the voltages after the step and their offset from the base
- * voltages.
+ * bounds. Before the call the array `direction` holds the product of the tableau with the gradient
+ * of the free inputs; afterwards it holds the step of the free inputs and the multipliers of the
+ * active ones. The array next_voltage receives the voltages after the step, and `scratch` their
+ * distance from the base voltages, around which the gradient is computed.
  *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
  * Returns the number of inputs that would be outside their bounds or have such a multiplier.
  */
 uint32_t pzs_dual_predict_step(pzs_optimiser *optimiser, pzs_real rounding);
 
 /*
- * Iterate from the predicted step until no input is outside its bounds and no multiplier has the
- * wrong sign, or until the work limit stops the iterations. The present voltages become those
- * reached, clamped to the bounds. Returns whether all iterations were made.
+ * Iterate from the voltages after the predicted step until no voltage is outside its bounds and no
+ * multiplier has the wrong sign, or until the work limit stops the iterations. The present voltages
+ * become those reached, clamped to the bounds. Returns whether all iterations were made.
  */
 bool pzs_dual_iterate(pzs_optimiser *optimiser, pzs_real rounding);
 
