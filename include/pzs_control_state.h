@@ -84,8 +84,11 @@ typedef struct pzs_optimiser {
     pzs_real *pivot;   /* [width] diagonal of the tableau, with the exchanges in `pending` */
     pzs_real *pending; /* [PZS_PENDING][width] rank-one updates of the tableau: one vector for each
                           pivot exchange that is collected but not yet applied to the tableau */
-    pzs_real *waiting; /* [width] 1 for an input that is to join the free set again while the
-                          tableau is recomputed, else 0 */
+    pzs_exchange *exchange; /* [pending_most] pivot exchanges whose updates `pending` holds: the
+                               array `collected`, or memory of the dual method while the tableau
+                               is computed */
+    pzs_real *waiting;      /* [width] 1 for an input that is to join the free set again while the
+                               tableau is recomputed, else 0 */
     pzs_real *factor;  /* [inputs (inputs + 1) / 2] dual method: Cholesky factor of the inverse of
                           the Hessian restricted to the active set, lower triangle row by row */
     pzs_real *side;    /* [inputs] dual method: bound at which an active input stays, -1 for the
@@ -153,11 +156,13 @@ typedef struct pzs_optimiser {
                                verify the tableau */
     uint32_t pending_count; /* number of pivot exchanges collected but not yet applied to the
                                tableau */
+    uint32_t pending_most;  /* largest number of pivot exchanges that are collected before they are
+                               applied to the tableau */
     uint32_t exchanges; /* number of pivot exchanges (moves of an input between free and active set)
                            since the tableau was last computed from the Hessian */
     uint32_t rebuilds;  /* number of times that the tableau was computed anew from the Hessian in
                            this voltage step */
-    pzs_exchange exchange[PZS_PENDING];
+    pzs_exchange collected[PZS_PENDING];
     bool is_rebuilding; /* whether the tableau is incomplete, because some inputs that are to join
                            the free set again are not yet exchanged */
     bool is_predicted; /* whether model_gradient was predicted by the tableau, not computed from the

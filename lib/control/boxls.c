@@ -121,6 +121,7 @@ void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work)
                                  &optimiser->pending};
     for (uint32_t k = 0; k < sizeof vector / sizeof *vector; k++)
         *vector[k] = work + (size_t)k * optimiser->width;
+    pzs_tableau_collect(optimiser, optimiser->pending);
 }
 
 /* ---- gradients ------------------------------------------------------ */

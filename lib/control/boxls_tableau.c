@@ -9,9 +9,11 @@
 #include "../core/lane.h"
 #include "../core/numbers.h"
 #include "../core/product.h"
+#include "../core/product_wide.h"
 #include "../core/unrolled.h"
 
 #define BLOCK 4u /* number of rows and of columns in a block of the tableau */
+#define MANY 32u /* largest number of exchanges collected while the tableau is computed */
 #define BLOCK_WIDE                                                                                 \
     PZS_BY_TILE(4u, 16u, 32u) /* number of columns of a wide block of the tableau                  \
                                */
@@ -39,6 +41,32 @@ static void subtract_multiple(pzs_real *restrict to, const pzs_real *restrict fr
 {
     for (size_t i = 0; i < span; i++)
         to[i] -= factor * from[i];
+}
+
+/* ---- collection of exchanges ----------------------------------------- */
+
+void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending)
+{
+    optimiser->pending = pending;
+    optimiser->exchange = optimiser->collected;
+    optimiser->pending_most = PZS_PENDING;
+}
+
+/*
+ * With many inputs, collect more exchanges, in the memory of the dual method, which is not used
+ * while the tableau is computed: the tableau is then read and written less often. The updates take
+ * the place of one half of the factor, their copy in groups that of the other half, and the
+ * exchanges that of the two vectors.
+ */
+static void collect_many(pzs_optimiser *optimiser)
+{
+    const uint32_t reals = optimiser->inputs * (optimiser->inputs + 1u) / 2u;
+    const uint32_t fit = reals / (2u * optimiser->width + WIDE_BLOCK);
+    if (optimiser->inputs < PZS_DUAL_INPUTS || fit <= PZS_PENDING)
+        return;
+    optimiser->pending = optimiser->factor;
+    optimiser->exchange = (void *)optimiser->side;
+    optimiser->pending_most = fit < MANY ? fit : MANY;
 }
 
 /* ---- exchanges ------------------------------------------------------- */
@@ -89,7 +117,7 @@ void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restri
 void pzs_tableau_exchange_side(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row,
                                pzs_real side)
 {
-    if (optimiser->pending_count == PZS_PENDING)
+    if (optimiser->pending_count == optimiser->pending_most)
         pzs_tableau_apply(optimiser);
     const size_t width = optimiser->width, span = optimiser_span(optimiser);
     const pzs_real pivot = row[k], scale = 1 / PZS_SQRT(number_absolute(pivot));
@@ -199,15 +227,49 @@ UPDATE_BLOCK(update_wide, lane, BLOCK, BLOCK_WIDE / IN_LANE)
 #endif
 
 /*
+ * On a host with AVX2, copy the pending updates of a tableau that is being computed into groups of
+ * WIDE_BLOCK columns, which pzs_wide_update reads without gaps. The groups follow the updates in
+ * the memory of the dual method. Returns the first group, or NULL on another processor.
+ */
+static const pzs_real *group_updates(const pzs_optimiser *optimiser)
+{
+    const size_t width = optimiser->width, count = optimiser->pending_count;
+    if (optimiser->pending != optimiser->factor || !product_is_wide(width))
+        return NULL;
+    pzs_real *groups = optimiser->factor + optimiser->pending_most * width;
+    for (size_t j = 0; j < width; j += WIDE_BLOCK) {
+        const size_t columns = width - j < WIDE_BLOCK ? width - j : WIDE_BLOCK;
+        for (size_t k = 0; k < count; k++)
+            memcpy(groups + j * count + k * WIDE_BLOCK, optimiser->pending + k * width + j,
+                   columns * sizeof *groups);
+    }
+    return groups;
+}
+
+/* Apply all pending updates to BLOCK rows and WIDE_BLOCK columns below the diagonal. */
+static void update_group(pzs_optimiser *optimiser, const pzs_real *groups, size_t i, size_t j)
+{
+    const size_t count = optimiser->pending_count, within = i % WIDE_BLOCK;
+    pzs_wide_update(optimiser->tableau + i * optimiser->width + j, optimiser->width,
+                    groups + (i - within) * count + within, groups + j * count,
+                    &optimiser->exchange->sign, sizeof *optimiser->exchange / sizeof(pzs_real),
+                    count);
+    mirror_block(optimiser, i, j, BLOCK, WIDE_BLOCK);
+}
+
+/*
  * Apply all collected rank-one updates to the lower triangle of the tableau block by block, and
  * mirror it to the upper triangle. Blocks on the diagonal are computed as a whole; the last rows,
  * fewer than a block has, one by one.
  */
 static void apply_to_all(pzs_optimiser *optimiser)
 {
+    const pzs_real *groups = group_updates(optimiser);
     const size_t inputs = optimiser->inputs, even = inputs & ~(size_t)(BLOCK - 1u);
     for (size_t i = 0; i < even; i += BLOCK) {
         size_t j = 0;
+        for (; groups != NULL && j + WIDE_BLOCK <= i; j += WIDE_BLOCK)
+            update_group(optimiser, groups, i, j);
         for (; BLOCK_WIDE > BLOCK && j + BLOCK_WIDE <= i; j += BLOCK_WIDE)
             update_wide(optimiser, i, j);
         for (; j <= i; j += BLOCK)
@@ -272,8 +334,10 @@ static uint32_t next_pivot(const pzs_optimiser *optimiser)
 
 bool pzs_tableau_rebuild(pzs_optimiser *optimiser)
 {
-    const uint64_t cost = PZS_ITERATION_WORK(optimiser->inputs);
+    const uint64_t cost = PZS_ITERATION_WORK(optimiser->inputs) + (uint64_t)MANY * optimiser->width;
+    pzs_real *pending = optimiser->pending;
     pzs_tableau_read_pivots(optimiser);
+    collect_many(optimiser);
     while (optimiser->is_rebuilding && optimiser_affords(optimiser, cost)) {
         const uint32_t k = next_pivot(optimiser);
         optimiser->is_rebuilding = k < optimiser->inputs;
@@ -284,6 +348,7 @@ bool pzs_tableau_rebuild(pzs_optimiser *optimiser)
         }
     }
     pzs_tableau_apply(optimiser);
+    pzs_tableau_collect(optimiser, pending);
     optimiser->is_dual = !optimiser->is_rebuilding && optimiser->active_count == 0 &&
                          optimiser->inputs >= PZS_DUAL_INPUTS;
     return !optimiser->is_rebuilding;

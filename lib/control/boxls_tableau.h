@@ -67,6 +67,12 @@ void pzs_tableau_apply(pzs_optimiser *optimiser);
 void pzs_tableau_reset(pzs_optimiser *optimiser);
 
 /*
+ * Collect up to PZS_PENDING exchanges from now on, with their updates in the array `pending`.
+ *   pending [PZS_PENDING][width] in  memory of the updates
+ */
+void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending);
+
+/*
  * Continue to recompute the tableau: move the inputs that were free before pzs_tableau_reset back
  * into the free set, the most independent first, as long as the work limit allows. Inputs that
  * depend linearly on the free ones stay active. Returns whether the tableau is complete.

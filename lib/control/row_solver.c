@@ -1086,6 +1086,7 @@ void pzs_arrange_rows(pzs_control *control, uint8_t *work)
                                  &solver->margin,    &tableau->pending};
     for (size_t k = 0; k < sizeof vector / sizeof *vector; k++)
         *vector[k] = at + k * width;
+    pzs_tableau_collect(tableau, tableau->pending);
 }
 
 void pzs_prepare_rows(pzs_control *control)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Checksums, search for numbers that are not finite, and majority of three copies (guard.h). */
 #include "guard.h"
+#include "guard_wide.h"
 #include "unrolled.h"
 
 /*
@@ -45,9 +46,9 @@ static inline uint32_t word_crc(uint32_t word)
     return crc;
 }
 
-uint32_t pzs_guard_crc(uint32_t crc, const void *data, size_t bytes)
+/* Continue a CRC-32 over bytes, four bytes at a time. */
+static uint32_t add_bytes(uint32_t crc, const uint8_t *byte, size_t bytes)
 {
-    const uint8_t *byte = data;
     size_t i = 0;
     for (; i + 4u <= bytes; i += 4u) {
         const uint32_t low = byte[i] | (uint32_t)byte[i + 1u] << 8;
@@ -59,6 +60,16 @@ uint32_t pzs_guard_crc(uint32_t crc, const void *data, size_t bytes)
         crc = (crc >> 8) ^ nibble_crc[6][crc & 15u] ^ nibble_crc[7][crc >> 4 & 15u];
     }
     return crc;
+}
+
+uint32_t pzs_guard_crc(uint32_t crc, const void *data, size_t bytes)
+{
+    const size_t folded = bytes / CRC_BLOCK * CRC_BLOCK;
+    uint8_t rest[CRC_REST];
+    if (folded == 0 || !pzs_guard_has_fold())
+        return add_bytes(crc, data, bytes);
+    pzs_wide_fold(rest, crc, data, folded);
+    return add_bytes(add_bytes(0, rest, CRC_REST), (const uint8_t *)data + folded, bytes - folded);
 }
 
 /* The difference of a number with itself is 0 for a finite number and NaN for NaN and infinity. */

@@ -121,7 +121,8 @@ AVX2 void pzs_wide_update(pzs_real *block, size_t stride, const pzs_real *column
         low[line] = *(const wide_vector *)(block + line * stride);
         high[line] = *(const wide_vector *)(block + line * stride + IN_VECTOR);
     }
-    for (size_t k = 0; k < count; k++, column += stride, row += stride, sign += sign_stride) {
+    for (size_t k = 0; k < count;
+         k++, column += WIDE_BLOCK, row += WIDE_BLOCK, sign += sign_stride) {
         const wide_vector first = *(const wide_vector *)row;
         const wide_vector second = *(const wide_vector *)(row + IN_VECTOR);
         UNROLLED

@@ -11,6 +11,7 @@
 
 /* Smallest number of columns for which the wide loops are worth a call. */
 #define WIDE_COLUMNS 48u
+#define WIDE_BLOCK 8u /* number of columns of a block that pzs_wide_update updates */
 
 /* Return whether products of rows of `cols` entries use the wide loops. */
 static inline bool product_is_wide(size_t cols)
@@ -36,12 +37,13 @@ void pzs_wide_subtract_rows(pzs_real *restrict vector, const pzs_real *restrict 
 void pzs_wide_dot(pzs_real sum[8], const pzs_real *left, const pzs_real *right, size_t count);
 
 /*
- * Subtract from a block of four rows and eight columns the products of columns and rows of `count`
+ * Subtract from a block of four rows and WIDE_BLOCK columns the products of the entries of `count`
  * vectors.
- *   block         in/out  entries, rows `stride` reals apart
- *   column        in      four successive entries of the first vector; vectors are `stride` apart
- *   row           in      eight successive entries of the first vector
- *   sign  [count] in      factor of each vector; factors are sign_stride reals apart
+ *   block                      in/out  entries of the block, rows `stride` reals apart
+ *   column [count][WIDE_BLOCK] in      the first four of each eight: entries of the vectors that
+ *                                      belong to the rows
+ *   row    [count][WIDE_BLOCK] in      entries of the vectors that belong to the columns
+ *   sign   [count]             in      factor of each vector; factors are sign_stride reals apart
  */
 void pzs_wide_update(pzs_real *block, size_t stride, const pzs_real *column, const pzs_real *row,
                      const pzs_real *sign, size_t sign_stride, size_t count);
@@ -52,7 +54,8 @@ void pzs_wide_update(pzs_real *block, size_t stride, const pzs_real *column, con
 #define pzs_wide_sum_rows(...) ((void)0)
 #define pzs_wide_subtract_rows(...) ((void)0)
 #define pzs_wide_dot(sum, left, right, count) ((void)(sum), (void)(left), (void)(right))
-#define pzs_wide_update(...) ((void)0)
+#define pzs_wide_update(block, stride, column, row, sign, sign_stride, count)                      \
+    ((void)(block), (void)(column), (void)(row), (void)(count))
 
 #endif
 #endif

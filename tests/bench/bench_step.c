@@ -4,9 +4,8 @@
  *
  *   make bench-step, or
  *   sh tests/bench/get_daqp.sh build/daqp
- *   gcc -std=c99 -O3 -march=native -ffp-contract=fast -DPZS_TILE=8 -Iinclude -DWITH_DAQP
- *       -Ibuild/daqp/include tests/bench/bench_step.c lib/core/[^s]*.c lib/control/[^l]*.c
- *       build/daqp/libdaqp.a -lm
+ *   gcc -std=c99 -O2 -DPZS_WIDE=1 -Iinclude -DWITH_DAQP -Ibuild/daqp/include
+ *       tests/bench/bench_step.c lib/core/[^s]*.c lib/control/[^l]*.c build/daqp/libdaqp.a -lm
  *
  * Without WITH_DAQP only our side is measured. Both sides form B'W^2 e with the same routine, then
  * solve; DAQP has its factor of H beforehand. Of its two ways to start (with and without a look at

@@ -38,6 +38,45 @@ static void open_desk(unsigned seed, double limit, double step_limit)
     assert_true(desk.control.state.optimiser.is_dual);
 }
 
+static void the_tableau_is_the_inverse(void **state)
+{
+    (void)state; /* law: at the start the tableau times the Hessian is minus the identity, for every
+                    number of inputs that the method serves */
+    enum { MOST = 160 };
+    static pzs_real influence[MOST * MOST], one[MOST], lower[MOST], upper[MOST], zero[MOST];
+    static double work[PZS_CONTROL_BYTES(MOST, MOST) / sizeof(double) + 1];
+    static pzs_control control;
+    const pzs_optimiser *optimiser = &control.state.optimiser;
+    for (unsigned n = PZS_DUAL_INPUTS; n <= MOST; n += n < 80 ? 1 : 13) {
+        const pzs_problem plan = {.inputs = (uint16_t)n,
+                                  .outputs = (uint16_t)n,
+                                  .influence = influence,
+                                  .weight = one,
+                                  .lower = lower,
+                                  .upper = upper,
+                                  .step_limit = upper,
+                                  .reference_voltage = zero};
+        pzs_problem problem = plan;
+        for (unsigned i = 0; i < n; i++) {
+            lower[i] = -1;
+            one[i] = upper[i] = 1;
+            for (unsigned j = 0; j < n; j++)
+                influence[i * n + j] = (pzs_real)(uniform(&desk, -.5, .5) / n + (i == j ? 1 : 0));
+        }
+        assert_int_equal(pzs_problem_seal(&problem), PZS_OK);
+        assert_int_equal(pzs_control_init(&control, &problem, NULL, work, sizeof work), PZS_OK);
+        assert_true(optimiser->is_dual);
+        for (unsigned i = 0; i < n; i++)
+            for (unsigned j = 0; j < n; j++) {
+                wide sum = i == j ? 1 : 0;
+                for (unsigned k = 0; k < n; k++)
+                    sum += (wide)optimiser->tableau[i * optimiser->width + k] *
+                           optimiser->hessian[k * optimiser->width + j];
+                assert_true(fabsl(sum) <= 16 * n * (wide)PZS_EPSILON);
+            }
+    }
+}
+
 static void targets_that_jump(void **state)
 {
     (void)state; /* law: after every jump of the target the voltages are those of the optimum */
@@ -139,9 +178,8 @@ static void damage_is_overcome(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(targets_that_jump),
-        cmocka_unit_test(warm_and_cold_agree),
-        cmocka_unit_test(a_cut_is_continued),
+        cmocka_unit_test(the_tableau_is_the_inverse), cmocka_unit_test(targets_that_jump),
+        cmocka_unit_test(warm_and_cold_agree),        cmocka_unit_test(a_cut_is_continued),
         cmocka_unit_test(damage_is_overcome),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

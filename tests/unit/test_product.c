@@ -1,6 +1,6 @@
 /*
- * Products of tables and vectors have the bits of sums in the stated order, at any size and vector
- * width.
+ * Products of tables and vectors have the bits of sums in the stated order, and checksums those of
+ * single bytes, at any size and vector width.
  *
  * SPDX-License-Identifier: BSD-2-Clause
  */
@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <string.h>
 #include <cmocka.h>
+#include "../../lib/core/guard.h"
 #include "../../lib/core/product.h"
 #include "../rigs/uniform.h"
 
@@ -83,12 +84,27 @@ static void scalar_products(void **state)
     }
 }
 
+static void checksums(void **state)
+{
+    (void)state; /* law: the checksum of an array is that of its bytes, one after the other */
+    const uint8_t *bytes = (const uint8_t *)table;
+    fill_all(9);
+    for (size_t count = 1; count < 300; count++) {
+        uint32_t slow = GUARD_CRC_START;
+        for (size_t i = 0; i < count; i++)
+            slow = pzs_guard_crc(slow, bytes + i, 1);
+        assert_int_equal(pzs_guard_crc(GUARD_CRC_START, bytes, count), slow);
+    }
+    assert_int_equal(~pzs_guard_crc(GUARD_CRC_START, "123456789", 9), 0xCBF43926u);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sums_of_rows),
         cmocka_unit_test(subtracted_rows),
         cmocka_unit_test(scalar_products),
+        cmocka_unit_test(checksums),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

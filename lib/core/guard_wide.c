@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * CRC-32 of long arrays by products of polynomials over the field of two
+ * elements (guard_wide.h, Gopal et al., Fast CRC Computation Using PCLMULQDQ,
+ * Intel 2009).
+ */
+#include "guard_wide.h"
+#include <string.h>
+
+#if PZS_WIDE
+
+#define PCLMUL __attribute__((target("pclmul,sse2")))
+
+/* A polynomial of 128 coefficients, the highest one in the lowest bit. */
+typedef long long polynomial __attribute__((vector_size(16)));
+
+bool pzs_guard_has_fold(void)
+{
+    return __builtin_cpu_supports("pclmul") != 0;
+}
+
+static inline polynomial load(const uint8_t *data)
+{
+    polynomial value;
+    memcpy(&value, data, sizeof value);
+    return value;
+}
+
+/*
+ * Return a polynomial moved over a distance, up to a multiple of the polynomial
+ * of the CRC-32. factor in  remainders of the powers of x that belong to the
+ * distance, for the lower and the upper half
+ */
+PCLMUL static inline polynomial move(polynomial value, polynomial factor)
+{
+    return __builtin_ia32_pclmulqdq128(value, factor, 0x00) ^
+           __builtin_ia32_pclmulqdq128(value, factor, 0x11);
+}
+
+PCLMUL void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *data, size_t bytes)
+{
+    const polynomial over_block = {0x154442bd4, 0x1c6e41596}; /* distance of CRC_BLOCK bytes */
+    const polynomial over_rest = {0x1751997d0, 0x0ccaa009e};  /* distance of CRC_REST bytes */
+    const polynomial start = {(long long)crc, 0};
+    polynomial part[4];
+    for (unsigned k = 0; k < 4u; k++)
+        part[k] = load(data + k * CRC_REST);
+    part[0] ^= start;
+    for (size_t i = CRC_BLOCK; i < bytes; i += CRC_BLOCK)
+        for (unsigned k = 0; k < 4u; k++)
+            part[k] = move(part[k], over_block) ^ load(data + i + k * CRC_REST);
+    for (unsigned k = 1; k < 4u; k++)
+        part[k] ^= move(part[k - 1u], over_rest);
+    memcpy(rest, &part[3], CRC_REST);
+}
+
+#endif
