@@ -27,12 +27,13 @@ typedef struct pzs_calibration_settings {
     pzs_real memory;    /* number of records in one direction of the voltages after which older
                            records in that direction are forgotten, at least 2; default infinity (1)
                          */
-    pzs_real amplitude; /* amplitude of the test voltages relative to half of the voltage range of
+    pzs_real amplitude; /* amplitude of the test voltages, relative to half of the voltage range of
                            each input, above 0 and at most 1; default 0.25 (1) */
     uint32_t settle;    /* number of ticks for which the test voltages stay constant before their
                            readings count, at least 1; default 8 */
-    pzs_real reading_limit; /* largest plausible size of a reading; a record with a larger one is
-                               ignored; default infinity (m) */
+    pzs_real reading_limit; /* largest plausible absolute value of a reading; a record (voltages
+                               with their readings) that contains a larger one is ignored; default
+                               infinity (m) */
     const uint8_t *ignored; /* [outputs] 1 for an output whose readings are not used, 0 for all
                                others; NULL: all readings are used (default) */
 } pzs_calibration_settings;
@@ -40,12 +41,13 @@ typedef struct pzs_calibration_settings {
 /* Results of a calibration that a program may read. */
 typedef struct pzs_calibration_info {
     const pzs_real *voltage; /* [inputs] test voltages to apply, finite and inside the limits (V) */
-    const pzs_real *noise;   /* [outputs] estimated variance of the noise of each output's readings,
-                                0 until there are more records than inputs (m2) */
-    uint32_t records;        /* number of records used so far */
-    uint32_t period; /* number of test patterns in a period; over a period, the changes of the
-                        voltages of any two inputs are orthogonal, and their sums are 0 */
-    int32_t where;   /* index to which the last status refers, or -1 */
+    const pzs_real *noise; /* [outputs] estimated variance of the noise of each output's readings; 0
+                              as long as there are no more records than inputs (m2) */
+    uint32_t records;      /* number of records (voltages with their readings) used so far */
+    uint32_t period; /* number of test patterns in a period, in which every pattern occurs once;
+                        over a period, the test voltages of any two inputs, each minus its mean, are
+                        orthogonal */
+    int32_t where;   /* index to which the last status of the calibration refers, or -1 */
     bool is_settled; /* true if the test voltages have been constant for settings.settle ticks, so
                         that readings taken before the next pzs_calibration_excite belong to them */
 } pzs_calibration_info;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Identification of vibration modes from the free vibration after steps of the voltages
- * (identify_modes.h). An interval is a run of samples with constant voltages.
+ * Identification of vibration modes from the free vibration that follows steps of the voltages
+ * (identify_modes.h). In this file, an interval is a run of samples with constant voltages, and a
+ * channel is a weighted sum of the readings of all outputs.
  */
 #include "identify_modes.h"
 #include <complex.h>
@@ -13,50 +14,62 @@
 #include "eigen.h"
 
 enum {
-    CHANNELS = 10,      /* most combinations of readings in which frequencies are searched */
-    BLOCKS = 9,         /* fewest delayed samples of each channel in the signal subspace */
-    LEAST_ROWS = 40,    /* fewest delayed samples of all channels together */
-    LEAST_SAMPLES = 40, /* fewest samples of an interval */
-    SWEEPS = 12,        /* sweeps of Jacobi's method */
+    CHANNELS = 10, /* largest number of channels (weighted sums of the readings) in which
+                      frequencies are searched */
+    BLOCKS = 9, /* smallest number of delayed samples of each channel (weighted sum of the readings)
+                   in the signal subspace */
+    LEAST_ROWS = 40,    /* smallest number of delayed samples of all channels together in the signal
+                           subspace */
+    LEAST_SAMPLES = 40, /* smallest number of samples of an interval of constant voltages */
+    SWEEPS = 12,        /* number of sweeps of Jacobi's method for eigenvalues */
     SUBSPACE_ROUNDS = 20,
     ROOT_ROUNDS = 100,
     REFINEMENTS = 30,
     SHAPE_ROUNDS = 60,
-    SPARE = 4, /* dimensions of the signal subspace beyond those of the wanted modes */
+    SPARE = 4, /* number of dimensions of the signal subspace in addition to those of the wanted
+                  modes */
     PARAMETERS = 2 * IDENTIFIED_MODES,
-    BASIS = 2 * IDENTIFIED_MODES + 1, /* functions of an interval: cosine and sine of each mode, and
-                                         a constant */
+    BASIS = 2 * IDENTIFIED_MODES + 1, /* largest number of functions that describe a reading in an
+                                         interval of constant voltages: cosine and sine of each
+                                         mode, and a constant */
     ROOTS = 2 * IDENTIFIED_MODES + SPARE
 };
 
 static const double two_pi = 6.283185307179586, largest_damping = 0.3;
 
 /*
- * Energy of a mode, relative to what noise would give the mode by chance, below which the mode is
- * left out; and largest standard error of a frequency, relative to the frequency.
+ * Smallest energy of a mode, relative to the energy that noise alone would give it, and largest
+ * standard error of its frequency, relative to the frequency. A mode beyond one of these bounds is
+ * left out.
  */
 static const double significant = 10, largest_error = 0.01;
 
 typedef struct interval {
-    size_t first, count; /* first sample and number of samples */
+    size_t first, count; /* number of the first sample of an interval of constant voltages, and
+                            number of its samples */
 } interval;
 
-/* State of an identification. */
+/* State of an identification of vibration modes. */
 typedef struct fit {
     const pokes *samples;
     double rate;
     size_t intervals, longest, channels;
-    size_t blocks;      /* number of delayed samples of each channel in the signal subspace */
-    interval *interval; /* [intervals] */
-    double *mixer;      /* [channels][outputs] orthonormal combinations of the readings */
-    double *signal; /* [channels][samples] readings in these combinations, without the mean of each
-                       interval */
-    double *function, *slope; /* work: [BASIS][longest] orthonormal functions of an interval; [2
-                                 PARAMETERS][longest] derivatives of cosine and sine */
-    double *column;           /* [longest] work */
+    size_t blocks; /* number of delayed samples of each channel (weighted sum of the readings) in
+                      the signal subspace */
+    interval *interval; /* [intervals] intervals of constant voltages */
+    double *mixer; /* [channels][outputs] orthonormal weights of the outputs, a row for each channel
+                    */
+    double *signal; /* [channels][samples] signal of each channel, without the mean of each interval
+                       of constant voltages (unit of the readings) */
+    double *function, *slope; /* work arrays: [BASIS + PARAMETERS][longest] orthonormal functions of
+                                 an interval, then derivatives of a signal by each parameter; [2
+                                 PARAMETERS][longest] derivatives of the cosine and the sine of each
+                                 mode by its parameters */
+    double *column;           /* [longest] work vector for one signal of an interval */
     int modes;
-    double frequency[IDENTIFIED_MODES]; /* angular frequencies (rad/s) */
-    double damping[IDENTIFIED_MODES];   /* damping ratios */
+    double frequency[IDENTIFIED_MODES]; /* angular frequencies of the present estimates of the modes
+                                           (rad/s) */
+    double damping[IDENTIFIED_MODES];   /* damping ratios of the present estimates of the modes */
 } fit;
 
 static int refuse(char *error, const char *text)
@@ -90,7 +103,7 @@ static bool has_step(const pokes *samples, size_t sample)
 
 /*
  * List the intervals of constant voltages. The first sample of an interval is left out, because it
- * may have been read before or after the step.
+ * may have been read before or after the step of the voltages.
  */
 static void list_intervals(fit *fit)
 {
@@ -110,8 +123,8 @@ static void list_intervals(fit *fit)
 
 /*
  * Mean of a value over an interval with Hann's weights, in which vibration of several periods
- * cancels out.
- *   value in  the first value; the next ones are `stride` numbers apart
+ * cancels out. value  in  address of the first sample of the value stride in  distance between
+ * samples in the array
  */
 static double quiet_mean(const double *value, size_t count, size_t stride)
 {
@@ -124,7 +137,10 @@ static double quiet_mean(const double *value, size_t count, size_t stride)
     return sum / weights;
 }
 
-/* Readings of one output without the mean of each interval. */
+/*
+ * Compute the readings of one output without their mean in each interval of constant voltages.
+ *   value [samples] out  (unit of the readings)
+ */
 static void centred(const fit *fit, size_t output, double *value)
 {
     const size_t outputs = fit->samples->outputs;
@@ -137,7 +153,10 @@ static void centred(const fit *fit, size_t output, double *value)
     }
 }
 
-/* Make a row of the mixer orthogonal to the rows before it, and normalise it. */
+/*
+ * Make one row of the weights of the channels orthogonal to all rows before it, and normalise it to
+ * length 1.
+ */
 static void orthonormalise(const fit *fit, size_t row)
 {
     const size_t outputs = fit->samples->outputs;
@@ -151,7 +170,11 @@ static void orthonormalise(const fit *fit, size_t row)
         vector[i] = size > 0 ? vector[i] / size : 0;
 }
 
-/* Compute the signals of all channels from the centred readings [outputs][samples]. */
+/*
+ * Compute the signals of all channels.
+ *   reading [outputs][samples] in  readings without their mean in each interval of constant
+ * voltages
+ */
 static void mix(fit *fit, const double *reading)
 {
     const size_t outputs = fit->samples->outputs, count = fit->samples->count;
@@ -163,8 +186,8 @@ static void mix(fit *fit, const double *reading)
 }
 
 /*
- * Choose the combinations of readings with the largest energy, by subspace iteration, and compute
- * their signals. Returns whether memory sufficed.
+ * Choose the weights of the channels so that their signals have the largest energy, by subspace
+ * iteration, and compute the signals. Returns whether memory sufficed.
  */
 static bool choose_channels(fit *fit)
 {
@@ -175,7 +198,10 @@ static bool choose_channels(fit *fit)
     for (size_t i = 0; i < outputs; i++)
         centred(fit, i, reading + i * count);
     for (size_t k = 0; k < fit->channels * outputs; k++)
-        fit->mixer[k] = sin(1 + 1.7 * (double)k + 0.3 * (double)(k % 7)); /* any independent rows */
+        fit->mixer[k] =
+            sin(1 + 1.7 * (double)k + 0.3 * (double)(k % 7)); /* The starting weights are arbitrary;
+                                                                 they only have to be linearly
+                                                                 independent. */
     for (int round = 0; round < SUBSPACE_ROUNDS; round++) {
         for (size_t row = 0; row < fit->channels; row++)
             orthonormalise(fit, row);
@@ -192,10 +218,10 @@ static bool choose_channels(fit *fit)
 /* ---- decaying sinusoids ---------------------------------------------------- */
 
 /*
- * Fill the orthonormal functions of an interval: a constant, then cosine and sine of each mode, and
- * their coefficients in each other.
- *   triangle [BASIS][BASIS] out  function k is the sum over j <= k of triangle[j][k] times
- *       orthonormal function j
+ * Compute orthonormal functions that span a constant, and cosine and sine of each mode, over an
+ * interval of constant voltages. triangle [BASIS][BASIS] out  function k before it is made
+ * orthonormal (the constant, then cosine and sine of each mode) is the sum over j <= k of
+ * triangle[j][k] times orthonormal function j
  */
 static void fill_functions(const fit *fit, const interval *interval, double triangle[BASIS][BASIS])
 {
@@ -229,9 +255,11 @@ static void fill_functions(const fit *fit, const interval *interval, double tria
 }
 
 /*
- * Coefficients of the functions of an interval in a signal, by least squares.
- *   signal      [count] in/out  the signal; out: what the functions leave of it
- *   coefficient [BASIS] out     of the constant, and of cosine and sine of each mode
+ * Fit a constant, and cosine and sine of each mode, to a signal in an interval by least squares.
+ *   triangle    [BASIS][BASIS] in   from fill_functions
+ *   signal      [count]     in/out  the signal; afterwards the part of it that the fit leaves
+ *   coefficient [BASIS]        out  coefficients of the constant, and of cosine and sine of each
+ * mode
  */
 static void fit_signal(const fit *fit, size_t count, double triangle[BASIS][BASIS], double *signal,
                        double coefficient[BASIS])
@@ -250,9 +278,10 @@ static void fit_signal(const fit *fit, size_t count, double triangle[BASIS][BASI
 }
 
 /*
- * Fill the derivatives of cosine and sine of each mode by its angular frequency and by its damping
- * ratio, without their parts along the functions of the interval: rows 4 mode to 4 mode + 3 of
- * fit->slope are cosine and sine by frequency, cosine and sine by damping.
+ * Compute the derivatives of cosine and sine of each mode by its angular frequency and by its
+ * damping ratio, without their parts along the orthonormal functions of the interval. Rows 4 k to 4
+ * k + 3 of fit->slope are, for mode k: cosine and sine by the frequency, cosine and sine by the
+ * damping ratio.
  */
 static void fill_slopes(const fit *fit, const interval *interval)
 {
@@ -279,15 +308,24 @@ static void fill_slopes(const fit *fit, const interval *interval)
     }
 }
 
-/* Normal equations of a step of the refinement, and what the modes leave. */
+/*
+ * Normal equations of a step that refines frequencies and damping ratios, and sums of squares of
+ * the present fit.
+ */
 typedef struct normal {
     double matrix[PARAMETERS * PARAMETERS], right[PARAMETERS];
-    double squares;                  /* sum of the squares of what the modes leave of all signals */
-    double energy[IDENTIFIED_MODES]; /* sum of the squares of the part of each mode */
-    size_t values;                   /* number of samples minus number of coefficients */
+    double squares; /* sum of the squares of what the fitted modes leave of all signals (squared
+                       unit of the readings) */
+    double energy[IDENTIFIED_MODES]; /* sum of the squares of the part of each mode in all signals
+                                        (squared unit of the readings) */
+    size_t values; /* number of samples of all signals minus number of fitted coefficients */
 } normal;
 
-/* Add one signal of an interval to the normal equations. */
+/*
+ * Add one signal of an interval of constant voltages to the normal equations of a refinement step.
+ *   left        [count] in  part of the signal that the fit leaves
+ *   coefficient [BASIS] in  coefficients of the constant, and of cosine and sine of each mode
+ */
 static void add_signal(const fit *fit, size_t count, const double *left,
                        const double coefficient[BASIS], normal *normal)
 {
@@ -309,7 +347,10 @@ static void add_signal(const fit *fit, size_t count, const double *left,
     normal->squares += dot(left, left, count);
 }
 
-/* Add the energy of each mode in one signal, from its coefficients. */
+/*
+ * Add the energy of each mode in one signal of an interval, computed from the coefficients of its
+ * cosine and sine.
+ */
 static void add_energy(const fit *fit, size_t count, const double coefficient[BASIS],
                        normal *normal)
 {
@@ -321,7 +362,11 @@ static void add_energy(const fit *fit, size_t count, const double coefficient[BA
     }
 }
 
-/* Fit all signals with the present frequencies and damping ratios. */
+/*
+ * Fit all signals with the present frequencies and damping ratios of the modes.
+ *   with_slopes in   whether to compute the normal equations of a refinement step, too
+ *   normal      out  sums of squares and normal equations
+ */
 static void assemble(const fit *fit, bool with_slopes, normal *normal)
 {
     double triangle[BASIS][BASIS], coefficient[BASIS];
@@ -348,7 +393,10 @@ static void assemble(const fit *fit, bool with_slopes, normal *normal)
             normal->matrix[j * PARAMETERS + k] = normal->matrix[k * PARAMETERS + j];
 }
 
-/* Move frequencies and damping ratios by a step, within the range of modes. */
+/*
+ * Change frequencies and damping ratios by a step of the refinement, within the range that modes
+ * can have. inverse [PARAMETERS][PARAMETERS] in  inverse of the matrix of the normal equations
+ */
 static void take_step(fit *fit, const normal *normal, const double *inverse)
 {
     const int parameters = 2 * fit->modes;
@@ -365,9 +413,9 @@ static void take_step(fit *fit, const normal *normal, const double *inverse)
 }
 
 /*
- * Refine frequencies and damping ratios by least squares over all signals (Gauss-Newton steps with
- * Levenberg's and Marquardt's damping, in which the coefficients are eliminated). Returns the sum
- * of the squares that is left.
+ * Refine frequencies and damping ratios by least squares over all signals: Gauss-Newton steps with
+ * the damping of Levenberg and Marquardt, in which the coefficients of cosine and sine are
+ * eliminated. Returns the sum of the squares that the fit leaves.
  */
 static double refine(fit *fit, int rounds)
 {
@@ -400,8 +448,9 @@ static double refine(fit *fit, int rounds)
 /* ---- first estimates --------------------------------------------------------- */
 
 /*
- * Covariance of the channels and of their samples that are up to blocks - 1 lags later.
- *   matrix [size][size] out  size = channels times blocks
+ * Covariance of the signals of all channels and of the same signals delayed by 1 to blocks - 1
+ * times the lag. lag                 in   delay (samples) matrix [size][size] out  covariance, with
+ * size = channels times blocks
  */
 static void fill_covariance(const fit *fit, size_t lag, double *matrix)
 {
@@ -426,7 +475,7 @@ static void fill_covariance(const fit *fit, size_t lag, double *matrix)
             matrix[column * size + row] = matrix[row * size + column];
 }
 
-/* Index of the largest diagonal entry that is not taken yet. */
+/* Index of the largest diagonal entry of a square matrix that is not taken yet. */
 static size_t next_largest(const double *matrix, size_t size, const bool *is_taken)
 {
     size_t best = size;
@@ -437,11 +486,12 @@ static size_t next_largest(const double *matrix, size_t size, const bool *is_tak
 }
 
 /*
- * Matrix that shifts the signal subspace by one lag: the least-squares solution of (upper part of
- * the dominant eigenvectors) times shift = (lower part).
- *   matrix, vector [size][size] in/work  covariance; eigenvectors
- *   shift [ROOTS][ROOTS] out
- * Returns the dimension of the subspace, or 0 where the shift is not determined.
+ * Compute the matrix that shifts the signal subspace by one lag: the least-squares solution X of U
+ * X = V, where the columns of U are the dominant eigenvectors of the covariance without their last
+ * block of rows, and those of V the same without the first block. matrix [size][size]   in/work
+ * covariance of the delayed signals vector [size][size]   work     eigenvectors of the covariance
+ *   shift  [ROOTS][ROOTS] out      the matrix X
+ * Returns the dimension of the subspace, or 0 where X is not determined.
  */
 static size_t shift_matrix(const fit *fit, double *matrix, double *vector, double *shift,
                            size_t wanted)
@@ -476,7 +526,10 @@ static size_t shift_matrix(const fit *fit, double *matrix, double *vector, doubl
     return rank;
 }
 
-/* Trace of the inverse of (matrix - root), by Gauss-Jordan elimination with row exchanges. */
+/*
+ * Trace of the inverse of (matrix - root times identity), by Gauss-Jordan elimination with row
+ * exchanges.
+ */
 static double complex inverse_trace(const double *matrix, size_t rank, double complex root)
 {
     double complex work[ROOTS][2 * ROOTS], trace = 0;
@@ -509,10 +562,9 @@ static double complex inverse_trace(const double *matrix, size_t rank, double co
 }
 
 /*
- * Eigenvalues of a matrix by the method of Aberth and Ehrlich, in which each estimate is repelled
- * by all others.
- *   matrix [rank][ROOTS] in
- *   root   [rank]        out
+ * Compute the eigenvalues of a matrix by the method of Aberth and Ehrlich, which improves all
+ * estimates together and keeps any two of them apart. matrix [rank][ROOTS] in   the matrix root
+ * [rank]        out  eigenvalues
  */
 static void find_roots(const double *matrix, size_t rank, double complex *root)
 {
@@ -535,7 +587,11 @@ static void find_roots(const double *matrix, size_t rank, double complex *root)
     }
 }
 
-/* Take the roots that are modes as the present modes, at most IDENTIFIED_MODES. */
+/*
+ * Convert eigenvalues of the shift matrix into frequencies and damping ratios, and keep those that
+ * vibration modes can have, at most IDENTIFIED_MODES. lag in  delay by which the matrix shifts the
+ * signals (samples)
+ */
 static void take_roots(fit *fit, const double complex *root, size_t rank, size_t lag)
 {
     const double lowest = 2 * two_pi * fit->rate / (double)fit->longest;
@@ -560,7 +616,7 @@ static void remove_mode(fit *fit, int mode)
     }
 }
 
-/* Remove the modes with the least energy until `most` are left. */
+/* Remove the modes with the least energy until at most `most` modes are left. */
 static void keep_strongest(fit *fit, int most)
 {
     normal normal;
@@ -575,7 +631,7 @@ static void keep_strongest(fit *fit, int most)
 
 /*
  * Estimate the modes with several lags between the delayed samples, refine each estimate, and keep
- * the best one. Returns whether memory sufficed.
+ * the estimate that fits the signals best. Returns whether memory sufficed.
  */
 static bool estimate(fit *fit, int most)
 {
@@ -609,7 +665,8 @@ static bool estimate(fit *fit, int most)
 
 /*
  * Remove modes that the noise hides, and refine the others again.
- *   inverse [PARAMETERS][PARAMETERS] out  inverse of the normal matrix of the last refinement
+ *   inverse [PARAMETERS][PARAMETERS] out  inverse of the matrix of the normal equations after the
+ * last refinement
  */
 static void keep_significant(fit *fit, normal *normal, double *inverse)
 {
@@ -646,8 +703,9 @@ static void sort_modes(fit *fit)
 }
 
 /*
- * Coefficients of cosine and sine of every mode in the readings of every output and interval.
- *   part [modes][outputs][2 intervals] out
+ * Fit the readings of every output, and store the coefficients of cosine and sine of every mode in
+ * every interval of constant voltages. part [modes][outputs][2 intervals] out  coefficients (unit
+ * of the readings)
  */
 static void fill_parts(const fit *fit, double *part)
 {
@@ -669,17 +727,18 @@ static void fill_parts(const fit *fit, double *part)
 }
 
 /*
- * Shape of a mode: the vector along which its coefficients [outputs][columns] have the largest
- * energy, by power iteration, with a root mean square of 1.
- *   along [columns] work
- *   shape [outputs] out
+ * Compute the shape of a mode: the vector over the outputs along which the coefficients of the mode
+ * have the largest energy, by power iteration, scaled to a root mean square of 1. part
+ * [outputs][columns] in    coefficients of cosine and sine of the mode in all intervals along
+ * [columns]          work shape [outputs]          out   shape of the mode (1)
  */
 static void find_shape(const double *part, size_t outputs, size_t columns, double *along,
                        double *shape)
 {
     for (size_t k = 0; k < columns; k++)
         along[k] = 0;
-    for (size_t i = 0; i < outputs; i++) /* start: the output that moves most */
+    for (size_t i = 0; i < outputs; i++) /* The iteration starts from the coefficients of the output
+                                            that moves most. */
         if (dot(part + i * columns, part + i * columns, columns) > dot(along, along, columns))
             memcpy(along, part + i * columns, columns * sizeof *along);
     for (int round = 0; round < SHAPE_ROUNDS; round++) {

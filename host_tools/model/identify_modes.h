@@ -1,39 +1,42 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Vibration modes from the free vibration that follows steps of the voltages. While the voltages
- * are constant, each reading is a constant plus a sum of decaying sinusoids. Estimates of their
- * frequencies and damping ratios come from the shift invariance of the signal subspace (ESPRIT,
- * which is the eigensystem realisation of a free vibration); least squares over all samples then
- * refine them.
+ * Identification of vibration modes from the free vibration that follows steps of the voltages.
+ * While the voltages are constant, each reading is a constant plus a sum of decaying sinusoids.
+ * First estimates of frequencies and damping ratios come from the shift invariance of the signal
+ * subspace (the method ESPRIT, which is also the eigensystem realisation of a free vibration).
+ * Least squares over all samples then refine the estimates.
  */
 #ifndef IDENTIFY_MODES_H
 #define IDENTIFY_MODES_H
 
 #include "calibrate.h"
 
-/* Vibration modes found in a record. */
+/* Vibration modes identified from a record of voltages and readings. */
 typedef struct identified_modes {
     int modes;         /* number of modes found, in the order of their frequencies */
-    int steps;         /* number of intervals of constant voltages that were used */
-    double *frequency; /* [modes] natural frequencies (Hz) */
-    double *damping;   /* [modes] damping ratios */
-    double *frequency_error, *damping_error; /* [modes] standard errors of both */
-    double *shape; /* [modes][outputs] displacement of each output, with a root mean square of 1 */
-    double noise;  /* standard deviation of what the modes leave of a reading, in the unit of the
-                      readings */
-    double left;   /* root mean square of what the modes leave, relative to that of the vibration */
+    int steps;         /* number of intervals of constant voltages that the identification used */
+    double *frequency; /* [modes] natural frequencies of the modes (Hz) */
+    double *damping;   /* [modes] damping ratios of the modes */
+    double *frequency_error, *damping_error; /* [modes] standard errors of the natural frequencies
+                                                (Hz) and of the damping ratios */
+    double *shape; /* [modes][outputs] displacement of each output in the mode, scaled to a root
+                      mean square of 1 */
+    double noise; /* standard deviation of the part of a reading that the modes do not explain (unit
+                     of the readings) */
+    double left;  /* root mean square of the part of the readings that the modes do not explain,
+                     relative to that of the vibration */
 } identified_modes;
 
-enum { IDENTIFIED_MODES = 20 }; /* largest number of modes that can be identified together */
+enum {
+    IDENTIFIED_MODES = 20
+}; /* largest number of vibration modes that can be identified together */
 
 /*
- * Identify vibration modes.
+ * Identify vibration modes from a record of voltages and readings.
  *   samples in  voltages and readings, a line for each sample: steps of the voltages, each followed
- *       by constant voltages for several periods of the lowest mode
- *   rate    in  samples a second
- *   most    in  largest number of modes, from 1 to IDENTIFIED_MODES
- * Modes that the noise hides are left out. Returns 0, or -1 with error filled; call
- * identified_modes_free in either case.
+ * by constant voltages for several periods of the lowest mode rate    in  samples a second most in
+ * largest number of modes, from 1 to IDENTIFIED_MODES Modes that the noise hides are left out.
+ * Returns 0, or -1 with error filled; call identified_modes_free in either case.
  */
 int identify_modes(identified_modes *result, const pokes *samples, double rate, int most,
                    char *error);

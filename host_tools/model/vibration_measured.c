@@ -12,8 +12,9 @@
 static const double two_pi = 6.283185307179586;
 
 /*
- * Norm of the part of a mode shape that is orthogonal to the shapes before it, relative to the norm
- * of the shape, below which the outputs cannot distinguish the mode from these.
+ * Smallest norm of the part of a mode shape that is orthogonal to the shapes of all lower modes,
+ * relative to the norm of the shape. Below it, the outputs cannot distinguish the mode from the
+ * lower modes.
  */
 static const double distinct = 1e-6;
 
@@ -25,7 +26,7 @@ static double dot(const double *x, const double *y, size_t count)
     return sum;
 }
 
-/* Subtract a multiple of one vector from another. */
+/* Subtract a multiple of one vector from another vector. */
 static void subtract(double *from, const double *vector, double factor, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -51,11 +52,11 @@ static void fill_modes(vibration *vibration, const design *design)
 /* ---- static response from the influence matrix --------------------------- */
 
 /*
- * Orthonormal basis of the shapes of all modes, by Gram-Schmidt orthogonalisation.
- *   basis    [modes][outputs] out
- *   triangle [modes][modes]   out  shape k is the sum over j <= k of triangle[j][k] times basis
- *       vector j
- * Returns the number of the first mode whose shape is a combination of the shapes before it, or -1.
+ * Compute an orthonormal basis of the shapes of all modes, by Gram-Schmidt orthogonalisation.
+ *   basis    [modes][outputs] out  orthonormal vectors
+ *   triangle [modes][modes]   out  the shape of mode k is the sum over j <= k of triangle[j][k]
+ * times vector j of the basis Returns the number of the first mode whose shape is a combination of
+ * the shapes before it, or -1 if there is none.
  */
 static int make_basis(const scene_influence *measured, double *basis, double *triangle)
 {
@@ -81,10 +82,11 @@ static int make_basis(const scene_influence *measured, double *basis, double *tr
 }
 
 /*
- * Static modal coordinates per volt of one amplifier: the least-squares fit of all mode shapes to
- * its column of the influence matrix.
- *   column [outputs] work
- *   fitted [modes]   out
+ * Compute the static modal coordinates per volt of one amplifier: the least-squares fit of all mode
+ * shapes to its column of the influence matrix. basis    [modes][outputs] in    orthonormal basis
+ * of the mode shapes, from make_basis triangle [modes][modes]   in    the mode shapes in this basis
+ *   column   [outputs]        work  column of the influence matrix
+ *   fitted   [modes]          out   static modal coordinates per volt
  */
 static void fit_column(const design *design, size_t amplifier, const double *basis,
                        const double *triangle, double *column, double *fitted)
@@ -102,8 +104,8 @@ static void fit_column(const design *design, size_t amplifier, const double *bas
 }
 
 /*
- * Fit the static responses of all modes to the influence matrix. Returns 0, or -1 with error
- * filled.
+ * Fit the static modal coordinates per volt of all modes and amplifiers to the influence matrix.
+ * Returns 0, or -1 with error filled.
  */
 static int fit_responses(vibration *vibration, const design *design, char *error)
 {

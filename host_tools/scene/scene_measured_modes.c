@@ -12,10 +12,12 @@
 
 enum { MOST_MODES = 200 };
 
-/* One vibration mode as it is written in the scene. */
+/* One vibration mode as a scene file states it. */
 typedef struct mode_text {
-    double frequency, damping; /* natural frequency (Hz); damping ratio, 0 if it is not given */
-    int shape, response;       /* YAML nodes of the lists; 0 for a key that is absent */
+    double frequency, damping; /* natural frequency of the mode (Hz), and damping ratio, which is 0
+                                  if the scene file gives none */
+    int shape, response;       /* YAML nodes of the displacements of the outputs and of the static
+                                  responses to the actuators; 0 for a key that is absent */
 } mode_text;
 
 static const range ratio = {
@@ -65,7 +67,11 @@ static double *read_numbers(reader *reader, int node, int count, const char *wha
     return NULL;
 }
 
-/* Keep the displacements of the outputs that the scene uses. */
+/*
+ * Remove the displacements of ignored outputs from a mode shape.
+ *   shape [outputs of the file] in/out  displacement of each output of the matrix; afterwards those
+ * of the outputs that the scene uses come first
+ */
 static void drop_ignored(const scene_influence *influence, double *shape)
 {
     for (int i = 0; i < influence->outputs; i++)

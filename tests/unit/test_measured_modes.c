@@ -24,7 +24,7 @@
 
 enum { PATH = 128, MODES = 8 };
 
-/* A folder of this test, with the files that it writes. */
+/* Folder in the temporary directory that holds the files which this test writes. */
 static char folder[PATH];
 
 static int make_folder(void **state)
@@ -66,7 +66,10 @@ static void write_text(const char *name, const char *text)
 
 /* ---- a plate as if it were measured ------------------------------------- */
 
-/* A clamped, almost square plate with 2 x 2 pairs of patches, 30 nodes and eight modes. */
+/*
+ * Changes of the scene that make it a clamped, almost square plate with 2 x 2 pairs of patches and
+ * eight modes.
+ */
 static const char plate_changes[] =
     "mesh.theta1.elements=4;mesh.theta2.elements=4;"
     "patches=[{name: up, layer: upper, grid: [2, 2]}, {name: low, layer: lower, grid: [2, 2]}];"
@@ -85,8 +88,9 @@ static void write_matrix(const analysis *a)
 }
 
 /*
- * Write shapes, a row for each target, and responses. A unit of mode k is that of unit modal mass
- * divided by 1 + k times `scale`.
+ * Write the mode shapes, a row for each target, and the static responses, a row for each amplifier.
+ * The modal coordinates are those of unit modal mass, multiplied by 1 + scale times the number of
+ * the mode.
  */
 static void write_modes(const analysis *a, const vibration *vibration, double scale)
 {
@@ -141,7 +145,9 @@ static void prepare(scene_run *run)
     certificate_make(&run->analysis.certificate, &run->analysis);
 }
 
-/* Open the plate and the scene that its matrix and modes make, the modes scaled as in write_modes.
+/*
+ * Open the plate, and the scene that is made of its influence matrix and its modes, with modal
+ * coordinates scaled as in write_modes.
  */
 static void open_both(scene_run *plate, scene_run *measured, double scale)
 {
@@ -197,7 +203,10 @@ static void test_same_tick(void **state)
     scene_run_close(&measured);
 }
 
-/* Law: the certificate of the measured scene is that of the plate, storms included. */
+/*
+ * Law: the certificate of the measured scene is that of the plate from which its influence matrix
+ * and its modes come, storms included.
+ */
 static void test_same_certificate(void **state)
 {
     scene_run plate, measured;
@@ -208,7 +217,8 @@ static void test_same_certificate(void **state)
     assert_near("radius", one->radius, other->radius, 1e-9);
     assert_near("stable rate", one->stable_rate, other->stable_rate, 1e-9);
     assert_int_equal(certificate_refuses(one), certificate_refuses(other));
-    assert_true(certificate_refuses(other)); /* so that the loop needs a vibration model */
+    assert_true(certificate_refuses(other)); /* The loop of the plate must need a vibration model,
+                                                or the comparison would show nothing. */
     assert_int_equal(certify_loop(&plate.analysis, plate.error), 0);
     assert_int_equal(certify_loop(&measured.analysis, measured.error), 0);
     assert_true(other->loop.is_made && other->loop.is_stable && other->loop.storms == 30);
@@ -226,8 +236,8 @@ static void test_same_certificate(void **state)
 }
 
 /*
- * Law: a plant with measured modes vibrates. After a step of the voltages its shape begins at the
- * static shape minus the parts of its modes, whose static responses have the gain of the plant.
+ * Law: a plant with measured modes vibrates. Immediately after a step of the voltages its shape is
+ * the static shape minus the parts of its modes, whose static responses have the gain of the plant.
  */
 static void test_plant(void **state)
 {
@@ -265,16 +275,19 @@ static void test_plant(void **state)
 #define HEAD "name: m\ncontrol: {rate: 1000}\ntarget: {value: [1, 2, 3, 4]}\n"
 
 /*
- * Law: without a given response it is that of the least-squares fit: a matrix that is a sum of
- * shapes times responses and of a residual orthogonal to the shapes gives these responses, whether
- * an output is ignored or not.
+ * Law: where a scene gives no static response of the modes, the response is that of the
+ * least-squares fit. A matrix that is a sum of shapes times responses and of a residual orthogonal
+ * to the shapes thus gives these responses, whether an output is ignored or not.
  */
 static void test_fitted(void **state)
 {
     scene_run m;
     vibration vibration;
     (void)state;
-    /* shapes (1, 1, 0, 0) and (1, 2, 0, 1); responses (3, -1) and (2, 5); residuals (0, 0, 7, 0) */
+    /*
+     * The mode shapes are (1, 1, 0, 0) and (1, 2, 0, 1), their responses (3, -1) and (2, 5); the
+     * residual is (0, 0, 7, 0) for the first amplifier and (0, 0, -7, 0) for the second.
+     */
     write_text("matrix.csv", "5 4\n7 9\n9 9\n7 -7\n2 5\n");
     write_text("scene.yaml",
                "name: m\ninfluence: {file: matrix.csv, ignore: [3], modes: [{frequency: 3 Hz, "
@@ -295,9 +308,9 @@ static void test_fitted(void **state)
 }
 
 /*
- * On the plate, the responses that follow from the matrix differ from the exact ones by the static
- * response of the modes left out, which is not quite orthogonal to the shapes at the outputs. The
- * loop made with them passes its certificate.
+ * Law: the loop passes its certificate also with static responses that were fitted to the matrix of
+ * a plate. The responses differ from the exact ones because the static response of the modes left
+ * out is not quite orthogonal to the shapes at the outputs.
  */
 static void test_fitted_plate(void **state)
 {

@@ -19,7 +19,8 @@ enum { MOST_INPUTS = 16, MOST_OUTPUTS = 24, MOST_RECORDS = 96 };
 
 #define EPSILON ((double)PZS_EPSILON)
 #ifndef RECORDS
-#define RECORDS 30000 /* records of every kind; a million with `make check-long` */
+#define RECORDS                                                                                    \
+    30000 /* number of records of every kind in test_million; a million with `make check-long` */
 #endif
 
 typedef struct rig {
@@ -31,9 +32,11 @@ typedef struct rig {
     double truth[MOST_OUTPUTS * MOST_INPUTS];
     pzs_calibration calibration;
     double work[(PZS_CALIBRATION_BYTES(MOST_INPUTS, MOST_OUTPUTS) + 7) / 8];
-    /* the last record */
+    /* voltages (V) and readings (m) of the last record */
     pzs_real voltage[MOST_INPUTS], reading[MOST_OUTPUTS];
-    /* results */
+    /*
+     * influence matrix (m/V) and spreads of its columns (1/V) from the last pzs_calibration_solve
+     */
     pzs_real found[MOST_OUTPUTS * MOST_INPUTS], spread[MOST_INPUTS];
 } rig;
 
@@ -82,7 +85,7 @@ static double normal(unsigned *seed)
     return sum;
 }
 
-/* Fill the readings of r->voltage. */
+/* Compute the readings that belong to the voltages of the next record, with noise. */
 static void measure(rig *r, double noise)
 {
     for (int i = 0; i < r->outputs; i++) {
@@ -109,7 +112,10 @@ static pzs_status solve(rig *r)
     return pzs_calibration_solve(&r->calibration, r->found, r->spread);
 }
 
-/* Largest difference of the found matrix from another one, relative to its largest entry. */
+/*
+ * Largest difference of the computed influence matrix from another one, relative to the largest
+ * entry of the other one.
+ */
 static double apart(const rig *r, const double *other)
 {
     double most = 0, size = 0;
@@ -120,14 +126,17 @@ static double apart(const rig *r, const double *other)
     return most / size;
 }
 
-/* Entry of the triangular factor. */
+/* Entry of the triangular factor of a calibration (V). */
 static double factor(const rig *r, int row, int column)
 {
     const size_t width = (size_t)r->inputs + r->outputs;
     return (double)r->calibration.state.factor[(size_t)row * width + (size_t)column];
 }
 
-/* Information matrix [inputs][inputs], the product of the transposed factor and the factor. */
+/*
+ * Compute the information matrix [inputs][inputs]: the product of the transposed triangular factor
+ * and the factor (V2).
+ */
 static void information(const rig *r, double *matrix)
 {
     for (int i = 0; i < r->inputs; i++)
@@ -158,7 +167,8 @@ static void test_host(void **state)
         open_rig(&r, 3u + (unsigned)trial, 12, 20);
         for (int record_index = 0; record_index < records; record_index++) {
             draw_voltages(&r, 100);
-            if (record_index < 12) /* well-conditioned also with as many records as inputs */
+            if (record_index < 12) /* The addition makes the voltages well-conditioned, also where
+                                      there are only as many records as inputs. */
                 r.voltage[record_index] += 300;
             measure(&r, 1e-7);
             assert_int_equal(record(&r), PZS_OK);
@@ -180,7 +190,10 @@ static void test_host(void **state)
         double squares = 0;
         for (int i = 0; i < 20; i++)
             squares += (double)r.calibration.info.noise[i] / 20;
-        /* a residual of 1e-7 is the difference of readings of 1e-4 */
+        /*
+         * The residuals of 1e-7 are differences of readings of 1e-4, whose rounding errors are
+         * larger by 1e3.
+         */
         assert_true(fabs(sqrt(squares) / noise - 1) < 1e3 * tolerance);
         for (int k = 0; k < 12; k++)
             assert_true(fabs((double)r.spread[k] * noise / error[k] - 1) < tolerance);
@@ -221,14 +234,17 @@ static void test_standard_errors(void **state)
 
 /* ---- forgetting --------------------------------------------------------- */
 
-/* Voltages of one of several kinds, in which a controller may leave a calibration. */
+/*
+ * Draw voltages of one of the kinds in which a controller may leave a calibration: varied, tiny,
+ * constant, zero, one input alone.
+ */
 static void draw_kind(rig *r, int kind)
 {
     const int input = (int)uniform(&r->seed, 0, r->inputs);
     switch (kind) {
     case 0: draw_voltages(r, 100); break;
     case 1: draw_voltages(r, 1e-3); break;
-    case 2: break; /* the last voltages again */
+    case 2: break; /* The voltages of the last record are used again. */
     case 3: memset(r->voltage, 0, sizeof r->voltage); break;
     case 4:
         memset(r->voltage, 0, sizeof r->voltage);
@@ -279,7 +295,8 @@ static void test_directional(void **state)
                 assert_true(fabs(after[i * N + j] - wanted) < 64 * EPSILON * norm * 20);
             }
         }
-        if (step >= N) /* each of the 3 N rotations may change it by a few epsilon */
+        if (step >= N) /* Each of the 3 N rotations may change the determinant by a few machine
+                          epsilons. */
             assert_true(product >= determinant * (1 - 64 * N * EPSILON));
         determinant = product;
     }
@@ -318,7 +335,7 @@ static void test_memory(void **state)
 
 /* ---- attacks -------------------------------------------------------------- */
 
-/* Reading that is no measurement: missing, infinite or absurdly large. */
+/* Return a reading that is no measurement: missing, infinite or absurdly large (m). */
 static pzs_real absurd(unsigned *seed)
 {
     const pzs_real value[] = {(pzs_real)NAN, (pzs_real)INFINITY, PZS_BY_BITS(1e38f, 1e300),
@@ -609,8 +626,8 @@ static void test_patterns(void **state)
 /* ---- use, and wrong calls -------------------------------------------------- */
 
 /*
- * Law: a controller with the new matrix is right about the structure: without limits in force its
- * first tick reaches a shape that the structure can have.
+ * Law: a controller with the calibrated influence matrix knows the structure: without limits in
+ * force, its first tick reaches a shape that the structure can have.
  */
 static void test_control(void **state)
 {
@@ -677,7 +694,8 @@ static void test_wrong(void **state)
     assert_int_equal(pzs_calibration_record(c, r.voltage, NULL), PZS_E_ARGUMENT);
     assert_int_equal(pzs_calibration_solve(c, NULL, r.spread), PZS_E_ARGUMENT);
     assert_int_equal(c->info.records, 0);
-    r.upper[2] = (pzs_real)HUGE_VAL; /* damage of the limits in flash, then limits without an end */
+    r.upper[2] = (pzs_real)HUGE_VAL; /* The limits in flash are damaged: first to an infinite range,
+                                        then to another finite one. */
     const pzs_real before = c->info.voltage[0];
     assert_int_equal(pzs_calibration_excite(c), PZS_E_LIMITS);
     assert_int_equal(c->info.where, 2);
