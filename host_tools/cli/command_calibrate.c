@@ -276,6 +276,8 @@ static void print_scale(const run *run)
 /* Print how a scene file can use the file to which the influence matrix was written. */
 static void print_use(const run *run, const char *path)
 {
+    if (path && strcmp(path, "-") == 0)
+        path = "FILE";
     if (path && run->scene)
         printf("%s: write influence: {file: %s} in a scene, without scale: the entries have the "
                "scene's units\n",

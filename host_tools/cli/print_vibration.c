@@ -39,7 +39,7 @@ static void print_mode(const design *design, const vibration *vibration, int mod
 {
     const int input = strongest(design, vibration, mode);
     printf("  %4d %16.6g", mode + 1, vibration->frequency[mode]);
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3 && vibration->mass > 0; axis++)
         printf(" %8.2f%%", 100 * vibration->effective[mode][axis] / vibration->mass);
     if (input >= 0)
         printf("   %-16s %12.4e", design->amplifier_name[input],
@@ -47,29 +47,52 @@ static void print_mode(const design *design, const vibration *vibration, int mod
     putchar('\n');
 }
 
-void print_vibration(const design *design, const vibration *vibration, const mesh_error *mesh_error)
+/* Print where the modes come from: the structure with its mass, or the scene of a measured matrix.
+ */
+static void print_source(const design *design, const vibration *vibration)
 {
-    char unit[WORDS_UNIT];
-    double sum[3] = {0, 0, 0};
-    words_unit(&design->units, QUANTITY_LENGTH, unit);
+    const char *from = design->dynamics.damping_given ? "given" : "assumed: the scene gives none";
+    if (design->measured.modes > 0) {
+        printf("%s: %d of %d measured natural frequencies, as the scene gives them\n", design->name,
+               vibration->count, design->measured.modes);
+        printf("  damping ratio of the first mode %g, %s\n", design->dynamics.damping, from);
+        return;
+    }
     printf("%s: natural frequencies in the reference state, electrodes short-circuited\n",
            design->name);
     printf("  mass %.6g; damping ratio %g, %s; %d linear solves, no mode missed\n", vibration->mass,
-           design->dynamics.damping,
-           design->dynamics.damping_given ? "given" : "assumed: the scene gives none",
-           vibration->solves);
-    printf("\n  %4s %16s %9s %9s %9s", "mode", "frequency (Hz)", "mass x", "mass y", "mass z");
+           design->dynamics.damping, from, vibration->solves);
+}
+
+/* Print the effective modal masses of all computed modes together, as shares of the mass. */
+static void print_sum(const vibration *vibration)
+{
+    printf("  %-21s", "together");
+    for (int axis = 0; axis < 3; axis++) {
+        double sum = 0;
+        for (int i = 0; i < vibration->count; i++)
+            sum += vibration->effective[i][axis] / vibration->mass;
+        printf(" %8.2f%%", 100 * sum);
+    }
+    putchar('\n');
+}
+
+void print_vibration(const design *design, const vibration *vibration, const mesh_error *mesh_error)
+{
+    char unit[WORDS_UNIT];
+    words_unit(&design->units, QUANTITY_LENGTH, unit);
+    print_source(design, vibration);
+    printf("\n  %4s %16s", "mode", "frequency (Hz)");
+    if (vibration->mass > 0)
+        printf(" %9s %9s %9s", "mass x", "mass y", "mass z");
     if (design->amplifiers > 0)
         printf("   %-16s largest displacement by 1 V%s%s%s", "strongest input", *unit ? " (" : "",
                unit, *unit ? ")" : "");
     putchar('\n');
-    for (int i = 0; i < vibration->count; i++) {
+    for (int i = 0; i < vibration->count; i++)
         print_mode(design, vibration, i);
-        for (int axis = 0; axis < 3; axis++)
-            sum[axis] += vibration->effective[i][axis] / vibration->mass;
-    }
-    printf("  %-21s %8.2f%% %8.2f%% %8.2f%%\n", "together", 100 * sum[0], 100 * sum[1],
-           100 * sum[2]);
+    if (vibration->mass > 0)
+        print_sum(vibration);
     print_mesh_error(mesh_error);
 }
 

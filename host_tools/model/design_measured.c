@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include "../data/point_area.h"
+#include "vibration.h"
 
 /*
  * Build the output rows of a scene with a measured influence matrix; row i has the single entry 1
@@ -54,6 +55,8 @@ int design_measured(design *design, char *error)
 {
     const scene *scene = design->scene;
     const size_t count = scene->target.given ? (size_t)design->mesh.free_dof : 0;
+    if (vibration_check_measured(&scene->influence, error) < 0)
+        return -1;
     design->amplifiers = scene->amplifiers;
     design->sensor_first = design->amplifiers;
     design->targets = (int)count;

@@ -144,6 +144,10 @@ static const struct rule {
      "the voltages are not unique; if the rows of the file are actuators, write rows: actuators"},
     {"dead_actuator", SUBJECT_SCENE, measure_dead_column, 1e-4, HUGE_VAL, "",
      "hold it, as each: [{actuator: NAME, hold: 0}] in limits, or measure it again"},
+    {"surface_points", SUBJECT_SCENE, measure_surface_misfit, 0, 1, "times the thickness",
+     "remove the point if it is wrong, keep one of two points at one place, or write more cells"},
+    {"damping", SUBJECT_SCENE, measure_damping, 1e-6, 0.1, "",
+     "structures have 0.0005 to 0.05; it is a part of critical damping: write 0.01 for 1 %"},
     {"readings_age", SUBJECT_LOOP, measure_age, 1, HUGE_VAL, "ticks",
      "readings one tick older can make the loop swing without end; measure the age, converters and "
      "filters included, and write the largest; without safety: none the loop parks the voltages "

@@ -252,3 +252,37 @@ int measure_resolution(const subject *of, int k, measured *found)
         measure_edge(scene, load, k % 2, found);
     return 1;
 }
+
+/* ---- surface fitted to points ----------------------------------------- */
+
+int measure_surface_misfit(const subject *of, int k, measured *found)
+{
+    const scene *scene = of->scene;
+    double thickness = 0;
+    if (k > 0 || scene->surface.type != SURFACE_POINTS)
+        return 0;
+    for (int i = 0; i < scene->layers; i++)
+        thickness += scene->layer[i].thickness;
+    found->at = scene->line[0].at;
+    found->value = scene->surface.points.largest / thickness;
+    snprintf(found->what, WHAT, "distance of point %zu from the surface fitted to the points",
+             scene->surface.points.worst + 1);
+    return 1;
+}
+
+/* ---- damping ---------------------------------------------------------- */
+
+int measure_damping(const subject *of, int k, measured *found)
+{
+    const scene *scene = of->scene;
+    const scene_dynamics *dynamics = &scene->dynamics;
+    const int count = dynamics->dampings > 0 ? dynamics->dampings : 1;
+    if (k >= count || !dynamics->damping_given)
+        return 0;
+    found->at = scene->influence.at;
+    found->at.origin = scene->origin;
+    if (!dynamics->is_rayleigh)
+        found->value = dynamics->dampings > 0 ? dynamics->damping_of_mode[k] : dynamics->damping;
+    snprintf(found->what, WHAT, "damping ratio of mode %d", k + 1);
+    return 1;
+}

@@ -75,6 +75,12 @@ int vibration_take_measured(vibration *vibration, const design *design, size_t n
 int vibration_solve_at(vibration *vibration, const design *design, pzs_solver *solver, int number,
                        double lumped, char *error);
 
+/*
+ * Check that the matrix determines the static responses of the modes: no shape is a combination of
+ * the shapes before it. Returns 0, or -1 with error filled.
+ */
+int vibration_check_measured(const scene_influence *measured, char *error);
+
 /* Index of the first mode that is not a rigid motion; the number of modes where there is none. */
 int vibration_first(const vibration *vibration);
 

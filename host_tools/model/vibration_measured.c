@@ -117,17 +117,30 @@ static int fit_responses(vibration *vibration, const design *design, char *error
         return scene_fault(measured->at, error, "out of memory");
     double *triangle = basis + modes * outputs, *fitted = triangle + modes * modes,
            *column = fitted + modes;
-    const int same = make_basis(measured, basis, triangle);
-    for (size_t input = 0; input < inputs && same < 0; input++) {
+    (void)make_basis(measured, basis, triangle);
+    for (size_t input = 0; input < inputs; input++) {
         fit_column(design, input, basis, triangle, column, fitted);
         for (size_t k = 0; k < (size_t)vibration->count; k++)
             vibration->response[k * inputs + input] = fitted[k];
     }
     free(basis);
+    return 0;
+}
+
+int vibration_check_measured(const scene_influence *measured, char *error)
+{
+    const size_t outputs = (size_t)measured->outputs, modes = (size_t)measured->modes;
+    if (modes == 0 || measured->mode[0].response)
+        return 0;
+    double *basis = calloc(modes * (outputs + modes) + 1, sizeof *basis);
+    if (!basis)
+        return scene_fault(measured->at, error, "out of memory");
+    const int same = make_basis(measured, basis, basis + modes * outputs);
+    free(basis);
     return same < 0 ? 0
                     : scene_fault(measured->at, error,
-                                  "the shape of mode %d is zero or a combination of the shapes "
-                                  "before it; measure more outputs or give fewer modes",
+                                  "the shape of mode %d is a combination of the shapes before it; "
+                                  "correct it, measure more outputs, or give fewer modes",
                                   same + 1);
 }
 

@@ -22,6 +22,12 @@ static const double points_of_cell = 4;
  */
 static const double penalty = 1e-6;
 
+/*
+ * Smallest share of the variance of y, with x and y relative to their ranges, that a line of x and
+ * y must leave. Below it the points lie on a line: they are about a hundred times as long as wide.
+ */
+static const double narrow = 1e-4;
+
 /* ---- B-splines ---------------------------------------------------------- */
 
 /*
@@ -223,6 +229,31 @@ static void find_rectangle(bicubic *function, size_t count, const double (*point
     }
 }
 
+/*
+ * Whether the points lie on a line of x and y: their correlation coefficient differs from 1 or -1
+ * so little that the points are about a hundred times as long as wide, or all x or all y are equal.
+ */
+static bool are_on_line(const bicubic *function, size_t count, const double (*point)[3])
+{
+    const double sides[2] = {function->to[0] - function->from[0],
+                             function->to[1] - function->from[1]};
+    double mean[2] = {0, 0}, square[2] = {0, 0}, product = 0;
+    if (!(sides[0] > 0) || !(sides[1] > 0))
+        return true;
+    for (size_t i = 0; i < count; i++)
+        for (int k = 0; k < 2; k++)
+            mean[k] += (point[i][k] - function->from[k]) / sides[k] / (double)count;
+    for (size_t i = 0; i < count; i++) {
+        double part[2];
+        for (int k = 0; k < 2; k++) {
+            part[k] = (point[i][k] - function->from[k]) / sides[k] - mean[k];
+            square[k] += part[k] * part[k];
+        }
+        product += part[0] * part[1];
+    }
+    return !(square[0] * square[1] - product * product > narrow * square[0] * square[1]);
+}
+
 /* Set the numbers of cells: those that are given, or cells that are about square. */
 static void choose_cells(bicubic *function, const int cells[2])
 {
@@ -241,7 +272,10 @@ static void measure(bicubic *function, size_t count, const double (*point)[3])
     for (size_t i = 0; i < count; i++) {
         const double error = bicubic_at(function, point[i][0], point[i][1]).value - point[i][2];
         sum += error * error;
-        function->largest = fmax(function->largest, fabs(error));
+        if (fabs(error) > function->largest) {
+            function->largest = fabs(error);
+            function->worst = i;
+        }
     }
     function->rms = sqrt(sum / (double)count);
 }
@@ -251,8 +285,7 @@ int bicubic_fit(bicubic *function, size_t count, const double (*point)[3], const
     memset(function, 0, sizeof *function);
     function->points = count;
     find_rectangle(function, count, point);
-    if (count < 3 || !(function->to[0] > function->from[0]) ||
-        !(function->to[1] > function->from[1]))
+    if (count < 3 || are_on_line(function, count, point))
         return -1;
     choose_cells(function, cells);
     const uint32_t rows =

@@ -23,6 +23,7 @@ typedef struct bicubic {
     size_t points;         /* number of points that the function is fitted to */
     double rms, largest;   /* root mean square and largest difference between the given values and
                               the function */
+    size_t worst;          /* number of the point with the largest difference, counted from 0 */
 } bicubic;
 
 /* Value of the function at a point, with its first and second derivatives. */

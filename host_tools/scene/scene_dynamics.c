@@ -6,7 +6,9 @@
 #include "scene_parts.h"
 
 static const range ratio = {
-    0, 1, 1, "must lie between 0 and 1, ends left out; it is a part of critical damping"};
+    0, 1, 1,
+    "must lie between 0 and 1, ends left out; it is a part of critical damping: "
+    "write 0.01 for 1 %"};
 static const range counted = {1, 200, 0, "must be from 1 to 200"};
 
 static int read_list(reader *reader, int node, scene_dynamics *dynamics)

@@ -6,6 +6,7 @@
 #include "scene_file.h"
 #include "scene_parts.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +22,9 @@ typedef struct mode_text {
 } mode_text;
 
 static const range ratio = {
-    0, 1, 1, "must lie between 0 and 1, ends left out; it is a part of critical damping"};
+    0, 1, 1,
+    "must lie between 0 and 1, ends left out; it is a part of critical damping: "
+    "write 0.01 for 1 %"};
 
 static int read_node(reader *reader, int node, void *to, const void *rule)
 {
@@ -78,6 +81,14 @@ static void drop_ignored(const scene_influence *influence, double *shape)
         shape[i] = shape[influence->row[i]];
 }
 
+static bool is_zero(const double *value, int count)
+{
+    int zeros = 0;
+    while (zeros < count && fpclassify(value[zeros]) == FP_ZERO)
+        zeros++;
+    return zeros == count;
+}
+
 static int read_mode(reader *reader, int node, void *item)
 {
     scene *scene = reader->s;
@@ -86,7 +97,7 @@ static int read_mode(reader *reader, int node, void *item)
     mode_text text = {0, 0, 0, 0};
     if (read_map(reader, node, mode_fields, &text) != 0)
         return -1;
-    if (mode > influence->mode && !(text.frequency > mode[-1].frequency))
+    if (mode > influence->mode && text.frequency < mode[-1].frequency)
         return tree_fault(reader->t, node,
                           "a mode of %g Hz after one of %g Hz; write the modes in the order of "
                           "their frequencies",
@@ -99,6 +110,11 @@ static int read_mode(reader *reader, int node, void *item)
     if (!mode->shape)
         return -1;
     drop_ignored(influence, mode->shape);
+    if (is_zero(mode->shape, influence->outputs))
+        return tree_fault(reader->t, text.shape,
+                          "the shape of mode %d is 0 at every output that is used; leave the mode "
+                          "out, or correct its column and scale",
+                          (int)(mode - influence->mode) + 1);
     if (!text.response != !influence->mode[0].response && mode > influence->mode)
         return tree_fault(reader->t, node,
                           "some modes have a response and some have none; give that of every mode, "

@@ -20,6 +20,24 @@ typedef struct points_text {
 } points_text;
 
 /*
+ * Note that column k of a file of points holds a coordinate; an axis that is none of x, y and z is
+ * passed over. Returns 0, or -1 after writing the error message of the YAML tree if an earlier
+ * column holds the same coordinate.
+ *   column [3] in/out  number of the column of each coordinate, or -1
+ */
+static int take_column(reader *reader, int node, int axis, int k, int column[SCENE_AXES])
+{
+    if (axis < 0 || axis >= SCENE_AXES)
+        return 0;
+    if (column[axis] >= 0)
+        return tree_fault(reader->t, node,
+                          "columns %d and %d of the points are both named %c; rename one of them",
+                          column[axis] + 1, k + 1, 'x' + axis);
+    column[axis] = k;
+    return 0;
+}
+
+/*
  * Find the columns of x, y and z in a file of points.
  *   column  [3] out  number of each column, or -1
  * Returns 0, or -1 after writing the error message of the YAML tree if there is none at all.
@@ -35,13 +53,16 @@ static int find_columns(reader *reader, const points_text *text, const number_ta
         if (require_kind(reader, i, TREE_SCALAR) != 0)
             return -1;
         const int axis = scene_file_axis(node_text(reader, i));
-        if (axis >= 0 && axis < SCENE_AXES && k < (int)table->columns)
-            column[axis] = k;
+        if (k == (int)table->columns)
+            return tree_fault(reader->t, i, "'columns' names more columns than the %d of %.80s", k,
+                              node_text(reader, text->file));
+        if (take_column(reader, i, axis, k, column) != 0)
+            return -1;
     }
     for (k = 0; k < (int)table->columns && !text->columns; k++) {
         const int axis = table->column_name ? scene_file_axis(table->column_name[k]) : k;
-        if (axis >= 0 && axis < SCENE_AXES)
-            column[axis] = k;
+        if (take_column(reader, text->file, axis, k, column) != 0)
+            return -1;
     }
     for (int axis = 0; axis < SCENE_AXES; axis++)
         found += column[axis] >= 0;
@@ -162,12 +183,15 @@ static int fit_table(reader *reader, int node, const number_table *table, const 
     double(*point)[3] = calloc(table->rows + 1, sizeof *point);
     if (!point)
         return tree_fault(reader->t, node, "out of memory");
+    if (table->rows == 0)
+        tree_fault(reader->t, node, "the list of points is empty; write [[x, y, z], ...]");
     const size_t count = copy_points(reader, node, table, column, point);
     int status = count ? 0 : -1;
     if (count && bicubic_fit(function, count, (const double(*)[3])point, cells) < 0)
         status = tree_fault(reader->t, node,
                             "the %zu points of the surface determine no plane; give at least three "
-                            "that do not lie on a line of x and y",
+                            "that do not lie on a line of x and y, and remove points far from all "
+                            "others",
                             count);
     free(point);
     return status;

@@ -14,8 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
+#include "../../host_tools/model/plausible.h"
 #include "../../host_tools/scene/bicubic.h"
-#include "../rigs/scene_run.h"
+#include "../rigs/scene_assert.h"
 
 enum { MOST = 16384 };
 static double point[MOST][3];
@@ -141,15 +142,23 @@ static void test_noise(void **state)
     assert_true(fit_error(MOST, cells, linear) < 5 * noise / sqrt(3) * sqrt(11 * 7.0 / MOST));
 }
 
-/* Law: points on a line, two points and one point repeated are refused; nothing is left behind. */
+/*
+ * Law: points on a line, also with coordinates rounded to a thousandth, two points and one point
+ * repeated are refused; nothing is left behind.
+ */
 static void test_refused(void **state)
 {
     static const double line[4][3] = {{0, 0, 1}, {1, 2, 1}, {2, 4, 0}, {3, 6, 2}},
+                        rounded[4][3] = {{0, 0, 1}, {1, 2.001, 1}, {2, 3.999, 0}, {3, 6, 2}},
+                        strip[4][3] = {{0, 0, 1}, {1, 2.1, 1}, {2, 3.9, 0}, {3, 6, 2}},
                         same[3][3] = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}};
     bicubic function;
     (void)state;
     assert_int_equal(bicubic_fit(&function, 4, line, by_itself), -1);
     assert_null(function.coefficient);
+    assert_int_equal(bicubic_fit(&function, 4, rounded, by_itself), -1);
+    assert_int_equal(bicubic_fit(&function, 4, strip, by_itself), 0);
+    bicubic_free(&function);
     assert_int_equal(bicubic_fit(&function, 2, line, by_itself), -1);
     assert_int_equal(bicubic_fit(&function, 3, same, by_itself), -1);
     assert_int_equal(bicubic_fit(&function, 0, line, by_itself), -1);
@@ -210,13 +219,67 @@ static void test_scene(void **state)
     assert_true(fabs(value[1] / value[0] - 1) < 1e-5);
 }
 
+/* Measured influence matrix of a shipped example: nine columns, the first two named x and y. */
+#define MATRIX "../../firmware_demo/examples/measured/mirror-matrix.csv"
+
+/*
+ * Law: an empty list of points, a coordinate in two columns and names of columns that a file does
+ * not have are refused in one line.
+ */
+static void test_refused_points(void **state)
+{
+    static const refusal bad[] = {
+        {"surface={type: points, points: []}", "the list of points is empty; write [[x, y, z]"},
+        {"surface={type: points, points: [[0, 0, 1], [1, 1], [0, 1, 0]]}", "three coordinates"},
+        {"surface={type: points, points: {file: " MATRIX ", "
+         "columns: [x, y, z, q, z]}}",
+         "columns 3 and 5 of the points are both named z"},
+        {"surface={type: points, points: {file: " MATRIX ", "
+         "columns: [x, y, z, a, b, c, d, e, f, g]}}",
+         "'columns' names more columns than the 9 of"},
+    };
+    (void)state;
+    assert_refused("hyperbolic-paraboloid", bad, sizeof bad / sizeof *bad);
+}
+
+/*
+ * Law: a point as far from the fitted surface as the shell is thick is warned of: pairs of points
+ * at one place, a distance above and below a plane, leave a surface at that distance from each.
+ */
+static void test_misfit(void **state)
+{
+    static const double distance[2] = {0.00101, 0.00099};
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        char changes[1200] = "surface={type: points, cells: [1, 1], points: [";
+        for (int i = 0; i < 8; i++) {
+            char one[64];
+            snprintf(one, sizeof one, "%s[%g, %g, %g]", i ? ", " : "", i & 1 ? 0.5 : -0.5,
+                     i & 2 ? 0.5 : 0.0, i & 4 ? distance[k] : -distance[k]);
+            strcat(changes, one);
+        }
+        strcat(changes, "]}");
+        scene_run run;
+        plausible warnings = {0};
+        open_run(&run, "hyperbolic-paraboloid", changes);
+        plausible_scene(&warnings, &run.scene);
+        assert_int_equal(warnings.count, k == 0);
+        if (k == 0) {
+            assert_string_equal(warnings.warning[0].rule, "surface_points");
+            assert_near("misfit in thicknesses", warnings.warning[0].value, 1.01, 1e-12);
+        }
+        scene_run_close(&run);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_linear),      cmocka_unit_test(test_order),
         cmocka_unit_test(test_derivatives), cmocka_unit_test(test_noise),
         cmocka_unit_test(test_refused),     cmocka_unit_test(test_known),
-        cmocka_unit_test(test_scene),
+        cmocka_unit_test(test_scene),       cmocka_unit_test(test_refused_points),
+        cmocka_unit_test(test_misfit),
     };
     return cmocka_run_group_tests_name("bicubic", tests, NULL, NULL);
 }
