@@ -148,7 +148,8 @@ static void jump(pzs_real size)
 
 /*
  * Run and count one tick of the loop. Ticks in which the supervisor ramps or keeps the voltages are
- * not counted, because the loop is not in control in them.
+ * not counted, because the loop is not in control in them. A loop that the supervisor has stopped
+ * starts again.
  */
 static pzs_status count_tick(void)
 {
@@ -158,6 +159,10 @@ static pzs_status count_tick(void)
     const uint32_t from = board_count();
     const pzs_status status = pzs_loop_tick(&loop, wanted, readings);
     const uint32_t spent = board_instructions(from, board_count());
+    if (status == PZS_E_LATCHED) {
+        (void)pzs_loop_start(&loop, loop.info.voltage);
+        return PZS_W_PARKED;
+    }
     if (status == PZS_W_RAMP || status == PZS_W_PARKED)
         return status;
     for (uint32_t k = 0; k < DEMO_BLOCKS; k++) {
