@@ -652,8 +652,8 @@ int main(void)
     return W_INPUT_v_5_5 != W_INPUTS - 1 || W_TICK_RATE < 1000 || W_BLOCKS != BLOCKS || loop.info.control == NULL;
 }
 EOT
-# A damped loop has no fault detector, and neither a block for it.
-for case in plate-few-sensors:5:--quasi-static plate-closed-loop:4:--quasi-static plate-few-sensors:4: plate-closed-loop:4:; do
+# A damped loop has no fault detector, and neither a block for it, but a supervisor.
+for case in plate-few-sensors:5:--quasi-static plate-closed-loop:4:--quasi-static plate-few-sensors:5: plate-closed-loop:5:; do
     scene=${case%%:*} blocks=${case#*:} option=${case##*:}
     blocks=${blocks%:*}
     announced=0
