@@ -74,8 +74,8 @@ static void solve_lower(const pzs_optimiser *optimiser, pzs_real *vector)
 static void subtract_multiple(pzs_real *restrict vector, const pzs_real *restrict row,
                               pzs_real factor, uint32_t count)
 {
-    for (uint32_t i = 0; i < count; i++)
-        vector[i] -= factor * row[i];
+    static const uint16_t only = 0;
+    pzs_product_subtract_rows(vector, row, 0, &only, &factor, 1, count);
 }
 
 /*
