@@ -158,21 +158,21 @@ typedef struct electrode {
     pzs_real half_range;   /* half of the voltage range of the electrode (V) */
     pzs_real offset;       /* constant part of the effect of the electrode (V) */
     uint32_t plays, creeps;
-} electrode;
+} electrode_tables;
 
-static electrode electrode_of(const pzs_hysteresis *tables, uint32_t input)
+static electrode_tables electrode_of(const pzs_hysteresis *tables, uint32_t input)
 {
     const size_t set = set_of(tables, input), first = set * tables->plays;
-    const electrode result = {tables->slope + set * SEGMENTS,
-                              tables->slack + first,
-                              tables->above + first,
-                              tables->below + first,
-                              tables->creep + set * tables->creeps,
-                              tables->middle[set],
-                              tables->half_range[set],
-                              tables->offset[set],
-                              tables->plays,
-                              tables->creeps};
+    const electrode_tables result = {tables->slope + set * SEGMENTS,
+                                     tables->slack + first,
+                                     tables->above + first,
+                                     tables->below + first,
+                                     tables->creep + set * tables->creeps,
+                                     tables->middle[set],
+                                     tables->half_range[set],
+                                     tables->offset[set],
+                                     tables->plays,
+                                     tables->creeps};
     return result;
 }
 
@@ -202,7 +202,7 @@ static pzs_real slack_behind(const pzs_real *slack, uint32_t i)
  * piecewise linear function of four slopes. The function is 0 in the middle, and its slope changes
  * there and at the quarters of the voltage range (V).
  */
-static pzs_real line_at(const electrode *electrode, pzs_real offset)
+static pzs_real line_at(const electrode_tables *electrode, pzs_real offset)
 {
     const pzs_real *slope = electrode->slope;
     const pzs_real knot = electrode->half_range / 2, size = number_absolute(offset);
@@ -217,7 +217,7 @@ static pzs_real line_at(const electrode *electrode, pzs_real offset)
  * Return the contribution of play i (an element with backlash) to the effect of an electrode when
  * the play is at `position` (V).
  */
-static pzs_real part_of(const electrode *electrode, uint32_t i, pzs_real position)
+static pzs_real part_of(const electrode_tables *electrode, uint32_t i, pzs_real position)
 {
     return (position > 0 ? electrode->above : electrode->below)[i] * position;
 }
@@ -272,7 +272,7 @@ static pzs_real creep_after(pzs_real creep, pzs_real gain, pzs_real rate, pzs_re
  *   creep [creeps] in/out  creep terms before and after these ticks (V)
  *   rate  [creeps] in      fraction of the way to its final value that each creep term goes (1)
  */
-static pzs_real move_creeps(const electrode *electrode, pzs_real *creep, pzs_real voltage,
+static pzs_real move_creeps(const electrode_tables *electrode, pzs_real *creep, pzs_real voltage,
                             const pzs_real *rate)
 {
     const pzs_real most = 2 * (number_absolute(electrode->middle) + electrode->half_range);
@@ -290,7 +290,7 @@ static pzs_real move_creeps(const electrode *electrode, pzs_real *creep, pzs_rea
  * voltage. Returns the effect of the electrode without creep (V).
  *   play [plays] in/out  positions of the plays before and after the change to `voltage` (V)
  */
-static pzs_real move_plays(const electrode *electrode, pzs_real *play, pzs_real voltage)
+static pzs_real move_plays(const electrode_tables *electrode, pzs_real *play, pzs_real voltage)
 {
     pzs_real place = voltage - electrode->middle, slack_before = 0;
     pzs_real effect = electrode->offset + line_at(electrode, place);
@@ -315,7 +315,7 @@ static pzs_real sum_of(const pzs_real *term, uint32_t count)
 pzs_real pzs_hysteresis_remember(const pzs_hysteresis *tables, uint32_t input,
                                  hysteresis_memory memory, pzs_real voltage, uint32_t ticks)
 {
-    const electrode electrode = electrode_of(tables, input);
+    const electrode_tables electrode = electrode_of(tables, input);
     pzs_real rate[PZS_CREEP_LIMIT];
     for (uint32_t j = 0; j < tables->creeps; j++)
         rate[j] = rate_of(tables->creep_rate[j], ticks);
@@ -328,7 +328,7 @@ pzs_real pzs_hysteresis_remember(const pzs_hysteresis *tables, uint32_t input,
 pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
                                hysteresis_memory memory, pzs_real voltage)
 {
-    const electrode electrode = electrode_of(tables, input);
+    const electrode_tables electrode = electrode_of(tables, input);
     pzs_real play[PZS_PLAY_LIMIT];
     memcpy(play, memory.play, tables->plays * sizeof *play);
     return move_plays(&electrode, play, voltage) + sum_of(memory.creep, tables->creeps);
@@ -339,8 +339,8 @@ pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
  * another (V).
  *   play [plays] in  positions of the plays (elements with backlash) at the voltage `from` (V)
  */
-static pzs_real effect_change(const electrode *electrode, const pzs_real *play, pzs_real from,
-                              pzs_real to)
+static pzs_real effect_change(const electrode_tables *electrode, const pzs_real *play,
+                              pzs_real from, pzs_real to)
 {
     const pzs_real sign = to < from ? -1 : 1, place = to - electrode->middle;
     pzs_real change = line_at(electrode, place) - line_at(electrode, from - electrode->middle);
@@ -398,8 +398,8 @@ static pzs_real slope_of(const effect_walk *walk, uint32_t k)
     return walk->slope[walk->sign > 0 ? k : SEGMENTS - 1u - k];
 }
 
-static effect_walk start_walk(const electrode *electrode, const pzs_real *play, pzs_real sign,
-                              pzs_real from)
+static effect_walk start_walk(const electrode_tables *electrode, const pzs_real *play,
+                              pzs_real sign, pzs_real from)
 {
     const bool is_up = sign > 0;
     effect_walk walk = {.slope = electrode->slope,
@@ -500,8 +500,8 @@ static pzs_real smaller(pzs_real one, pzs_real other)
  * at the voltage `from`.
  *   play [plays] in  positions of the plays (elements with backlash) at the voltage `from` (V)
  */
-static pzs_real voltage_after(const electrode *electrode, const pzs_real *play, pzs_real from,
-                              pzs_real way)
+static pzs_real voltage_after(const electrode_tables *electrode, const pzs_real *play,
+                              pzs_real from, pzs_real way)
 {
     const pzs_real sign = way < 0 ? -1 : 1;
     effect_walk walk = start_walk(electrode, play, sign, from);
@@ -526,7 +526,7 @@ static pzs_real voltage_after(const electrode *electrode, const pzs_real *play, 
 pzs_real pzs_hysteresis_voltage(const pzs_hysteresis *tables, uint32_t input,
                                 hysteresis_memory memory, pzs_real from, pzs_real effect)
 {
-    const electrode electrode = electrode_of(tables, input);
+    const electrode_tables electrode = electrode_of(tables, input);
     const pzs_real way = effect - pzs_hysteresis_effect(tables, input, memory, from);
     return voltage_after(&electrode, memory.play, from, way);
 }
@@ -616,7 +616,7 @@ static bool set_range(pzs_compensator *compensator, const pzs_control *control, 
  * from the present voltage `given`.
  */
 static void set_effect_limits(const pzs_compensator *compensator, pzs_control *control,
-                              const electrode *electrode, uint32_t k, pzs_real given)
+                              const electrode_tables *electrode, uint32_t k, pzs_real given)
 {
     const pzs_real *play = memory_of(compensator, k).play;
     const pzs_real present = compensator->state.present[k];
@@ -665,8 +665,8 @@ static void take_effects(const pzs_compensator *compensator, pzs_control *contro
  * and the creep terms of the input.
  *   rate [creeps] in  fraction of the way to its final value that each creep term goes (1)
  */
-static void find_effects(pzs_compensator *compensator, const electrode *electrode, uint32_t k,
-                         pzs_real given, const pzs_real *rate)
+static void find_effects(pzs_compensator *compensator, const electrode_tables *electrode,
+                         uint32_t k, pzs_real given, const pzs_real *rate)
 {
     const hysteresis_memory memory = memory_of(compensator, k);
     const pzs_real effect = move_plays(electrode, memory.play, given);
@@ -687,7 +687,7 @@ static pzs_status effect_tick(void *self, pzs_loop_signals *signals)
         rate[j] = rate_of(tables->creep_rate[j], 1u + signals->missed);
     for (uint32_t k = 0; k < tables->inputs; k++) {
         const pzs_real given = signals->given[k];
-        const electrode electrode = electrode_of(tables, k);
+        const electrode_tables electrode = electrode_of(tables, k);
         find_effects(compensator, &electrode, k, given, rate);
         if (!set_range(compensator, control, k, given) && clash < 0)
             clash = (int32_t)k;
@@ -729,7 +729,7 @@ static pzs_real voltage_of(const pzs_compensator *compensator, const pzs_control
         return upper;
     if (!(wanted > control->state.lower[k]))
         return lower;
-    const electrode electrode = electrode_of(compensator->state.tables, k);
+    const electrode_tables electrode = electrode_of(compensator->state.tables, k);
     const pzs_real voltage = voltage_after(&electrode, memory_of(compensator, k).play, given[k],
                                            wanted - compensator->state.present[k]);
     return number_clamp(voltage, lower, upper);
