@@ -92,8 +92,8 @@ pzs_status pzs_calibration_excite(pzs_calibration *calibration);
  * Add one record, in equilibrium: voltages, and the readings measured under them. Any voltages may
  * be recorded, also those of a running controller. Readings with an unknown offset are to be passed
  * as differences from those at reference voltages, and the voltages as differences from these.
- *   voltage [inputs]  in  (V)
- *   reading [outputs] in  (m)
+ *   voltage [inputs]  in  voltages of the amplifiers (V)
+ *   reading [outputs] in  sensor readings (m)
  * PZS_W_SENSOR: reading info.where is not finite or too large, and the record is ignored. Errors:
  * PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE (a voltage is not finite, or squares overflow).
  */

@@ -77,9 +77,11 @@ typedef struct pzs_optimiser {
     uint32_t iterations;
     uint64_t work, work_limit; /* number of multiply-adds that the optimiser has used in this
                                   voltage step, and the largest number that it may use */
-    pzs_real *hessian;         /* [inputs][width] Hessian H of the objective (m2/V2) */
-    pzs_real *tableau; /* [inputs][width] tableau: the Hessian after one pivot exchange for each
-                          input of the free set, without the exchanges that are still in `pending`
+    pzs_real *hessian;         /* [inputs][width >= inputs] Hessian H of the objective (m2/V2) */
+    pzs_real *tableau; /* [inputs][width >= inputs] tableau: the Hessian after one pivot exchange
+                          for each input of the free set, without the exchanges that are still in
+                          `pending` */
+    pzs_real *pivot;   /* [width >= inputs] diagonal of the tableau, with the exchanges in `pending`
                         */
     pzs_real *pivot;   /* [width] diagonal of the tableau, with the exchanges in `pending` */
     pzs_real *pending; /* [PZS_PENDING][width] rank-one updates of the tableau: one vector for each
@@ -94,39 +96,40 @@ typedef struct pzs_optimiser {
     pzs_real *side;    /* [inputs] dual method: bound at which an active input stays, -1 for the
                           lower and +1 for the upper one */
     uint16_t *order;   /* [inputs] dual method: input to which each row of `factor` belongs */
-    pzs_real *voltage; /* [width] present voltages (V) */
-    pzs_real *lower, *upper; /* [width] lower and upper bounds of the voltages in this step (V) */
-    pzs_real *free_set; /* [width] 1 for an input of the free set, 0 for one of the active set; real
-                           numbers, because vector loops multiply by them */
-    pzs_real *base;     /* [width] base voltages, around which the gradient of the objective is
-                           linearised (V) */
-    pzs_real *regularisation_gradient; /* [width] gradient of the regularisation: regularisation
-                                          weight times (base voltages - reference voltages) (m2/V)
-                                        */
-    pzs_real *target_gradient; /* [width] gradient of the target: B'W^2 (e - B base), with influence
-                                  matrix B, output weights W, target error e and base voltages
-                                  `base` (m2/V) */
-    pzs_real *model_gradient;  /* [width] Hessian times (voltages - base voltages) plus
+    pzs_real *voltage; /* [width >= inputs] present voltages (V) */
+    pzs_real *lower, *upper; /* [width >= inputs] lower and upper bounds of the voltages in this
+                                step (V) */
+    pzs_real *free_set; /* [width >= inputs] 1 for an input of the free set, 0 for one of the active
+                           set; real numbers, because vector loops multiply by them */
+    pzs_real *base; /* [width >= inputs] base voltages, around which the gradient of the objective
+                       is linearised (V) */
+    pzs_real *regularisation_gradient; /* [width >= inputs] gradient of the regularisation:
+                                          regularisation weight times (base voltages - reference
+                                          voltages) (m2/V) */
+    pzs_real *target_gradient; /* [width >= inputs] gradient of the target: B'W^2 (e - B base), with
+                                  influence matrix B, output weights W, target error e and base
+                                  voltages `base` (m2/V) */
+    pzs_real *model_gradient;  /* [width >= inputs] Hessian times (voltages - base voltages) plus
                                   regularisation_gradient (m2/V); after a round of iterations
                                   computed from the Hessian, after a single full step that no bound
                                   blocks predicted by the tableau */
-    pzs_real *gradient;        /* [width] model_gradient - target_gradient: half the gradient of the
-                                  objective with respect to the voltages (m2/V) */
-    pzs_real *direction; /* [width] for an input of the free set its search direction (V); for one
-                            of the active set its gradient after the step (m2/V) */
-    pzs_real *diagonal;  /* [width] diagonal of the Hessian of the objective (m2/V2) */
-    pzs_real *start_voltage;  /* [width] voltages at the start of the present round, a sequence of
-                                 iterations between two computations of the gradient from the
-                                 Hessian (V) */
-    pzs_real *start_gradient; /* [width] half the gradient of the objective at the start of the
-                                 present round of iterations (m2/V) */
+    pzs_real *gradient;  /* [width >= inputs] model_gradient - target_gradient: half the gradient of
+                            the objective with respect to the voltages (m2/V) */
+    pzs_real *direction; /* [width >= inputs] for an input of the free set its search direction (V);
+                            for one of the active set its gradient after the step (m2/V) */
+    pzs_real *diagonal;  /* [width >= inputs] diagonal of the Hessian of the objective (m2/V2) */
+    pzs_real *start_voltage;  /* [width >= inputs] voltages at the start of the present round, a
+                                 sequence of iterations between two computations of the gradient from
+                                 the Hessian (V) */
+    pzs_real *start_gradient; /* [width >= inputs] half the gradient of the objective at the start
+                                 of the present round of iterations (m2/V) */
     /*
-     * [width] voltages after a full step along the search direction (V); before the direction is
-     * known, the gradient of the free set (m2/V)
+     * [width >= inputs] voltages after a full step along the search direction (V); before the
+     * direction is known, the gradient of the free set (m2/V)
      */
     pzs_real *next_voltage;
-    pzs_real *scratch; /* [width] work array of the optimiser; after the search direction is known,
-                          next_voltage minus base voltages (V) */
+    pzs_real *scratch; /* [width >= inputs] work array of the optimiser; after the search direction
+                          is known, next_voltage minus base voltages (V) */
     pzs_real inverse_trace; /* trace of the inverse of the Hessian restricted to the inputs of the
                                free set (V2/m2); 0: not computed */
     pzs_real inverse_trace_bound; /* upper bound of inverse_trace that follows from the
@@ -186,9 +189,9 @@ typedef struct pzs_optimiser {
 typedef struct pzs_row_solver {
     pzs_optimiser extended; /* state of the optimiser (tableau, active set and vectors) for inputs
                                and limit rows together */
-    pzs_real *margin; /* [width] for a limit row the distance by which the optimiser narrows the
-                         row, so that its sum is inside its limits despite rounding errors; for an
-                         input the largest of these distances (V) */
+    pzs_real *margin;       /* [width >= inputs + rows] for a limit row the distance by which the
+                               optimiser narrows the row, so that its sum is inside its limits despite
+                               rounding errors; for an input the largest of these distances (V) */
     pzs_real predicted_decrease; /* decrease of half the objective that the tableau predicts for the
                                     complete step along the search direction (m2) */
     pzs_real gap; /* upper bound of the distance of half the objective from its minimum, valid if no
@@ -359,20 +362,20 @@ typedef struct pzs_estimate_state {
 typedef struct pzs_damper_state {
     struct pzs_control *control;
     const struct pzs_vibration *tables;
-    pzs_real *late; /* [3][width] state of the vibration modes at the time of the readings: modal
+    pzs_real *late; /* [3][width >= modes] state of the vibration modes at the time of the readings:
+                       modal position, modal velocity divided by angular frequency, and static modal
+                       position under the loads (m) */
+    pzs_real *now;  /* [3][width >= modes] state of the vibration modes at the present tick: modal
                        position, modal velocity divided by angular frequency, and static modal
                        position under the loads (m) */
-    pzs_real *now;  /* [3][width] state of the vibration modes at the present tick: modal position,
-                       modal velocity divided by angular frequency, and static modal position under
-                       the loads (m) */
-    pzs_real *velocity_before; /* [width] velocity of each vibration mode divided by its angular
-                                  frequency, at the last tick (m) */
-    pzs_real *residual_modes; /* [width] coordinates of the vibration modes that fit the innovations
-                                 (reading minus predicted reading), low-passed (m) */
-    pzs_real *work; /* [2][width] work array for two vectors with an entry for each vibration mode
-                     */
-    pzs_real *equilibrium; /* [delay + 1][width] static position of each vibration mode under the
-                              voltages of the last ticks (m) */
+    pzs_real *velocity_before; /* [width >= modes] velocity of each vibration mode divided by its
+                                  angular frequency, at the last tick (m) */
+    pzs_real *residual_modes;  /* [width >= modes] coordinates of the vibration modes that fit the
+                                  innovations (reading minus predicted reading), low-passed (m) */
+    pzs_real *work;        /* [2][width >= modes] work array for two vectors with an entry for each
+                              vibration mode */
+    pzs_real *equilibrium; /* [delay + 1][width >= modes] static position of each vibration mode
+                              under the voltages of the last ticks (m) */
     pzs_real *expected;  /* [delay + 1][sensors] static readings of the structure under the voltages
                             of the last ticks (unit of each sensor) */
     pzs_real *predicted; /* [sensors] readings predicted from the voltages and the vibration modes

@@ -418,8 +418,8 @@ typedef enum pzs_supervisor_mode {
     PZS_MODE_INITIALISE = 0, /* operating mode before the command ARM: the voltages are at the park
                                 voltages (voltages of rest, set in the tables) or on their way there
                               */
-    PZS_MODE_ARMED,   /* mode in which the supervisor waits until the voltages are at the park
-                         voltages and every reading of a tick is usable */
+    PZS_MODE_ARMED,   /* operating mode in which the supervisor waits until the voltages are at the
+                         park voltages and every reading of a tick is usable */
     PZS_MODE_RUNNING, /* operating mode in which the loop is in control */
     PZS_MODE_HOLDING, /* operating mode in which the loop is in control by the model alone, because
                          no reading of this tick is usable */
@@ -446,8 +446,8 @@ typedef enum pzs_supervisor_command {
 } pzs_supervisor_command;
 
 /*
- * Events that change the mode of the supervisor. The events of one tick are processed in the order
- * of this list, so that a later one prevails.
+ * Events that change the operating mode of the supervisor. The events of one tick are processed in
+ * the order of this list, so that a later one prevails.
  */
 typedef enum pzs_supervisor_event {
     PZS_EVENT_FRAME = 0, /* event: usable readings arrived; in PZS_MODE_ARMED: all readings were
@@ -480,8 +480,8 @@ typedef struct pzs_supervision {
                              ramp longer */
     uint16_t alarm_ticks; /* alarm threshold of a counter that an implausible tick raises by one and
                              a plausible tick lowers by two */
-    uint16_t waits; /* 1: the supervisor leaves its first mode, PZS_MODE_INITIALISE, by the command
-                       ARM; 0: it leaves the mode without a command */
+    uint16_t waits; /* 1: the supervisor leaves its first operating mode, PZS_MODE_INITIALISE, by
+                       the command ARM; 0: it leaves the mode without a command */
     const pzs_real *park; /* [inputs] park voltages, to which the output ramps when control ends,
                              clamped to the limits (V) */
     pzs_real fading; /* factor, between 0 and 1, by which the tolerated deviation of measured from
@@ -516,7 +516,7 @@ typedef struct pzs_supervisor {
 /*
  * Give the supervisor a command, which the next tick carries out. A later command replaces it,
  * except that PZS_COMMAND_STOP stays. The function may be called from an interrupt. A command that
- * does not apply to the present mode is ignored.
+ * does not apply to the present operating mode is ignored.
  *   supervisor in/out  returned by pzs_loop_find(&loop, &pzs_supervisor_block)
  * Errors: PZS_E_ARGUMENT.
  */
@@ -534,7 +534,8 @@ uint32_t pzs_supervisor_ramp(const pzs_supervision *tables, const pzs_problem *p
 uint32_t pzs_supervisor_longest_ramp(const pzs_supervision *tables, const pzs_problem *problem);
 
 /*
- * Return the mode that follows `mode` after `event`, from the transition table of the supervisor.
+ * Return the operating mode that follows `mode` after `event`, from the transition table of the
+ * supervisor.
  */
 pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor_event event);
 

@@ -8,7 +8,10 @@
 
 enum { USUAL_MODES = 5 };
 
-/* Print the key `modes` of the section `influence` of a scene file in YAML. */
+/*
+ * Print measured vibration modes as the key `modes` of the section `influence` of a scene file in
+ * YAML.
+ */
 static void print_modes(FILE *file, const identified_modes *found, size_t outputs)
 {
     fputs("influence:\n  modes:\n", file);

@@ -43,8 +43,8 @@ void print_check_json(const analysis *analysis, const work_report *work);
 /*
  * Print the outputs of the scene under a displacement, then the forces of springs and the voltages
  * and charges of electrodes.
- *   displacement [free_dof]    in
- *   value        [output rows] in
+ *   displacement [free_dof]    in  displacement vector of the structure
+ *   value        [output rows] in  values of all outputs
  */
 void print_solve(analysis *analysis, const double *displacement, const double *value,
                  const stress_field *stress);

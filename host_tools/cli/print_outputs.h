@@ -8,7 +8,7 @@
 
 /*
  * Whether the output with index k consists of displacements. `pzs shape` prints only such outputs
- * for every set of voltages.
+ * for each of its results.
  */
 int print_is_displacement(const analysis *analysis, int k);
 

@@ -10,7 +10,7 @@
  * Print the forces of springs and stack actuators on the structure, along their directions; print
  * nothing where there are none. The JSON member is `springs`: for each spring entry or stack
  * actuator of the scene an array with the force of each of its springs.
- *   displacement [free_dof] in
+ *   displacement [free_dof] in  displacement vector of the structure
  */
 void print_springs(const analysis *analysis, const double *displacement);
 void print_springs_json(json *json, const analysis *analysis, const double *displacement);

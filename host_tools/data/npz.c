@@ -21,7 +21,7 @@ enum {
 
 /*
  * Write the header of a .npy file of version 1.
- *   header   [NPY_HEADER] out
+ *   header   [NPY_HEADER] out  text of the header
  *   type     in  type of the numbers, such as '<f8'
  *   columns  in  0 for a vector
  */

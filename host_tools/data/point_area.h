@@ -14,7 +14,7 @@
  * the area of a grid cell, points on the border half of it and corners a quarter of it. If all
  * points lie on a line, the area is a length instead. Points at the same place share their area.
  *   place  [count][3] in  coordinates x, y, z
- *   area   [count] out
+ *   area   [count] out  area that belongs to each point
  * Returns 0, or -1 when memory runs out.
  */
 int point_areas(size_t count, double (*place)[3], double *area);

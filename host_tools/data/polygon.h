@@ -52,7 +52,7 @@ bool polygon_boxes_meet(const polygon_box *one, const polygon_box *other);
  * Compute the part of a polygon inside a convex quadrilateral by the Sutherland-Hodgman algorithm.
  *   point  [count] in                any simple polygon
  *   quad   [4] in                    corners, counterclockwise
- *   work   [POLYGON_ROOM(count)] work
+ *   work   [POLYGON_ROOM(count)] out  work array
  *   out    [POLYGON_ROOM(count)] out  if the part has several pieces, they are joined by sides that
  *                                     run back and forth and enclose no area
  * Returns the number of points of the part; 0: no area lies inside.

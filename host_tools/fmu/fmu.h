@@ -17,7 +17,7 @@ typedef enum fmu_kind { FMU_PLANT, FMU_CONTROLLER } fmu_kind;
 /*
  * Write the name of an FMU: a C identifier made from the name of the scene and the type of the FMU
  * (plant or controller).
- *   name [FMU_IDENTIFIER] out
+ *   name [FMU_IDENTIFIER] out  the identifier
  */
 enum { FMU_IDENTIFIER = SCENE_NAME + 16 };
 void fmu_identifier(const design *design, fmu_kind kind, char *name);

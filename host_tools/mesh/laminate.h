@@ -121,7 +121,7 @@ double laminate_field_at(const laminate *laminate, const scene_element *element,
 /*
  * Compute the prescribed stress resultants of a field (voltage or temperature), times the area of
  * the element.
- *   h0  [10] out
+ *   h0  [10] out  these resultants
  */
 void laminate_resultants(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field,

@@ -28,7 +28,7 @@ typedef struct shear_ply {
  * Compute the membrane strains and curvatures per force and moment of a laminate: the inverse of
  * its stiffness matrix [[A, B], [B, D]] (membrane, coupling, bending) in the order 11 22 12, forces
  * before moments.
- *   flex  [6][6] out
+ *   flex  [6][6] out  this matrix
  * Returns 0, or -1 if the laminate has no bending stiffness.
  */
 int laminate_flexure(const shear_ply *ply, int plies, double flex[6][6]);

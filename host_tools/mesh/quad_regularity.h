@@ -19,7 +19,7 @@
  * parallelograms, of order 1/n on smooth meshes of n x n elements, and about 0.3 if nodes are moved
  * at random by 0.3 of a side. Nodes on the border of the mesh have the irregularity 0.
  *   side          [4 elements] in  sides of all elements, as listed by quad_sides
- *   irregularity  [nodes] out
+ *   irregularity  [nodes] out  irregularity of each node
  * Returns 0, or -1 when memory runs out.
  */
 int quad_irregularity(const quad_mesh *mesh, const quad_side *side, double *irregularity);

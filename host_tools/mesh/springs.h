@@ -24,7 +24,7 @@ void springs_direction(const surface_point *point, const scene_direction *direct
  * Compute the rotation of a node about an axis as weights of its dof. With the normal D and with
  * beta the difference of the displacements of both faces over the thickness, the rotation vector in
  * the surface is D x beta.
- *   weight  [7] out
+ *   weight  [7] out  weight of each dof of the node
  * Returns 0, or -1 if the axis is normal to the surface, about which a shell has no rotation.
  */
 int springs_rotation(const surface_point *point, const scene_direction *axis, double weight[7]);

@@ -68,7 +68,7 @@ static int check_node(const mesh *mesh, const scene_support *support, int node,
 /*
  * Rotate the triads of the nodes of all supports that give a direction.
  *   turned  [nodes] out   1 for the nodes whose triads were rotated
- *   node    [nodes] work
+ *   node    [nodes] out  work array
  * Returns 0, or -1 with error filled.
  */
 static int turn_all(mesh *mesh, unsigned char *turned, int *node, char *error)

@@ -348,9 +348,9 @@ static int solve_applied(analysis *analysis, int warm, double *displacement, cha
 }
 
 /*
- * Norm of the difference of two displacement vectors relative to the norm of the second, where each
- * dof is scaled by its stiffness.
- *   first, second [free_dof] in
+ * Return the norm of the difference of two displacement vectors relative to the norm of the second,
+ * where each dof is scaled by its stiffness.
+ *   first, second [free_dof] in  displacement vectors
  */
 static double distance(const analysis *analysis, const double *first, const double *second)
 {
@@ -365,7 +365,7 @@ static double distance(const analysis *analysis, const double *first, const doub
 /*
  * Compute the displacement with linear and with nonlinear kinematics, and return the linear one
  * where the two differ by no more than the scene's tolerance.
- *   displacement [free_dof] out
+ *   displacement [free_dof] out  displacement vector of the structure
  */
 static int solve_auto(analysis *analysis, double *displacement, char *error)
 {
@@ -445,7 +445,7 @@ int analysis_continue(analysis *analysis, double *displacement, char *error)
 
 /*
  * Compute the nonlinear equilibrium with twice as many load steps as the scene asks for.
- *   displacement [free_dof] out
+ *   displacement [free_dof] out  displacement vector of the structure
  * Returns the status of the solver.
  */
 static pzs_status solve_in_more_steps(analysis *analysis, double *displacement)
@@ -520,8 +520,8 @@ double analysis_capacitance(const analysis *analysis, int k, int is_free)
 /*
  * Twice the work that the scene's loads, without temperature loads, do on the linear displacement
  * that they cause. Returns NAN where it cannot be computed.
- *   value [inputs]  in   zeros
- *                   out  load factors: 1 for each load except temperature loads
+ *   value [inputs]  in   an array of zeros
+ *                 out  load factors: 1 for each load except temperature loads
  */
 static double work_of_loads(analysis *analysis, double *value)
 {

@@ -16,13 +16,13 @@
 struct analysis;
 
 /*
- * Source of the displacements of an analysis: either a structure, whose stiffness matrix is
- * factored, or a measured influence matrix (analysis_matrix.c). All computations that use the
- * influence matrix are the same for both sources.
+ * Source of the displacements of an analysis: either a mechanical structure, whose stiffness matrix
+ * is factored, or a measured influence matrix. All computations that use the influence matrix are
+ * the same for both sources.
  */
 typedef struct analysis_source {
     bool has_structure; /* true for a scene with elements, stiffness, loads and mass; false for a
-                           measured matrix */
+                           measured influence matrix */
     /*
      * Prepare the computation of displacements, after the design of the scene is built: assemble
      * and factor the stiffness matrix, or read the measured matrix. Returns 0, or -1 with error
@@ -67,12 +67,13 @@ typedef struct analysis {
     double *recovered; /* [entries of design.place_node] values of the outputs of strains and
                           stresses in the last solution of analysis_solve or analysis_continue; NULL
                           where the scene has no such outputs */
-    pzs_status status; /* status of the last computation of a nonlinear equilibrium */
+    pzs_status status; /* status that the last computation of a nonlinear equilibrium returned */
     struct {
         double assemble, factor, solve;
-    } seconds; /* durations of assembling and factoring the stiffness matrix and of the last
-                  displacement (s) */
-    certificate certificate; /* stability of the control loop, filled by certificate_make */
+    } seconds; /* durations of assembling the stiffness matrix, of factoring it, and of the last
+                  computation of a displacement (s) */
+    certificate certificate; /* result of the stability tests of the control loop, filled by
+                                certificate_make */
     bool is_compact;     /* whether to leave the stiffness matrices of the element types out of the
                             tables; the device then computes them from the element types */
     bool quasi_static;   /* whether to write the controller's tables even where vibration makes the
@@ -96,7 +97,7 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error);
 /*
  * Compute the displacement under the scene's loads and applied voltages, starting from the
  * reference state.
- *   displacement [free_dof] out
+ *   displacement [free_dof] out  displacement vector of the structure
  * With kinematics `auto` both the linear and the nonlinear displacement are computed. The linear
  * one is returned where the relative difference is within the scene's tolerance;
  * analysis->nonlinear tells which one was chosen. Where the nonlinear load steps end before the
@@ -114,14 +115,14 @@ int analysis_needs_structure(const analysis *analysis, const char *what, char *e
 /*
  * Compute the linear displacement under input values.
  *   value        [inputs]   in   voltages (V), load factors and temperature changes (K)
- *   displacement [free_dof] out
+ *   displacement [free_dof] out  displacement vector of the structure
  */
 pzs_status analysis_displace(analysis *analysis, const double *value, double *displacement);
 
 /*
  * Compute the nonlinear displacement under the scene's loads and applied voltages, starting from
  * the last equilibrium of the solver, for example the last point that load_path_follow reached.
- *   displacement [free_dof] out
+ *   displacement [free_dof] out  displacement vector of the structure
  * Returns 0, or -1 with error filled.
  */
 int analysis_continue(analysis *analysis, double *displacement, char *error);
@@ -143,7 +144,7 @@ double analysis_path_difference(analysis *analysis, const double *displacement);
  *   voltage      [amplifiers] in   voltages (V)
  *   warm                      in   1: start the nonlinear solver from the last shape; 0: start from
  *       the reference state
- *   displacement [free_dof]   out
+ *   displacement [free_dof]   out  displacement vector of the structure
  * Returns 0, or -1 with error filled.
  */
 int analysis_reach(analysis *analysis, const double *voltage, int warm, double *displacement,
@@ -180,7 +181,7 @@ int analysis_output_node(const analysis *analysis, int k, int i);
 const char *analysis_output_electrode(const analysis *analysis, int k, int i);
 
 /*
- * Capacitance of electrode k (C/V), every other electrode at 0 V.
+ * Return the capacitance of electrode k (C/V) while every other electrode is at 0 V.
  *   is_free in  1: the shell deforms as its supports allow; 0: the shell cannot deform
  */
 double analysis_capacitance(const analysis *analysis, int k, int is_free);

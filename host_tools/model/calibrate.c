@@ -12,22 +12,22 @@
 #include "eigen.h"
 
 /*
- * Fraction of the largest eigenvalue of V V' below which an eigenvalue counts as 0, where V [pokes
- * (shapes measured under known voltages)][actuators] holds the voltages of all pokes.
+ * Eigenvalues of V V' below this fraction of the largest one count as 0, where V
+ * [measurements][actuators] holds the voltages of all measured shapes and ' is the transpose.
  */
 static const double negligible = 1e-12;
 
 /*
- * The measured pokes in the basis of the eigenvectors of V V' = Q diag(l) Q', where V
- * [pokes][actuators] holds the voltages. In this basis every formula of the calibration is a sum
- * over the eigenvalues l.
+ * The measured shapes in the basis of the eigenvectors of V V' = Q diag(l) Q', where V
+ * [measurements][actuators] holds the voltages, Q the eigenvectors and l the eigenvalues. In this
+ * basis every formula of the calibration is a sum over the eigenvalues.
  */
 typedef struct spectrum {
     size_t pokes, actuators, outputs;
-    double *vector; /* [pokes (shapes measured under known voltages)][pokes] eigenvectors of V V' as
-                       columns, where V [pokes][actuators] holds the voltages of all pokes */
-    double *value;  /* [pokes (shapes measured under known voltages)] eigenvalues of V V', where V
-                       [pokes][actuators] holds the voltages of all pokes */
+    double *vector;   /* [measurements][measurements] eigenvectors of V V' as columns, where V
+                         [measurements][actuators] holds the voltages of all measured shapes */
+    double *value;    /* [measurements] eigenvalues of V V', where V [measurements][actuators] holds
+                         the voltages of all measured shapes */
     double *residual; /* [pokes][outputs] measured shapes minus those that the model predicts */
     double *rotated;  /* [pokes][outputs] residuals of the measured shapes, multiplied by the
                          transposed eigenvector matrix */
@@ -54,7 +54,7 @@ static void spectrum_close(spectrum *spectrum)
 /*
  * Subtract the shapes that a model predicts from the measured shapes.
  *   model    [outputs][actuators] in   influence matrix, or NULL for zeros
- *   residual [pokes][outputs]     out
+ *   residual [pokes][outputs]     out  differences between measured and predicted shapes
  */
 static void subtract_model(const pokes *pokes, const double *model, double *residual)
 {
@@ -67,9 +67,9 @@ static void subtract_model(const pokes *pokes, const double *model, double *resi
 }
 
 /*
- * Compute the eigenvalues and eigenvectors of V V', where V [pokes (shapes measured under known
- * voltages)][actuators] holds the voltages.
- *   gram [pokes][pokes] work
+ * Compute the eigenvalues and eigenvectors of V V', where V [measurements][actuators] holds the
+ * voltages of all measured shapes.
+ *   gram [measurements][measurements] out  work array
  */
 static void decompose(spectrum *spectrum, const pokes *pokes, double *gram)
 {
@@ -132,8 +132,8 @@ static int rank_of(const spectrum *spectrum)
 }
 
 /*
- * Compute the reciprocals 1/(eigenvalue + ratio) for all eigenvalues; 0 where the eigenvalue is
- * negligible and the ratio is 0.
+ * Compute 1/(eigenvalue + ratio) for all eigenvalues of the calibration; the result is 0 where the
+ * eigenvalue is negligible and the ratio is 0.
  */
 static void invert(spectrum *spectrum, double ratio)
 {
@@ -204,7 +204,7 @@ static double choose_ratio(const spectrum *spectrum, bool *is_separable)
 /*
  * Compute the influence matrix from the residuals of the model in the basis of the eigenvectors,
  * and the root mean square of the residuals that remain.
- *   model [outputs][actuators] in  or NULL
+ *   model [outputs][actuators] in  influence matrix of the model, or NULL
  */
 static void fill_influence(calibration *result, spectrum *spectrum, const pokes *pokes,
                            const double *model)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Influence matrix from measurements. A poke is one measured shape under known voltages of all
- * actuators; with all pokes as rows, shapes S [pokes][outputs], voltages V [pokes][actuators] and
- * influence matrix B [outputs][actuators] satisfy S = V B' + noise, where ' is the transpose.
+ * Computation of an influence matrix from measurements. A poke is a measurement of the shape under
+ * known voltages of all actuators; with all pokes as rows, shapes S [pokes][outputs], voltages V
+ * [pokes][actuators] and influence matrix B [outputs][actuators] satisfy S = V B' + noise, where '
+ * is the transpose.
  *
  * Without a model, B is the least-squares solution, which needs as many independent pokes as there
  * are actuators. With a model B0, the entries of B differ from those of B0 by independent errors of
@@ -21,8 +22,8 @@ typedef struct pokes {
     size_t count, actuators, outputs;
     const double *voltage; /* [count][actuators] voltages of each poke, a measurement of the shape
                               under known voltages (V) */
-    const double *shape; /* [count][outputs] measured shape of each poke, in the unit of the outputs
-                          */
+    const double *shape; /* [count][outputs] measured shape of each poke (a measurement of the shape
+                            under known voltages), in the unit of the outputs */
 } pokes;
 
 typedef struct calibration {
@@ -69,7 +70,8 @@ double calibration_size(const pokes *pokes, const double *model);
 typedef enum wiring_fault_type {
     WIRING_DEAD,     /* fault: the electrode does not act on the structure */
     WIRING_REVERSED, /* fault: the electrode acts with the opposite sign */
-    WIRING_SWAPPED /* fault: the cables of this electrode and of electrode `other` are exchanged */
+    WIRING_SWAPPED   /* fault: the cables of this electrode and of the electrode with the index
+                        `other` are exchanged */
 } wiring_fault_type;
 
 typedef struct wiring_fault {
@@ -92,29 +94,30 @@ enum { WIRING_FAULTS = 16 };
 int wiring_find(wiring_fault fault[WIRING_FAULTS], const pokes *pokes, const double *model);
 
 /*
- * Voltages that reach the electrodes when the wiring has the given faults.
- *   voltage [pokes (shapes measured under known voltages)][actuators] out  (V)
+ * Compute the voltages that reach the electrodes during all measurements if the wiring has the
+ * given faults.
+ *   voltage [pokes][actuators] out  voltages of each measurement (V)
  */
 void wiring_apply(const wiring_fault *fault, int faults, const pokes *pokes, double *voltage);
 
 /*
  * Convert an influence matrix whose columns belong to electrodes into one whose columns belong to
  * the amplifiers, with the given wiring faults.
- *   influence [outputs][actuators] in/out
+ *   influence [outputs][actuators] in/out  matrix before and after the conversion
  *   error     [actuators]          in/out  standard errors of the columns; 0 for dead electrodes
  */
 void wiring_matrix(const wiring_fault *fault, int faults, const pokes *pokes, double *influence,
                    double *error);
 
 /*
- * Whether the voltage of an actuator is 0 in all pokes (measured shapes), which then contain no
+ * Whether the voltage of an actuator is 0 in all measurements (pokes), which then contain no
  * information on this actuator.
  */
 bool calibration_is_idle(const pokes *pokes, size_t actuator);
 
 /*
- * Whether an actuator looks dead in an influence matrix that was computed without a model: its
- * column is below 5 % of the median column and not above four standard errors.
+ * Whether an actuator seems to have no effect, in an influence matrix that was computed without a
+ * model: its column is below 5 % of the median column and not above four standard errors.
  */
 bool calibration_is_dead(const calibration *result, const pokes *pokes, size_t actuator);
 

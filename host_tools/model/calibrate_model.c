@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/*
- * Fit of the material constants of a scene to measured pokes by the Gauss-Newton method
- * (calibrate_model.h).
- */
+/* Fit of the material constants of a scene to measured shapes by the Gauss-Newton method. */
 #include "calibrate_model.h"
 #include <float.h>
 #include <math.h>
@@ -85,9 +82,9 @@ static int model_influence(const calibration_model *model, const scene *nominal,
 }
 
 /*
- * Shapes that an influence matrix predicts for the voltages of the pokes (shapes measured under
- * known voltages).
- *   shape [pokes][outputs] out
+ * Compute the shapes that an influence matrix predicts for the voltages of all measurements
+ * (pokes).
+ *   shape [pokes][outputs] out  predicted shapes
  */
 static void predict(const pokes *pokes, const double *influence, double *shape)
 {
@@ -105,8 +102,8 @@ typedef struct fit {
     double *shape;  /* [entries] shapes that the model predicts for the measured voltages */
     double *slope; /* [factors][entries] derivative of the predicted shapes by the logarithm of each
                       material factor */
-    double *influence; /* [outputs][actuators] influence matrix of the scene with one material
-                          factor changed by the step of the finite differences */
+    double *influence; /* [outputs][actuators] influence matrix of the scene after one material
+                          factor was changed by a small step, for finite differences */
     double *normal; /* [factors][factors] matrix of the normal equations for the material factors */
     double *change; /* [factors] right-hand side of the normal equations, then change of the
                        logarithms */
@@ -191,7 +188,10 @@ static void solve(double *matrix, double *solution, int order)
     }
 }
 
-/* Make one Gauss-Newton step of the logarithms of the factors. Returns the largest change. */
+/*
+ * Make one Gauss-Newton step of the logarithms of the material factors. Returns the largest change
+ * of a logarithm.
+ */
 static double change_factors(fit *fit, calibration_model *model, const pokes *pokes)
 {
     const int count = model->factors;

@@ -21,13 +21,13 @@ static const double decayed = 20;
 /* ---- the loop --------------------------------------------------------- */
 
 /*
- * Fill the transition matrix of the control loop over one tick. Its states are, for each vibration
- * mode just before the tick, the deviation e of the modal coordinate from its static equilibrium
- * and the modal velocity p divided by the angular frequency, then the deviations e of past ticks. L
- * is the loop matrix (see `loop`), and r[0] to r[3] are the entries 11, 12, 21 and 22 of the matrix
- * that advances e and p of one mode by the free vibration of one tick. The tick at time t changes
- * the equilibrium from eq = -L e(t - delay - 1) to eq' = -L e(t - delay), so that delay + 1 past
- * deviations are needed:
+ * Fill the matrix that advances the vibration of the structure under the control loop by one tick.
+ * Its states are, for each vibration mode just before the tick, the deviation e of the modal
+ * coordinate from its static equilibrium and the modal velocity p divided by the angular frequency,
+ * then the deviations e of past ticks. L is the loop matrix (see `loop`), and r[0] to r[3] are the
+ * entries 11, 12, 21 and 22 of the matrix that advances e and p of one mode by the free vibration
+ * of one tick. The tick at time t changes the equilibrium from eq = -L e(t - delay - 1) to eq' = -L
+ * e(t - delay), so that delay + 1 past deviations are needed:
  *   e' = r[0] (e + eq - eq') + r[1] p
  *   p' = r[2] (e + eq - eq') + r[3] p
  *   loop [modes][stride] in  loop matrix L; the first `modes` columns are used. Entry (i, j) is the
@@ -227,7 +227,8 @@ static void margin_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT
 }
 
 /*
- * Append the sentences on the loop on the structure linearised about the equilibrium at its target.
+ * Append the sentences on the stability of the control loop on the structure linearised about the
+ * equilibrium at its target shape.
  */
 static void target_text(const certificate_target *target, char text[CERTIFICATE_TEXT])
 {

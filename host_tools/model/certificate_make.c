@@ -21,8 +21,8 @@ enum {
     DELAY_LIMIT = 100, /* largest delay of the measurements for which the certificate is computed
                           (ticks) */
     RATE_LIMIT = 2000, /* largest number of tick rates for which stability is checked */
-    PHASES = 8, /* number of intervals between ticks that are tried within one period of the first
-                   vibration mode */
+    PHASES = 8, /* number of time intervals between ticks, spread over one period of the first
+                   vibration mode, for which stability is checked */
     STARTS = 4  /* largest number of tick rates, each a quarter of the one before, that are tried to
                    find a stable one */
 };
@@ -85,8 +85,8 @@ static void cholesky_solve(const double *l, size_t n, double *x)
 }
 
 /*
- * Intermediate results for the loop matrix, which says how the controller's reaction to one
- * vibration mode displaces the static equilibrium of every mode.
+ * Intermediate results for the loop matrix. An entry of this matrix says how far the controller's
+ * reaction to one vibration mode displaces the static equilibrium of another mode.
  */
 typedef struct gains {
     const analysis *analysis;
@@ -215,8 +215,9 @@ static bool fill_gains(gains *gains)
 }
 
 /*
- * Loop matrix [modes][modes] of the lowest modes, without rigid motions. The caller frees the
- * matrix; NULL where it cannot be computed.
+ * Return the loop matrix [modes][modes] of the lowest vibration modes, without rigid motions:
+ * static coordinate of each mode under the voltages by which the controller reacts to a unit of
+ * each mode. The caller frees the matrix; NULL where it cannot be computed.
  */
 static double *loop_gains(const analysis *analysis, const vibration *vibration, int modes,
                           bool *assumes_measured)
@@ -255,7 +256,7 @@ typedef struct assessed_loop {
 } assessed_loop;
 
 /*
- * Whether the control loop is stable at a tick rate. Where an interval between ticks contains many
+ * Whether the control loop is stable at a tick rate. If the interval between ticks contains many
  * periods of the first vibration mode, stability depends on the phase of the vibration as well as
  * on its decay; therefore intervals that are up to one period longer must be stable too.
  */
@@ -292,8 +293,8 @@ static double scan_rates(const assessed_loop *loop)
 }
 
 /*
- * Damping ratios [modes] of the modes in the loop. The caller frees the array; NULL where memory
- * runs out.
+ * Return the damping ratio of each vibration mode that is in the loop, as an array [modes] that the
+ * caller frees; NULL where memory runs out.
  */
 static double *loop_damping(const certificate *certificate, const design *design)
 {

@@ -6,8 +6,9 @@
 #include <string.h>
 
 /*
- * Grid of the regularisation parameter lambda: the values 10^(LOWEST + k / PER_DECADE) for k <
- * GRID, up to 10, where all voltages are small.
+ * Values of the regularisation parameter among which the best one is searched: 10^(LOWEST + k /
+ * PER_DECADE) for k = 0 to GRID - 1, up to 10, where all voltages are small. SECTIONS: number of
+ * steps of the search between two of these values.
  */
 enum { LOWEST = -9, PER_DECADE = 3, GRID = 10 * PER_DECADE + 1, SECTIONS = 16 };
 
@@ -107,9 +108,9 @@ static double clipped_misfit(tuning *tuning, double lambda)
 }
 
 /*
- * Regularisation parameter for a decimal exponent, rounded to three digits. At the best parameter a
- * voltage just reaches its limit, and rounding errors must not decide whether this voltage counts
- * as clipped.
+ * Regularisation parameter 10^exponent, rounded to three digits. At the best parameter a voltage
+ * just reaches its limit, and rounding errors must not decide whether this voltage counts as
+ * clipped.
  */
 static double lambda_of(double exponent)
 {

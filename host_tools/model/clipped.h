@@ -44,7 +44,7 @@ void clipped_close(clipped *clipped);
 
 /*
  * Compute the clipped voltages for one regularisation parameter lambda >= 0.
- *   voltage [amplifiers] out  (V)
+ *   voltage [amplifiers] out  voltages found (V)
  * Returns whether all voltages are finite.
  */
 bool clipped_solve(clipped *clipped, double lambda, double *voltage);

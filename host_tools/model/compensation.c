@@ -13,10 +13,7 @@ static void copy(double *to, const scene_short_list *from)
     memcpy(to, from->value, (size_t)from->count * sizeof *to);
 }
 
-/*
- * Let the pointers in compensation->tables point to the arrays in the other members of
- * *compensation.
- */
+/* Set the pointers in compensation->tables to the arrays in the other members of *compensation. */
 static void point(compensation *compensation)
 {
     pzs_hysteresis *tables = &compensation->tables;
@@ -32,8 +29,8 @@ static void point(compensation *compensation)
 }
 
 /*
- * Constant (V) that is added to the modelled effect of an electrode, so that an electrode that has
- * always been at 0 V has the effect 0.
+ * Constant that is added to the modelled effect of an electrode (voltage without hysteresis, V), so
+ * that an electrode that has always been at 0 V has the effect 0.
  */
 static double offset_of(const pzs_hysteresis *tables)
 {
@@ -51,10 +48,12 @@ static double offset_of(const pzs_hysteresis *tables)
 static const double least_after_reversal = 0.6;
 
 /*
- * Replace plays by slope on one side of the middle of the voltage range, those with the smallest
- * slack first (the order of the list).
- *   slope [PZS_HYSTERESIS_SEGMENTS / 2] in/out  slopes of the part without memory on this side
- *   weight                              in/out  weights of the plays on this side
+ * Replace plays (elements with backlash) of the hysteresis model by a larger slope on one side of
+ * the middle of the voltage range, beginning with the plays of the smallest slack, which are the
+ * first of the list.
+ *   slope [PZS_HYSTERESIS_SEGMENTS / 2] in/out  slopes of the piecewise linear part of the model on
+ *                                               this side (1)
+ *   weight                              in/out  weights of the plays on this side (1)
  */
 static void weaken_side(double *slope, scene_short_list *weight)
 {

@@ -10,8 +10,9 @@
 #include "pzs.h"
 
 /*
- * Hysteresis tables for the library's blocks pzs_effect_block (effects of the present voltages) and
- * pzs_inverse_block (voltages with given effects). All amplifiers use the same numbers.
+ * Hysteresis tables for two blocks of the control loop: one computes the effects of the present
+ * voltages (voltages without hysteresis), the other computes voltages from effects. All amplifiers
+ * use the same numbers.
  */
 typedef struct compensation {
     bool is_used; /* true where the scene has a section `hysteresis`; otherwise all other members
@@ -26,7 +27,7 @@ typedef struct compensation {
 /*
  * Make the tables of the compensation. The tables contain pointers to other members, so
  * *compensation must not be moved in memory.
- *   rate in  tick rate (1/s); 0: not known, and 1000 is used
+ *   rate in  tick rate (1/s); 0: it is not known, and 1000 is used
  */
 void compensation_fill(compensation *compensation, const scene_hysteresis *hysteresis,
                        const pzs_problem *problem, double rate);
@@ -35,9 +36,10 @@ void compensation_fill(compensation *compensation, const scene_hysteresis *hyste
  * Weaken a description of hysteresis for a control loop with readings. The inverse of a ceramic
  * whose effect hardly changes after a reversal of the voltage enlarges small voltage changes, and a
  * ceramic with less hysteresis than described follows them all: the loop then has a larger gain for
- * small changes than its certificate allows. Plays are therefore replaced by slope, those with the
- * smallest slack first, until a change after a reversal has at least 0.6 of the effect of a change
- * far from a reversal. The loop corrects the hysteresis that is left by its readings.
+ * small changes than its certificate allows. Plays (elements with backlash) of the model are
+ * therefore replaced by a larger slope, those with the smallest slack first, until a change after a
+ * reversal has at least 0.6 of the effect of a change far from a reversal. The loop corrects the
+ * hysteresis that is left by its readings.
  */
 void compensation_weaken(scene_hysteresis *hysteresis);
 

@@ -23,8 +23,9 @@ enum { MODE_LIMIT = 200 };
 static const double visible = 1e-3;
 
 /*
- * Gain of the low-pass filter where no vibration mode is observed: its largest value, and its ratio
- * to the damping ratio of the first mode times the phase angle of that mode in a tick (rad).
+ * Gain of the low-pass filter of the readings that no observed vibration mode explains: its largest
+ * value, and its ratio to the damping ratio of the first vibration mode times the phase angle of
+ * that mode in a tick (rad).
  */
 static const double slow_limit = 0.02, slow_part = 0.5;
 
@@ -40,13 +41,12 @@ typedef struct builder {
     damper_settings settings;
     damper_model model;
     double interval; /* time between ticks (s) */
-    int delay;       /* age of the readings of the sensors (ticks) */
+    int delay; /* age of the readings of the sensors when the controller receives them (ticks) */
     size_t targets, sensors, amplifiers;
     size_t *mode; /* [modes] index of each observed mode in `vibration` */
-    double *angle, *ratio, *overlap, *lift, *square, *precision; /* arrays of the modal model
-                                                                    (damper_model), and inverse
-                                                                    noise variance of each
-                                                                    sensor */
+    double *angle, *ratio, *overlap, *lift, *square,
+        *precision; /* arrays of the model of the observed vibration modes (damper_model), and
+                       inverse noise variance of each sensor */
     double *column; /* [targets] work vector for one mode shape at the target nodes */
     double *shape, *reading, *modal; /* shape [targets][modes]: mode shapes at the outputs; reading
                                         [sensors][modes]: reading of each sensor per unit of the
@@ -60,7 +60,7 @@ typedef struct builder {
 /*
  * Displacement of the target nodes in a vibration mode of unit modal mass, without its part along
  * the free functions of the target (shapes that may be added to the target at no cost).
- *   shape [targets] out
+ *   shape [targets] out  displacement of each target node
  */
 static void mode_shape(const builder *builder, size_t mode, double *shape)
 {
@@ -114,8 +114,8 @@ static size_t list_modes(builder *builder)
 }
 
 /*
- * Whether more vibration modes must be computed: the list of observed modes is not full yet, and
- * even the computed mode of the highest frequency is slow enough to be observed.
+ * Whether more vibration modes must be computed: fewer modes are observed than are possible, and
+ * even the highest computed frequency is low enough to be observed.
  */
 static bool needs_more(const builder *builder, size_t found)
 {
@@ -247,7 +247,7 @@ static void fill_modes(builder *builder)
 
 /*
  * Standard deviation of the noise of each sensor of the scene's `estimate` section.
- *   noise [sensors] out
+ *   noise [sensors] out  standard deviations
  */
 static void fill_noise(const builder *builder, double *noise)
 {

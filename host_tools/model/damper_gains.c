@@ -47,8 +47,9 @@ damper_settings damper_default_settings(void)
 /* ---- dense matrices --------------------------------------------------- */
 
 /*
- * Product of two matrices: out = a b, or the transpose of a times b where `transposed`.
- *   a, b, out [order][order], `out` different from a and b
+ * Multiply two matrices: out = a b, or the transpose of a times b if `transposed` is true.
+ *   a, b [order][order] in   factors
+ *   out  [order][order] out  product, in other memory than a and b
  */
 static void multiply(double *out, const double *a, const double *b, size_t order, bool transposed)
 {
@@ -89,7 +90,7 @@ static size_t pivot_row(const double *a, size_t order, size_t column)
 /*
  * Invert a matrix by Gauss-Jordan elimination with partial pivoting: x = inverse of a.
  *   a [order][order] in   overwritten
- *   x [order][order] out
+ *   x [order][order] out  inverse
  * Returns 0, or -1 where the matrix is singular.
  */
 static int invert(double *a, double *x, size_t order)
@@ -123,12 +124,12 @@ static int invert(double *a, double *x, size_t order)
 
 /*
  * Work matrices [n][n] of the structured doubling iteration that solves the Riccati equation of the
- * observer.
+ * vibration observer, with n = 3 states for each mode.
  */
 typedef struct doubling {
     size_t n;
-    double *a, *g, *h; /* [n][n] iterates a, g and h of the doubling iteration; h converges to the
-                          solution of the Riccati equation */
+    double *a, *g, *h; /* [n][n] iterates a, g and h, with n states, of the doubling iteration; h
+                          converges to the solution of the Riccati equation */
     double *w, *work, *aw, *other; /* [n][n] w: inverse of 1 + g h with the iterates g and h; aw:
                                       iterate a times this inverse; `work` and `other`: work
                                       matrices */
@@ -225,7 +226,8 @@ static void start_doubling(doubling *doubling, const damper_model *model,
 
 /*
  * Compute the observer gains from the covariance of the observer's error.
- *   observer [3 modes][modes] out
+ *   observer [3 modes][modes] out  gains by which the position, the velocity and the load part of
+ *                                  each mode are corrected
  */
 static int fill_observer(double *observer, doubling *doubling, const damper_model *model)
 {
@@ -269,7 +271,7 @@ static int solve_observer(damper_gains *gains, const damper_model *model,
 /*
  * Compute the matrix that fits modal coordinates to readings by least squares: the inverse of the
  * slightly regularised normal matrix model->overlap.
- *   explain [modes][modes] out
+ *   explain [modes][modes] out  this matrix
  */
 static int fill_explain(double *explain, const damper_model *model)
 {

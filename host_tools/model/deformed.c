@@ -8,7 +8,9 @@
 #include "modal.h"
 #include "voltages.h"
 
-/* Fill the offsets of the output rows and the amplitude from the equilibrium at the best voltages.
+/*
+ * Fill the displacements of the output rows, extrapolated to 0 V, and the largest displacement
+ * relative to the thickness, from the equilibrium at the best voltages.
  */
 static void fill_offset(deformed *deformed, const voltages *best)
 {
@@ -23,7 +25,10 @@ static void fill_offset(deformed *deformed, const voltages *best)
             deformed->offset[i] -= deformed->analysis.influence[i * inputs + k] * best->voltage[k];
 }
 
-/* Compute influence matrix, modes and offsets at the equilibrium of the solver. */
+/*
+ * Compute the influence matrix, the vibration modes and the displacements of the output rows at 0 V
+ * for the structure linearised about the equilibrium of its solver.
+ */
 static int linearise(deformed *deformed, const voltages *best, int modes, char *error)
 {
     analysis *analysis = &deformed->analysis;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A structure linearised about the equilibrium at its target: the influence matrix and the modes of
- * the deformed, prestressed structure. With the displacements y0 of the output rows and the
- * voltages v0 at this equilibrium, and the influence matrix B there, the output rows near it are y
- * = offset + B v with the offset y0 - B v0.
+ * A structure linearised about the equilibrium at its target: the influence matrix and the
+ * vibration modes of the deformed, prestressed structure. With the displacements y0 of the output
+ * rows and the voltages v0 at this equilibrium, and the influence matrix B there, the output rows
+ * near it are y = offset + B v with the offset y0 - B v0.
  */
 #ifndef DEFORMED_H
 #define DEFORMED_H
@@ -15,7 +15,8 @@ typedef struct deformed {
     analysis analysis; /* analysis of the scene; its influence matrix [outputs][inputs] is that at
                           the target */
     vibration vibration;
-    modal modal;      /* modes about the target, with the amplifiers as inputs */
+    modal modal;      /* vibration modes about the equilibrium at the target, with the amplifiers as
+                         inputs */
     double *offset;   /* [outputs] displacement of each output row, extrapolated to 0 V */
     double amplitude; /* largest displacement of a target node at the equilibrium, divided by the
                          thickness */
@@ -25,7 +26,7 @@ typedef struct deformed {
  * Compute the equilibrium with the best voltages for the target of the scene, and linearise the
  * structure there.
  *   nominal in  analysis of a scene with a target and all densities, whose kinematics is not linear
- *   modes   in  number of modes
+ *   modes   in  number of vibration modes
  * Returns 0, or -1 with error filled; call deformed_close in either case.
  */
 int deformed_open(deformed *deformed, const analysis *nominal, int modes, char *error);

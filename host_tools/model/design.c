@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Inputs (columns) and outputs (rows) of a scene as sparse vectors over the dof (design.h). */
+/*
+ * Inputs (columns) and outputs (rows) of a scene as sparse vectors over the degrees of freedom of
+ * its mesh.
+ */
 #include "design.h"
 #include <math.h>
 #include <stdlib.h>
@@ -42,7 +45,7 @@ void design_release(const void *table)
     free(owned.memory);
 }
 
-/* Append a dense row [dof] to a sparse matrix, as a list of its nonzero entries. */
+/* Append a dense row [dof] to a sparse matrix, as a list of the nonzero entries of the row. */
 static void append_row(row_builder *builder, const double *dense, int dof)
 {
     if (builder->rows + 2 > builder->room_rows) {
@@ -219,7 +222,7 @@ static int has_place(const scene_output *output)
 
 /*
  * List the mesh nodes of the named outputs of the scene.
- *   node [nodes] work
+ *   node [nodes] out  work array
  */
 static int build_places(design *design, int *node)
 {
@@ -506,7 +509,7 @@ static void fill_structure(design *design, const row_builder *columns, const row
 
 /*
  * Build all inputs and outputs of the structure.
- *   dense [free_dof], value [nodes], node [nodes] work
+ *   dense [free_dof], value [nodes], node [nodes] out  work arrays
  * Returns 0, or -1 with error filled.
  */
 static int build_all(design *design, row_builder *columns, row_builder *rows, double *dense,

@@ -163,7 +163,7 @@ int design_control(design *design, const double *influence, char *error);
  * Compute the voltage limits of every amplifier.
  *   common                    in   source of the common limits; for LIMITS_SCENE, copy the limits
  *       that design_control computed
- *   lower, upper [amplifiers] out  (V)
+ *   lower, upper [amplifiers] out  voltage limits (V)
  * Returns 0, or -1 with error filled where no voltage is allowed for an amplifier.
  */
 int design_limits(const design *design, common_limits common, double *lower, double *upper,
@@ -191,7 +191,7 @@ int design_vary(const design *design, scene *copy);
  * Resultants that 1 V (or 1 K) of one amplifier of an actuator causes in one element, times the
  * area of the element.
  *   cell    in   index of the amplifier within the actuator's grid, second grid index fastest
- *   h0 [10] out
+ *   h0 [10] out  these resultants
  * Returns whether the amplifier acts in the element.
  */
 int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell, int element,
@@ -240,7 +240,7 @@ double design_target_gap(const design *design);
 /*
  * Evaluate the target displacement at the target nodes, and remove its part along the free
  * functions (shapes that may be added to the target at no cost).
- *   value [targets] out
+ *   value [targets] out  value at each target
  * Returns 0, or -1 with error filled where a value is not finite.
  */
 int design_target_values(const design *design, const expr *wanted, scene_at at, double *value,
@@ -248,7 +248,7 @@ int design_target_values(const design *design, const expr *wanted, scene_at at, 
 
 /*
  * Evaluate the value of a load at all nodes.
- *   value [nodes] out
+ *   value [nodes] out  value at each node
  * Returns 0, or -1 with error filled where a value is not finite.
  */
 int design_load_values(const mesh *mesh, const scene_load *load, double *value, char *error);
@@ -274,15 +274,15 @@ void design_shape(const design *design, const double *displacement, double *shap
  * Squared weighted norm |W P (shape - wanted)|^2, or |W P shape|^2 where `wanted` is NULL, with the
  * weights W and the projector P that removes the free functions (shapes that may be added to the
  * target at no cost).
- *   shape, wanted [targets] in
+ *   shape, wanted [targets] in  reached and wanted displacements
  */
 double design_squares(const design *design, const double *shape, const double *wanted);
 
 /*
  * Difference between a shape and the wanted displacements, without its part along the free
  * functions (shapes that may be added to the target at no cost).
- *   shape, wanted [targets] in
- *   misfit        [targets] out
+ *   shape, wanted [targets] in  reached and wanted displacements
+ *   misfit        [targets] out  the difference
  * Returns the weighted sum of squares of the misfit in the rows on constrained dof.
  */
 double design_misfit(const design *design, const double *shape, const double *wanted,
@@ -291,7 +291,7 @@ double design_misfit(const design *design, const double *shape, const double *wa
 /*
  * Remove the part along the free functions of the target (shapes that may be added at no cost) from
  * a shape.
- *   shape [targets] in/out
+ *   shape [targets] in/out  displacements
  */
 void design_take_free(const design *design, double *shape);
 
@@ -299,8 +299,8 @@ void design_take_free(const design *design, double *shape);
  * Influence matrix for the voltage problem: the part along the free functions (shapes that may be
  * added to the target at no cost) is removed, and rows on constrained dof are set to 0.
  *   influence [outputs][stride]     in   influence matrix, the amplifiers' columns first
- *   column    [targets]             work
- *   out       [targets][amplifiers] out
+ *   column    [targets]             out  work array
+ *   out       [targets][amplifiers] out  influence matrix for the voltage problem
  */
 void design_influence_free(const design *design, const double *influence, size_t stride,
                            double *column, double *out);
@@ -323,7 +323,7 @@ void design_release(const void *table);
 /*
  * Weights of the dof of a node in one displacement component of one face. The order of dof is: mean
  * of both faces' displacements, their difference divided by the thickness, seventh dof.
- *   weight [7] out
+ *   weight [7] out  weight of each dof
  */
 void design_output_weights(const mesh *mesh, int node, scene_component component, scene_face face,
                            double weight[7]);

@@ -56,8 +56,8 @@ static double difference(const double *first, const double *second, int i)
 }
 
 /*
- * Entry i of shape - wanted minus a combination of the first `count` free functions of the target
- * (shapes that may be added at no cost).
+ * Return entry i of the vector (shape - wanted) minus a combination of the first `count` free
+ * functions of the target (shapes that may be added at no cost).
  *   coefficient [count] in  coefficients of this combination
  */
 static double residual_entry(const design *design, const double *shape, const double *wanted,
@@ -71,9 +71,10 @@ static double residual_entry(const design *design, const double *shape, const do
 }
 
 /*
- * Weighted least-squares fit of the first `count` free functions of the target (shapes that may be
- * added at no cost) to shape - wanted. A second iteration corrects rounding errors.
- *   coefficient [count] out
+ * Compute the weighted least-squares fit of the first `count` free functions of the target (shapes
+ * that may be added at no cost) to the vector (shape - wanted). A second iteration corrects
+ * rounding errors.
+ *   coefficient [count] out  coefficients of the functions
  */
 static void fit(const design *design, const double *shape, const double *wanted, int count,
                 double *coefficient)

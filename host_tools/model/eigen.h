@@ -18,7 +18,7 @@ void eigen_symmetric(double *a, double *v, size_t n, int sweeps, double negligib
  * with k = 2^squarings (Gelfand's formula). The result exceeds the spectral radius by a factor of
  * at most about (condition of the eigenvectors)^(1/k).
  *   a    [n][n] in/out  matrix A; overwritten
- *   work [n][n] work
+ *   work [n][n] out  work array
  */
 double eigen_radius(double *a, double *work, size_t n, int squarings);
 

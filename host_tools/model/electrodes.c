@@ -7,13 +7,13 @@
 #include "load_forces.h"
 
 /*
- * Voltage that one input applies across one ply of an element: `factor` times the value of the
- * input, on the fraction `share` of the element's area.
+ * Voltage that one input applies across one ply of an element: the value of the input times
+ * `factor`, on the fraction `share` of the area of the element.
  */
 typedef struct across {
     int input, ply;
     double factor;
-    double share; /* part of the element that the electrode covers, from 0 to 1 */
+    double share; /* part of the element's area that the electrode covers, from 0 to 1 */
     const scene_patches *patches;
     int patch;
 } across;
@@ -23,7 +23,7 @@ typedef struct across_list {
     across *entry;
     design_part *part; /* work array for the patches of one actuator or sensor in the element */
     int count, room;
-    bool is_full; /* whether an allocation of memory has failed */
+    bool is_full; /* whether an allocation of memory for the list has failed */
 } across_list;
 
 /* Enlarge a list so that `more` further entries fit. */
@@ -73,8 +73,8 @@ static void all_across(const design *design, int element, across_list *list)
 }
 
 /*
- * Part of an element in which two electrodes overlap, from 0 to 1. Electrodes of one layer do not
- * overlap.
+ * Return the part of an element's area in which two electrodes overlap, from 0 to 1. Electrodes of
+ * one layer do not overlap.
  */
 static double common_share(const design *design, int element, const across *one,
                            const across *other)
@@ -90,8 +90,9 @@ static double common_share(const design *design, int element, const across *one,
 }
 
 /*
- * Add the charge that a unit of every input causes on the electrodes of one element at zero strain.
- *   dense [electrodes][inputs] in/out
+ * Add the charges that a unit of every input (1 V or 1 K) causes on all electrodes of one element
+ * at zero strain.
+ *   dense [electrodes][inputs] in/out  charge of each electrode per unit of each input
  */
 static void add_element(const design *design, int element, across_list *list, double *dense)
 {

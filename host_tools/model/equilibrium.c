@@ -61,8 +61,8 @@ static void append(resultant_builder *builder, int element, const double h0[LAMI
 }
 
 /*
- * Append the prescribed resultants of one actuator's amplifiers or one sensor's electrodes, of
- * which `first` is the first input.
+ * Append the stress resultants that the amplifiers of one actuator or the electrodes of one sensor
+ * prescribe per unit of their inputs. `first` is the index of the first of these inputs.
  */
 static void append_actuator(resultant_builder *builder, const mesh *mesh,
                             const scene_actuator *actuator, int first)
@@ -124,7 +124,7 @@ static void set_corner(const mesh *mesh, int element, int corner, const pzs_foll
 }
 
 /*
- * Set the fractions of pressure at a corner times area of the element that act as forces on that
+ * Set which fractions of (pressure at a corner times area of the element) act as forces on that
  * corner, on each neighbouring corner and on the opposite corner.
  */
 static void set_shares(pzs_follower *follower, int is_cartesian)
@@ -154,7 +154,7 @@ static pzs_status build_follower(equilibrium *equilibrium, const scene_load *loa
     if (design_load_values(mesh, load, pressure, error) < 0)
         return PZS_E_NONFINITE;
     follower->input = input;
-    follower->load_face = 2; /* load face 2 is the middle surface */
+    follower->load_face = 2; /* the number 2 of a load's face stands for the middle surface */
     if (load->face == FACE_INNER || load->face == FACE_OUTER)
         follower->load_face = load->face == FACE_OUTER;
     follower->normal_face = load->follower == FOLLOWER_PRESSURE && load->face == FACE_INNER ? 0 : 1;
@@ -179,8 +179,9 @@ static pzs_status build_follower(equilibrium *equilibrium, const scene_load *loa
 /* ---- contact ---------------------------------------------------------- */
 
 /*
- * Distance function of a contact body that is given by a formula psi: psi / |grad psi|, with the
- * gradient by finite differences with a step of 1e-4 of the mesh size.
+ * Distance function of a rigid body whose surface is given by a formula psi = 0. The distance is
+ * psi divided by the norm of its gradient, which is formed by finite differences with a step of
+ * 1e-4 of the mesh size.
  */
 static double psi_gap(const pzs_body *body, const double x[3], double normal[3],
                       double hessian[3][3])
@@ -285,7 +286,7 @@ double equilibrium_contact_output(const equilibrium *equilibrium, const scene_ou
     return (double)NAN;
 }
 
-/* Advice to the user against a penetration of the contact's body. */
+/* Advice to the user on how to prevent the rigid body of a contact from penetrating the shell. */
 static const char *penetration_cure(const pzs_contact *contact, pzs_status status)
 {
     if (status == PZS_W_BEHIND)
@@ -365,8 +366,9 @@ void equilibrium_save(const equilibrium *equilibrium, void *state)
 }
 
 /*
- * Restore the state of the solver (equilibrium.h). The factor of the stiffness matrix in the model
- * is not restored, because it belongs to another shape; the next equilibrium computes its own.
+ * Restore a saved state of the equilibrium solver. The factor of the stiffness matrix in the model
+ * is not restored, because it belongs to another shape; the next equilibrium computes its own
+ * factor.
  */
 void equilibrium_restore(equilibrium *equilibrium, const void *state)
 {

@@ -14,7 +14,9 @@ typedef struct equilibrium {
     pzs_nonlinear tables;
     pzs_follower *follower; /* [followers] tables of the follower loads: loads whose direction
                                follows the rotation of the shell */
-    pzs_follower_load *follower_load; /* [followers] state of each follower load in the solver */
+    pzs_follower_load *follower_load; /* [followers] state of each follower load (load whose
+                                         direction follows the rotation of the shell) in the solver
+                                       */
     int followers;
     pzs_contact_face contact_face;
     pzs_body body;
@@ -42,7 +44,7 @@ void equilibrium_close(equilibrium *equilibrium);
 /*
  * equilibrium_state_bytes returns the size of the solver's state in bytes, equilibrium_save copies
  * the state into a buffer, equilibrium_restore sets the solver to a saved state.
- *   state [equilibrium_state_bytes] out for save, in for restore
+ *   state in/out  buffer of this size
  */
 size_t equilibrium_state_bytes(const equilibrium *equilibrium);
 void equilibrium_save(const equilibrium *equilibrium, void *state);
@@ -60,7 +62,7 @@ double equilibrium_contact_output(const equilibrium *equilibrium, const scene_ou
  * Describe how the contact's body came to lie inside the shell and what the user can do, for the
  * last load step that was refused or led to a warning.
  *   status             in   PZS_E_PENETRATION or PZS_W_BEHIND
- *   text [SCENE_ERROR] out
+ *   text [SCENE_ERROR] out  the description
  */
 void equilibrium_penetration_text(const equilibrium *equilibrium, pzs_status status, char *text);
 

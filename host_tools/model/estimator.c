@@ -12,18 +12,18 @@
 enum { SWEEPS = 30, POWER = 300 };
 
 /*
- * Intermediate results of the computation of the estimator's gains. A disturbance is a load or a
- * deviation of an amplifier's voltage.
+ * Intermediate results of the computation of the gains of the shape estimator. A disturbance is a
+ * load or a deviation of an amplifier's voltage.
  */
 typedef struct estimation {
     const analysis *analysis;
     size_t targets, amplifiers, loads, disturbances, sensors;
-    double *sigma;       /* [disturbances] standard deviations of the loads, then of the amplifiers'
-                            voltages */
-    double *sensitivity; /* [sensors][inputs] reading of each sensor per unit of each input */
-    double *noise;       /* [sensors] standard deviation of the noise of each sensor */
-    double *shape;       /* [targets][disturbances] weighted shape per standard deviation of each
-                            disturbance */
+    double *sigma; /* [disturbances] standard deviations of the disturbances: first those of the
+                      loads, then those of the amplifiers' voltages */
+    double *sensitivity;    /* [sensors][inputs] reading of each sensor per unit of each input */
+    double *noise;          /* [sensors] standard deviation of the noise of each sensor */
+    double *shape;          /* [targets][disturbances] weighted shape per standard deviation of each
+                               disturbance */
     double *scaled_reading; /* [sensors][disturbances] reading per standard deviation of each
                                disturbance, divided by the sensor's noise */
     double *square; /* [sensors][sensors] covariance of the readings under the disturbances, divided
@@ -192,8 +192,9 @@ static void form_covariance(estimation *estimation)
 /* ---- eigenvalues ------------------------------------------------------ */
 
 /*
- * Diagonalise the scaled covariance of the readings: the eigenvalues replace the matrix `square`,
- * the eigenvectors are stored in `eigenvector`.
+ * Compute eigenvalues and eigenvectors of the covariance of the readings, scaled by the noise of
+ * the sensors. The eigenvalues replace the diagonal of the matrix `square`; the eigenvectors are
+ * stored in `eigenvector`.
  */
 static void diagonalise(estimation *estimation)
 {
@@ -262,8 +263,8 @@ static void make_gains(estimation *estimation, estimator *estimator)
 /*
  * Subtract from a combination x of disturbances the part that the estimator infers from the
  * readings: x - C'(1 + C C')^-1 C x with C = scaled_reading [sensors][disturbances].
- *   left [disturbances] in   x
- *                       out  part of x that is not known
+ *   left [disturbances] in   combination x
+ *                     out  part of x that is not known
  */
 static void remove_observed_part(estimation *estimation, double *left)
 {
@@ -326,7 +327,10 @@ static void measure_errors(estimation *estimation, estimator *estimator)
     estimator->remaining = sqrt(fmax(left, 0));
 }
 
-/* Find the shape in which the error of the estimate is largest, by the power method. */
+/*
+ * Find the shape in which the error of the estimated shape is largest, by the power method
+ * (repeated multiplication with the covariance of the error).
+ */
 static void find_worst(estimation *estimation, estimator *estimator)
 {
     for (size_t i = 0; i < estimation->targets; i++)

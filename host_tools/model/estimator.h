@@ -4,10 +4,11 @@
  * these sensors determine the shape.
  *
  * The shape is y = B v + A a: the effect of the voltages v, and of disturbances a of mean 0 and
- * variance 1. The columns of A are the effects of loads and of deviations of the electrodes'
- * voltages, times the standard deviations given in the scene file. The sensors read s = S v + C a +
- * noise with the covariance N^2 of the noise. The best linear estimate is y = B v + G (s - S v)
- * with G = A C' (C C' + N^2)^-1, and the covariance of its error is A (1 + C' N^-2 C)^-1 A'.
+ * variance 1. B is the influence matrix. The columns of A are the effects of loads and of
+ * deviations of the electrodes' voltages, times the standard deviations given in the scene file.
+ * The sensors read s = S v + C a + noise, with the readings S per volt, the readings C per unit of
+ * each disturbance, and the covariance N^2 of the noise. The best linear estimate is y = B v + G (s
+ * - S v) with G = A C' (C C' + N^2)^-1, and the covariance of its error is A (1 + C' N^-2 C)^-1 A'.
  */
 #ifndef ESTIMATOR_H
 #define ESTIMATOR_H
@@ -28,7 +29,8 @@ typedef struct estimator {
     double worst_remaining;
     double *worst;    /* [targets] shape in which the error of the estimate is largest, scaled to a
                          largest entry of 1 */
-    int worst_target; /* target row of the largest entry of `worst` */
+    int worst_target; /* index of the target row (controlled displacement) with the largest entry of
+                         `worst`, the shape in which the error of the estimate is largest */
     double *direct, *gain;  /* direct [sensors][amplifiers]: reading of each sensor per volt of each
                                amplifier; gain [targets][sensors]: estimated shape per unit of each
                                reading */
@@ -50,7 +52,7 @@ typedef struct estimator {
 int estimator_open(estimator *estimator, const analysis *analysis, char *error);
 void estimator_close(estimator *estimator);
 
-/* Write one line of text on how well the sensors determine the shape. */
+/* Write one line of text on how well the sensors of the shape estimator determine the shape. */
 void estimator_text(const estimator *estimator, const analysis *analysis, char text[SCENE_ERROR]);
 
 #endif

@@ -15,9 +15,10 @@
 /* ---- state ------------------------------------------------------------ */
 
 /*
- * State of the arc-length method. All vectors have free_dof entries. A point of the load path
- * consists of a displacement and a load factor; `direction` is the increment of the last step,
- * which distinguishes forwards from backwards.
+ * State of the arc-length method, which follows the load path (curve of equilibria) step by step.
+ * All vectors have free_dof entries. A point of the load path consists of a displacement and a load
+ * factor; `direction` is the increment of the displacement in the last step, by which the forward
+ * direction on the path is known.
  */
 typedef struct arc_search {
     pzs_solver *solver;
@@ -33,7 +34,7 @@ typedef struct arc_search {
                             tangent stiffness times (load minus internal force) */
     double *by_load;     /* [free_dof] change of displacement per unit of the load factor: inverse
                             tangent stiffness times force per unit of the load factor */
-    double *unit;        /* [free_dof] nodal forces per unit of one input */
+    double *unit;        /* [free_dof] nodal forces per unit of one input of the structure */
     double load_factor;  /* load factor at the present point of the load path */
     double start_factor; /* load factor at the last converged point of the load path */
     int iterations;
@@ -82,8 +83,8 @@ static int arc_open(arc_search *arc_search, analysis *analysis)
 /* ---- one linear solve ------------------------------------------------- */
 
 /*
- * Set the solver to the displacement of the last converged point plus the present increment, at the
- * present load factor.
+ * Set the equilibrium solver to the displacement at the last converged point of the load path plus
+ * the present increment, at the present load factor.
  */
 static void set_point(arc_search *arc_search)
 {
@@ -96,7 +97,10 @@ static void set_point(arc_search *arc_search)
     pzs_nonlinear_set_prescribed(solver);
 }
 
-/* Compute the force per unit of the load factor at the present point and store it in by_load. */
+/*
+ * Compute the force per unit of the load factor at the present point of the load path, and store it
+ * in the vector by_load.
+ */
 static void full_force(arc_search *arc_search)
 {
     const uint32_t inputs = arc_search->solver->state.model->state.structure->input.count;
@@ -112,8 +116,9 @@ static void full_force(arc_search *arc_search)
 }
 
 /*
- * Assemble and factor the tangent stiffness at the present point, and solve for by_residual and
- * by_load. Returns false if the tangent stiffness is singular.
+ * Assemble and factor the tangent stiffness at the present point, and solve for the changes of
+ * displacement by the residual forces and per unit of the load factor. Returns false if the tangent
+ * stiffness is singular.
  *   uses_true_resultants in  true: the geometric stiffness comes from the stress resultants of the
  *       displacement; false: from the resultants extrapolated from the last point of the iteration
  */
@@ -151,8 +156,8 @@ static double constrained_change(const arc_search *arc_search, double arc)
                         scalar_product(arc_search, residual, residual) - arc * arc;
     const double root = sqrt(half * half - load2 * rest);
     /*
-     * Scalar product of the increment and the change of displacement per unit of the load factor;
-     * its sign decides which of the two solutions turns the increment less.
+     * Scalar product of the increment and of the change of displacement per unit of the load
+     * factor; its sign decides which of two solutions changes the direction of the increment less.
      */
     const double along = scalar_product(arc_search, increment, load);
     return (-half + (along < 0 ? -root : root)) / load2;
@@ -187,15 +192,18 @@ static bool correct_increment(arc_search *arc_search, double arc)
     return false;
 }
 
-/* Sign of the change of the load factor that continues in the direction of the last step. */
+/*
+ * Return the sign (1 or -1) of the change of the load factor that continues in the direction of the
+ * last step on the load path.
+ */
 static double forward_sign(const arc_search *arc_search)
 {
     return scalar_product(arc_search, arc_search->direction, arc_search->by_load) < 0 ? -1 : 1;
 }
 
 /*
- * Return to the last converged point and compute its tangent stiffness. Returns whether this has
- * succeeded.
+ * Return to the last converged point of the load path and compute its tangent stiffness. Returns
+ * whether this has succeeded.
  */
 static bool restore_start(arc_search *arc_search)
 {
@@ -206,8 +214,8 @@ static bool restore_start(arc_search *arc_search)
 
 /*
  * Make one step of length `arc` from the last converged point, whose tangent stiffness has been
- * factored. Returns whether the step has converged; then by_load and the pivots belong to the new
- * point, and `start` is still the old point.
+ * factored. Returns whether the step has converged; then the tangent stiffness and its pivots
+ * belong to the new point, and `start` is still the displacement of the old one.
  */
 static bool try_step(arc_search *arc_search, double arc)
 {
@@ -238,11 +246,12 @@ static void accept_point(arc_search *arc_search)
 /* ---- critical points -------------------------------------------------- */
 
 /*
- * Quantities whose change between two points shows a critical point between them: the sign of the
- * change of the load factor and the number of negative pivots.
+ * Quantities that are compared at two points of the load path to find critical points between them:
+ * the sign of the change of the load factor, and the number of negative pivots of the tangent
+ * stiffness.
  */
 typedef struct signature {
-    double course; /* sign of the change of the load factor along the path */
+    double course; /* sign of the change of the load factor along the load path */
     int negative_pivots;
 } signature;
 
@@ -336,8 +345,8 @@ static void add_point(load_path *path, const arc_search *arc_search)
 }
 
 /*
- * Length of the next step: longer after few iterations, shorter after many, and never above
- * `longest`.
+ * Return the length of the next step on the load path: longer after few iterations, shorter after
+ * many, and never above `longest`.
  */
 static double next_arc(double arc, int iterations, double longest)
 {
@@ -373,7 +382,7 @@ static void take_steps(arc_search *arc_search, load_path *path)
     }
 }
 
-/* Make the last point of the path the equilibrium from which the solver continues. */
+/* Make the last point of the load path the equilibrium from which the solver continues. */
 static void continue_from_end(arc_search *arc_search)
 {
     pzs_solver *solver = arc_search->solver;

@@ -151,7 +151,7 @@ static void close_fit(fit *fit)
 /*
  * Parts of the interval from 0 to s that lie in each quarter of the voltage range (V, negative for
  * s < 0), where s is a voltage minus the middle of the range.
- *   row [SLOPES] out
+ *   row [SLOPES] out  length of each part, with sign
  */
 static void fill_slopes(const fit *fit, double s, double *row)
 {

@@ -36,13 +36,12 @@ typedef struct identification {
 
 /*
  * Fit the numbers of the hysteresis and creep model to a sweep.
- *   plays in  number of play operators, 1 to SCENE_PLAYS; 8 are as good as more
- *   gain  in  position per volt without hysteresis and creep, where it is known; 0: the change of
- *       position from the lowest to the highest voltage of the sweep, over the change of voltage
- *   error [SCENE_ERROR] out
- * Returns 0, or -1 with error filled: memory ran out, there are too few or too many samples, a
- * number is not finite, the voltage does not change, or the position does not rise with the
- * voltage.
+ *   plays in  number of play operators, 1 to SCENE_PLAYS; more than 8 hardly improve the fit gain
+ *             in  position per volt without hysteresis and creep, where it is known; 0: the change
+ *             of position from the lowest to the highest voltage of the sweep, over the change of
+ *             voltage error [SCENE_ERROR] out  message Returns 0, or -1 with error filled: memory
+ *             ran out, there are too few or too many samples, a number is not finite, the voltage
+ *             does not change, or the position does not rise with the voltage.
  */
 int identify(identification *result, const sweep *sweep, int plays, double gain, char *error);
 

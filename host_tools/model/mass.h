@@ -13,9 +13,9 @@
 #include "design.h"
 
 /*
- * Default share of the lumped matrix in the mean of the lumped and the consistent mass matrix. Two
- * thirds give the smallest error of the first six frequencies over plates, a disc, a panel and a
- * cylinder; a share of 0 gives the consistent matrix, 1 the lumped one.
+ * Default weight of the lumped mass matrix in the weighted mean of the lumped and the consistent
+ * mass matrix. Two thirds give the smallest error of the first six natural frequencies of plates, a
+ * disc, a panel and a cylinder; the weight 0 gives the consistent matrix, 1 the lumped matrix.
  */
 #define MASS_LUMPED (2.0 / 3)
 
@@ -40,8 +40,8 @@ const double *mass_element(const mass *mass, int element);
 /*
  * Multiply the mass matrix with a vector over the free dof of a model of the same mesh; entries of
  * dof with prescribed displacements are set to 0.
- *   vector  [free_dof] in
- *   product [free_dof] out
+ *   vector  [free_dof] in  vector to be multiplied
+ *   product [free_dof] out  product of matrix and vector
  */
 void mass_multiply(const mass *mass, const pzs_model *model, const double *vector, double *product);
 

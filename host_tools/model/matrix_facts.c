@@ -16,7 +16,7 @@ double matrix_column_size(const scene *scene, int k)
 
 /*
  * Product of the transposed influence matrix with the influence matrix.
- *   gram [amplifiers][amplifiers] out
+ *   gram [amplifiers][amplifiers] out  product
  */
 static void multiply(const scene_influence *influence, size_t amplifiers, double *gram)
 {

@@ -8,10 +8,10 @@
 typedef struct matrix_facts {
     double entry; /* largest absolute entry of the influence matrix (length per volt) */
     double most;  /* largest singular value of the influence matrix */
-    double least; /* smallest singular value that is above the fraction MATRIX_RANK of the largest
-                   */
-    int rank; /* number of singular values above the fraction MATRIX_RANK of the largest; -1: not
-                 computed because there are too many actuators */
+    double least; /* smallest singular value of the influence matrix that counts as nonzero, because
+                     it is above the fraction MATRIX_RANK of the largest one */
+    int rank; /* number of singular values of the influence matrix above the fraction MATRIX_RANK of
+                 the largest one; -1: not computed because there are too many actuators */
 } matrix_facts;
 
 /*

@@ -18,12 +18,12 @@ void mesh_values_add_outputs(mesh_values *values, const analysis *analysis, cons
 mesh_measure mesh_measure_solve;
 /*
  * Compute, on one mesh, the relative shape error of the optimal voltages within limits. The
- * argument `context` points to the common_limits.
+ * argument `context` points to the voltage limits, which are the same on all meshes.
  */
 mesh_measure mesh_measure_shape;
 /*
- * Compute the natural frequencies on one mesh. The argument `context` points to their number, an
- * int.
+ * Compute the natural frequencies of the structure on one mesh. The argument `context` points to
+ * the number of frequencies, an int.
  */
 mesh_measure mesh_measure_modes;
 

@@ -58,8 +58,8 @@ bool modal_open(modal *modal, const design *design, const vibration *vibration, 
 }
 
 /*
- * Fill the static response of every mode to one input at the equilibrium of a solver.
- *   force [free_dof] work
+ * Compute the static response of every vibration mode to one input at the equilibrium of a solver.
+ *   force [free_dof] out  work array
  */
 static void fill_response_at(modal *modal, const vibration *vibration, pzs_solver *solver, size_t k,
                              double *force)

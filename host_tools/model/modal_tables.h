@@ -14,7 +14,7 @@
 
 typedef struct modal {
     size_t modes, rows, inputs;
-    double *frequency; /* [modes] angular frequencies of the modes (rad/s) */
+    double *frequency; /* [modes] angular frequencies of the vibration modes (rad/s) */
     double *damping;   /* [modes] damping ratios of the modes */
     double *shape;    /* [rows][modes] displacement of each output row per unit of the coordinate of
                          each vibration mode */

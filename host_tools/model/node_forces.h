@@ -24,8 +24,8 @@ void node_face_weights(const mesh *mesh, scene_face face, const double direction
 
 /*
  * Add weights on the dof of a node, multiplied by a factor, to a dense row over the free dof.
- *   weight [dof_per_node] in
- *   dense  [free_dof]     in/out
+ *   weight [dof_per_node] in      weight of each dof
+ *   dense  [free_dof]     in/out  row to which the weights are added
  */
 void node_add(const mesh *mesh, int node, double factor, const double *weight, double *dense);
 
@@ -33,7 +33,7 @@ void node_add(const mesh *mesh, int node, double factor, const double *weight, d
  * Add the nodal forces that prescribed resultants of one element cause in the reference state to a
  * dense column.
  *   h0    [10]       in  prescribed stress resultants times the area of the element
- *   dense [free_dof] in/out
+ *   dense [free_dof] in/out  nodal forces of the structure
  */
 void node_add_resultants(const mesh *mesh, int element, const double h0[LAMINATE_STRAINS],
                          double *dense);

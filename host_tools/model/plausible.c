@@ -261,8 +261,8 @@ void plausible_result(plausible *warnings, const mesh *mesh, const double *displ
                       int is_linear, const char *name)
 {
     if (mesh->elements == 0)
-        return; /* a scene with a measured influence matrix has no elements, hence no thickness or
-                   strain to check */
+        return; /* a scene with a measured influence matrix has no elements, and thus no thickness
+                   or strain that a rule could check */
     const subject of = {.scene = mesh->scene,
                         .mesh = mesh,
                         .displacement = displacement,

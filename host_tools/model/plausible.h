@@ -16,15 +16,15 @@ enum { PLAUSIBLE_MOST = 24 };
 
 typedef struct plausible_warning {
     const char *rule;    /* name of the plausibility rule that gave the warning */
-    double value, limit; /* measured number, and end of the usual range beyond which the number
-                            lies; in SI units, or ratios */
+    double value, limit; /* number that a plausibility rule has measured, and the limit of the usual
+                            range that it exceeds or falls below; in SI units, or a ratio */
     const char *unit;    /* unit of the measured number and of the usual range */
-    scene_at at; /* position in the scene file to which the warning refers; line 0: the scene as a
-                    whole */
+    scene_at at; /* position in the scene file to which the warning refers; line 0: the warning
+                    refers to the whole scene */
     char text[SCENE_ERROR]; /* warning as text: "file:line:column: what was found; what to do" */
 } plausible_warning;
 
-/* List of warnings. All members must be 0 before the first use. */
+/* List of plausibility warnings. All members must be 0 before the first use. */
 typedef struct plausible {
     int count;
     int dropped; /* number of warnings that were not stored because the list was full */
@@ -40,7 +40,7 @@ void plausible_mesh(plausible *warnings, const mesh *mesh);
 /*
  * Apply the plausibility rules on a displacement of a structure. Where several displacements are
  * examined, the warning about the worst of them is kept for each rule.
- *   displacement [free_dof] in
+ *   displacement [free_dof] in  displacement vector of the structure
  *   is_linear               in  true if the displacement was computed with linear kinematics
  *   name                    in  name of the displacement in the text of a warning
  */
@@ -71,8 +71,8 @@ typedef struct plausible_optimum {
 } plausible_optimum;
 
 /*
- * Apply the plausibility rules on recovered stresses, whose reserve factors against the strengths
- * of the materials should be at least 1.
+ * Recovered stresses of the elements, to which plausibility rules are applied: reserve factors
+ * against the strengths of the materials should be at least 1.
  */
 struct stress_field;
 void plausible_stress(plausible *warnings, const struct stress_field *field);

@@ -8,7 +8,10 @@
 #include "../scene/scene_units.h"
 #include "matrix_facts.h"
 
-/* Largest number of actuators whose columns are compared with each other. */
+/*
+ * Largest number of actuators for which the columns of a measured influence matrix are compared
+ * with each other.
+ */
 enum { COMPARED = 512 };
 
 /*

@@ -9,7 +9,7 @@
 #include "../scene/units.h"
 
 /*
- * Object to which a plausibility rule is applied: a scene, a mesh, a displacement, voltages or an
+ * Object to which a plausibility rule is applied: a scene, a mesh, a displacement, voltages or the
  * optimum of the voltages. Members that a rule does not need are NULL.
  */
 typedef struct subject {
@@ -20,7 +20,8 @@ typedef struct subject {
     const char *name;
     const struct plausible_optimum *optimum;
     const struct stress_field *stress;     /* recovered stresses of the structure */
-    const struct stress_summary *extremes; /* extremes and reserve factors of the stresses */
+    const struct stress_summary *extremes; /* largest stresses and strains, and smallest reserve
+                                              factors, of the structure */
     double path_difference;   /* difference between the displacement and the one computed with twice
                                  as many load steps, relative to the displacement
                                  (analysis_path_difference) */

@@ -53,8 +53,8 @@ int measure_displacement(const subject *of, int k, measured *found)
 }
 
 /*
- * Edge vectors of one face of an element along both of its directions (x), and their changes by the
- * displacement (u).
+ * Edges of one face of an element: their two directions as vectors `x`, and the changes `u` of
+ * these vectors by the displacement.
  */
 typedef struct cell {
     double position[2][3], displacement[2][3];
@@ -62,7 +62,7 @@ typedef struct cell {
 
 /*
  * Compute the positions of both faces of the shell at all nodes, undeformed and displaced.
- *   point, moved [nodes][2][3] out
+ *   point, moved [nodes][2][3] out  undeformed and displaced positions of both faces at each node
  */
 static void face_points(const mesh *mesh, const double *displacement, double (*point)[2][3],
                         double (*moved)[2][3])

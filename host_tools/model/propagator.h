@@ -10,8 +10,8 @@
  * r[2] d + r[3] p.
  *   frequency in   angular frequency w (rad/s)
  *   damping   in   damping ratio
- *   interval  in   (s)
- *   r [4]     out
+ *   interval  in   length of the time interval (s)
+ *   r [4]     out  entries 11, 12, 21 and 22 of the matrix
  */
 void modal_propagator(double frequency, double damping, double interval, double r[4]);
 

@@ -6,10 +6,10 @@
 #include "design.h"
 
 /*
- * Force of spring `row` of the mesh on the structure, along the direction that elongates the spring
- * (N; N m for a torsional spring): the force of a stack at its voltage, less stiffness times
- * elongation.
- *   u     [free_dof] in
+ * Force that spring `row` of the mesh exerts on the structure, along the direction that elongates
+ * the spring (N; N m for a torsional spring): the force of a stack at its voltage, less stiffness
+ * times elongation.
+ *   u     [free_dof] in  displacement vector of the structure
  *   value [inputs]   in  input values that belong to u
  */
 double spring_force(const design *design, int row, const double *u, const double *value);

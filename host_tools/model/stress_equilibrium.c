@@ -37,14 +37,15 @@ typedef struct stencil {
 
 /*
  * Derivatives of the in-plane stresses 11, 22 and 12 along the two directions of principal
- * curvature, at each sample height (Pa/m): [height][direction][component].
+ * curvature, at each height at which stresses are recovered (Pa/m): [height][direction][component].
  */
 typedef double gradient[SAMPLES][2][3];
 
 /*
- * Transverse shear stresses s_13 and s_23 at each sample height, multiplied by c_1^2 c_2 and by
- * c_2^2 c_1 (Pa). The factor c_a = 1 + k_a z, with the principal curvature k_a and the height z, is
- * a length along direction a at the height z relative to the reference surface.
+ * Transverse shear stresses s_13 and s_23 at each height at which stresses are recovered,
+ * multiplied by c_1^2 c_2 and by c_2^2 c_1 (Pa). The factor c_a = 1 + k_a z, with the principal
+ * curvature k_a and the height z, is a length along direction a at the height z relative to the
+ * reference surface.
  */
 typedef double profile[SAMPLES][2];
 
@@ -463,9 +464,9 @@ static void turn_vector(const double vector[2], double angle, double turned[2])
 }
 
 /*
- * Compute the derivative of c_1 c_2 s_33 along the thickness at each sample height (Pa/m). Here
- * s_33 is the normal stress 33, and c_a is a length along direction a at the sample height relative
- * to the reference surface.
+ * Compute the derivative of c_1 c_2 s_33 along the thickness at each height at which stresses are
+ * recovered (Pa/m). Here s_33 is the normal stress 33, and c_a is a length along direction a at the
+ * sample height relative to the reference surface.
  */
 static void normal_rate(const stress_field *field, const stencil *stencil, double *rate)
 {

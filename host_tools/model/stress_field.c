@@ -117,8 +117,8 @@ static void gather(const mesh *mesh, int element, const double *displacement, do
 /*
  * Add the voltages that an actuator or sensor applies in an element through one grid of patches.
  *   value   in      voltages of the electrodes of the actuator or sensor (V)
- *   part    work    [most_parts]
- *   voltage in/out  [layers] voltages of the layers of the element (V)
+ *   part    [most_parts] out  work array
+ *   voltage [layers] in/out  voltages of the layers of the element (V)
  */
 static void add_drive(const stress_field *field, int element, const scene_drive *drive,
                       const double *value, design_part *part, double *voltage)
@@ -132,7 +132,7 @@ static void add_drive(const stress_field *field, int element, const scene_drive 
 /*
  * Add the voltages that the electrodes of actuators or sensors apply in an element.
  *   value   [electrodes] in      voltages of the electrodes of all these actuators or sensors (V)
- *   part    [most_parts] work
+ *   part    [most_parts] out     work array
  *   voltage [layers]     in/out  voltages of the layers of the element (V)
  */
 static void add_electrodes(const stress_field *field, int element, const scene_actuator *actuator,
@@ -146,7 +146,8 @@ static void add_electrodes(const stress_field *field, int element, const scene_a
 
 /*
  * Add the temperatures that all temperature inputs and temperature loads cause on the inner and on
- * the outer face of the package of layers (temperature [2] in/out, K).
+ * the outer face of the package of layers.
+ *   temperature [2] in/out  temperatures of both faces (K)
  */
 static void add_temperatures(const stress_state *state, double temperature[2])
 {
@@ -199,7 +200,8 @@ static int fill_voltages(stress_field *field)
 
 /*
  * Add the stress resultants that voltages or temperatures prescribe in an element, multiplied by a
- * factor and by the area of the element (resultant [10] in/out).
+ * factor and by the area of the element.
+ *   resultant [10] in/out  stress resultants of the element
  */
 static void add_prescribed(const mesh *mesh, int element, const laminate_field *given,
                            double factor, double resultant[10])

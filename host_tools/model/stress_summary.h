@@ -68,7 +68,7 @@ double stress_field_reserve(const design *design, int layer, double field);
  * Compute the load on each element for the picture in a report: 1 over the smallest reserve factor
  * of the layers of the element if a material of the scene has strengths, otherwise the largest von
  * Mises stress in the element (Pa).
- *   value [elements] out
+ *   value [elements] out  load on each element
  * Returns whether a material has strengths.
  */
 bool stress_load(const stress_field *field, double *value);

@@ -16,7 +16,7 @@ static double random_number(uint64_t *seed)
 
 /*
  * Compute a target that is the shape under random voltages of up to 1.5 times the limits.
- *   wanted [targets] out
+ *   wanted [targets] out  the target shape
  */
 static void random_target(const design *design, uint64_t *seed, double *wanted)
 {

@@ -45,7 +45,7 @@ void unconstrained_factor(unconstrained *solver, double regularisation);
 /*
  * Compute the voltages that correct one error of the shape.
  *   error   [outputs] in   displacements that the voltages are to cause (m)
- *   voltage [inputs]  out  (V)
+ *   voltage [inputs]  out  least-squares voltages (V)
  * Returns whether every voltage is finite; `voltage` is overwritten in either case.
  */
 bool unconstrained_solve(unconstrained *solver, const double *error, double *voltage);

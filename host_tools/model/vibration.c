@@ -475,7 +475,7 @@ static int find_modes(search *search, size_t number, char *error)
 
 /*
  * Largest displacement of the middle surface over all nodes.
- *   vector [free_dof] in
+ *   vector [free_dof] in  displacement vector
  *   sign              out  sign of the largest component of this displacement
  */
 static double largest_displacement(const search *search, const double *vector, double *sign)
@@ -515,7 +515,7 @@ static void take_shape(search *search, size_t i, double *vector)
  * Twice the strain energy of a displacement vector, computed from the strains of the elements and
  * the elongations of the springs, so that a rigid motion without springs has no energy beyond
  * rounding errors of second order.
- *   vector [free_dof] in
+ *   vector [free_dof] in  displacement vector
  */
 static double energy(const search *search, const double *vector)
 {
@@ -670,8 +670,8 @@ int vibration_most(const design *design)
 }
 
 /*
- * Compute the lowest modes about the reference state (solver NULL) or about the equilibrium of a
- * solver. Returns 0, or -1 with error filled and the result empty.
+ * Compute the lowest vibration modes about the reference state (solver NULL) or about the
+ * equilibrium of a solver. Returns 0, or -1 with error filled and the result empty.
  */
 static int solve_structure(vibration *vibration, const design *design, pzs_solver *solver,
                            int number, double lumped, char *error)

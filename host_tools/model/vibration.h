@@ -34,13 +34,13 @@ typedef struct vibration {
 } vibration;
 
 /*
- * Number of modes that the structure of a design has: that of its free dof, or of the measured
- * modes that the scene gives.
+ * Number of vibration modes that the structure of a design has: that of its free dof, or of the
+ * measured modes that the scene gives.
  */
 int vibration_most(const design *design);
 
 /*
- * Compute the lowest modes.
+ * Compute the lowest vibration modes.
  *   number in  number of modes, reduced to the number that the structure has
  *   lumped in  share of the lumped mass matrix, from 0 to 1, usually MASS_LUMPED
  * Returns 0, or -1 with error filled and the result empty where a density is missing, the iteration

@@ -119,7 +119,7 @@ static int explain(const analysis *analysis, pzs_status status, char *error)
  *       reference state
  *   wanted    [targets]             in      displacements that the voltages are to cause
  *   trust_radius                    in      largest change of any voltage (V), or INFINITY
- *   voltage   [amplifiers]          in/out  (V)
+ *   voltage   [amplifiers]          in/out  voltages before and after (V)
  */
 static pzs_status optimise_voltages(const design *design, common_limits common,
                                     const double *influence, const double *wanted, double reach,

@@ -272,7 +272,7 @@ static int find_gain_faults(wiring *wiring, wiring_fault *fault, int faults)
 
 /*
  * Apply a wiring fault to the columns of a matrix.
- *   matrix [rows][actuators] in/out
+ *   matrix [rows][actuators] in/out  matrix before and after the change
  */
 static void change_columns(const wiring_fault *fault, size_t rows, size_t actuators, double *matrix)
 {

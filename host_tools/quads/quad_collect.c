@@ -233,8 +233,8 @@ static void copy_elements(collection *collection, const size_t *first)
 
 /*
  * Allocate the elements of the mesh and copy the quadrilaterals of the file.
- *   key    [cells + 1] work
- *   first  [cells + 1] work
+ *   key    [cells + 1] out  work array
+ *   first  [cells + 1] out  work array
  * Returns 0, or -1 after writing the error message of the mesh file.
  */
 static int collect_elements(collection *collection, corners *key, size_t *first)

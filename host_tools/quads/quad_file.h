@@ -26,7 +26,7 @@ typedef struct quad_file {
 /*
  * Read a mesh file into memory. Its first bytes are examined before the rest is read, so that a
  * file that is neither Gmsh's MSH nor Abaqus' INP format is refused whatever its size.
- *   error  [QUAD_ERROR] out
+ *   error  [QUAD_ERROR] out  message
  * Returns 0, or -1 with error filled.
  */
 int quad_file_open(quad_file *file, const char *path, char *error);

@@ -15,7 +15,7 @@
  * their angles there and corrected by the fit of a quadric. On a free edge the director is
  * extrapolated from the directors inside, so that spheres and cylinders keep their exact normals.
  * Axes are those of quad_default_axis. All elements belong to one region.
- *   error  [QUAD_ERROR] out
+ *   error  [QUAD_ERROR] out  message
  * Returns 0, or -1 with error filled and the mesh empty.
  */
 int quad_read(quad_mesh *mesh, const char *path, const quad_options *options,

@@ -71,7 +71,7 @@ int report_stress_vtu(FILE *file, const stress_field *field, const double *vecto
 /*
  * Compute the Cartesian displacement of the middle surface at the nodes.
  *   u      [dof]       in   displacement vector
- *     vector [nodes][3]  out  displacement of each node along x, y and z
+ *   vector [nodes][3]  out  displacement of each node along x, y and z
  */
 void report_displacement(const mesh *mesh, const double *u, double *vector);
 

@@ -34,7 +34,7 @@ static const double narrow = 1e-4;
  * Compute the four cubic B-splines of a cell, or their first or second derivatives with respect to
  * the cell coordinate, which runs from 0 to 1.
  *   derivative  in   0, 1 or 2
- *   value [4]   out
+ *   value [4]   out  values of the four functions
  */
 static void splines(double at, int derivative, double value[ORDER])
 {
@@ -81,7 +81,7 @@ static uint32_t row_of(const bicubic *function, const int cell[2], int term)
  * Compute the 16 products of B-splines at a point of a cell, or one of their derivatives with
  * respect to the coordinates x and y of the point.
  *   derivative [2] in   order of the derivative with respect to x and to y
- *   product   [16] out
+ *   product   [16] out  the product
  */
 static void products(const bicubic *function, const double at[2], const int derivative[2],
                      double product[TERMS])

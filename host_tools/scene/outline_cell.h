@@ -67,7 +67,7 @@ void outline_cell_shift(outline_cell *cell, const double shift[2]);
 /*
  * Interpolate the coordinates of the corners of a cell at a point.
  *   natural [2]        in  natural coordinates of the point
- *   at [OUTLINE_AXES]  out
+ *   at [OUTLINE_AXES]  out  coordinates of the point
  */
 void outline_cell_at(const outline_cell *cell, const double natural[2], double at[OUTLINE_AXES]);
 

@@ -691,7 +691,8 @@ typedef struct scene_simulate {
 /* One vibration mode of a structure whose influence matrix is measured. */
 typedef struct scene_measured_mode {
     double frequency; /* natural frequency (Hz) */
-    double *shape;    /* [outputs] displacement of each output in the mode, in any unit */
+    double *shape; /* [outputs] displacement of each output in the measured vibration mode, in any
+                      unit */
     double *response; /* [amplifiers] static modal coordinate per volt of each amplifier: times the
                          shape, the part of the mode in a column of the influence matrix; NULL where
                          the scene does not give it */

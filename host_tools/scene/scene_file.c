@@ -181,8 +181,8 @@ static int take_named(reader *reader, const function_text *text, const number_ta
 
 /*
  * Copy the coordinates and values of a function from a table.
- *   point  [rows][axes] out
- *   value  [rows]       out
+ *   point  [rows][axes] out  coordinates of each point
+ *   value  [rows]       out  value at each point
  * Returns 0, or -1 after writing the error message of the YAML tree if an entry is not finite.
  */
 static int copy_columns(reader *reader, const function_text *text, const number_table *table,

@@ -232,7 +232,7 @@ static int by_name(const void *left, const void *right)
 
 /*
  * Find the element sets that a name, or a pattern with *, stands for, in the order of their names.
- *   found  [element sets of the mesh] out
+ *   found  [element sets of the mesh] out  whether each set was found
  * Returns their number, or -1 after writing the error message of the YAML tree.
  */
 static int find_sets(reader *reader, int node, const quad_set **found)

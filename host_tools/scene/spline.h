@@ -39,7 +39,7 @@ double spline_next_knot(const spline *spline, double parameter);
 /*
  * Compute the position x and the first and second derivatives d1 and d2 of a spline at a parameter.
  * Outside the range of the knots the first and the last piece are extrapolated.
- *   x, d1, d2  [2] out
+ *   x, d1, d2  [2] out  point, first and second derivative
  */
 void spline_at(const spline *spline, double parameter, double x[2], double d1[2], double d2[2]);
 

@@ -34,7 +34,7 @@ int surface_revolves(const scene_surface *surface);
 /*
  * Find the range of theta1 (direction 1) or theta2 (direction 2) beyond which the surface does not
  * exist: the chord length of a meridian through points, or the angle of a spiral.
- *   range  [2] out
+ *   range  [2] out  lowest and highest value
  * Returns 1, or 0 if the surface does not limit the coordinate.
  */
 int surface_range(const scene_surface *surface, int direction, double range[2]);

@@ -18,7 +18,7 @@ typedef struct amplifier {
 /*
  * Output voltage of an amplifier for a command (V). The amplifier enforces its voltage limits and
  * its step limit, rounds to its resolution, and ignores changes within its dead band.
- *     before in  output voltage before the command (V)
+ *   before in  output voltage before the command (V)
  */
 double amplifier_output(const amplifier *amplifier, double before, double command);
 

@@ -109,7 +109,7 @@ void imperfections_actuate(const imperfections *imperfections, const double *out
  * ceramic if all amplifiers moved to their lower or upper limits at once. Hysteresis makes the
  * stroke smaller than the voltage limits, and creep makes it larger with time; a faulty electrode
  * has no stroke. The states of the electrodes do not change.
- *     lowest, highest [amplifiers] out  these voltages (V), infinite where the voltage limit is
+ *   lowest, highest [amplifiers] out  these voltages (V), infinite where the voltage limit is
  *     infinite
  * Returns whether memory was available.
  */

@@ -58,7 +58,7 @@ void inertia_rest(inertia *inertia, const double *input);
 /*
  * Set the inputs to new values at one instant. The modal coordinates do not change, but their
  * static equilibrium moves.
- *     input [inputs] in  values of the inputs, such as voltages and load factors
+ *   input [inputs] in  values of the inputs, such as voltages and load factors
  */
 void inertia_jump(inertia *inertia, const double *input);
 

@@ -83,8 +83,8 @@ void plant_kick(plant *plant, int load, double seconds);
 /*
  * Let time pass under constant voltages and the present loads. The call has no effect on a
  * quasi-static plant.
- *   voltage [amplifiers] in  (V)
- *   seconds              in  (s)
+ *   voltage [amplifiers] in  voltages of the amplifiers (V)
+ *   seconds              in  time that passes (s)
  * Returns 0, or -1 with error filled where a nonlinear motion could not be computed.
  */
 int plant_elapse(plant *plant, const double *voltage, double seconds, char *error);
@@ -106,7 +106,7 @@ double plant_period(const plant *plant);
  * equilibrium, computed from the latest shape; on a linear structure from the influence matrix;
  * with a modal motion plus the present vibration. A nonlinear motion has its shape from the time
  * that has passed, and not from the voltages at this instant.
- *   voltage [amplifiers] in   (V)
+ *   voltage [amplifiers] in   voltages of the amplifiers (V)
  *   shape   [targets]    out  displacements
  * Returns 0, or -1 with error filled.
  */
@@ -115,7 +115,7 @@ int plant_shape(plant *plant, const double *voltage, double *shape, char *error)
 /*
  * Noise-free readings of the sensors of the scene's `estimate` section in the latest shape, to be
  * called after plant_shape.
- *   reading [sensors] out
+ *   reading [sensors] out  reading of each sensor
  * Returns 0, or -1 with error filled.
  */
 int plant_readings(plant *plant, double *reading, char *error);

@@ -34,7 +34,7 @@ typedef struct plant_motion {
     int (*outputs)(struct plant *plant, char *error);
     /*
      * Compute the displacement vector of the latest shape.
-     *   displacement [free_dof] out
+     *   displacement [free_dof] out  displacement vector of the structure
      */
     int (*displacement)(struct plant *plant, double *displacement, char *error);
 } plant_motion;

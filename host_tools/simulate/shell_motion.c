@@ -182,7 +182,7 @@ double shell_motion_step(const vibration *vibration, double interval)
  *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
  *   increment    [4 dof_per_node] in   increment along which the resultants are extrapolated;
  *                                      NULL: none
- *   resultant    [22]             out  (N m)
+ *   resultant    [22]             out  stress resultants (N m)
  */
 static void elastic_resultants(const shell_motion *motion, uint32_t element,
                                const double *displacement, const double *increment,
@@ -235,7 +235,7 @@ static double mass_factor(const shell_motion *motion, double step)
  * Stress resultants of an element that act at half a time step: mean of the resultants at the start
  * and at the end of the step, viscosity times their rate, and the prescribed resultants of voltages
  * and temperature.
- *   resultant [22] out  (N m)
+ *   resultant [22] out  these stress resultants (N m)
  */
 static void acting_resultants(const shell_motion *motion, uint32_t element, double step,
                               double resultant[22])
@@ -379,7 +379,7 @@ static void subtract_inertia(shell_motion *motion, double step, double *imbalanc
 /*
  * Compute the force imbalance of a time step at the present displacement at half the step, and the
  * displacement at the end of the step.
- *   imbalance [free_dof] out  (N and N m)
+ *   imbalance [free_dof] out  force imbalance (N and N m)
  */
 static void compute_imbalance(shell_motion *motion, double step, double *imbalance)
 {
@@ -423,9 +423,10 @@ static bool factor_matrix(shell_motion *motion, double step)
 
 /*
  * Make one linear solve of Newton's method in a time step, and update the displacement and the
- * stress resultants. is_new in  true: factor the matrix at the present displacement first; false:
- * use the factors of the last call Returns false where the matrix is singular or a result is not
- * finite.
+ * stress resultants.
+ *   is_new in  true: factor the matrix at the present displacement first; false: use the factors of
+ *              the last call
+ * Returns false where the matrix is singular or a result is not finite.
  */
 static bool solve_and_update(shell_motion *motion, double step, bool is_new)
 {

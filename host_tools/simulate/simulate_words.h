@@ -13,7 +13,7 @@ const char *simulate_words_influence(const design *design);
 
 /*
  * Describe the events with which a phase of the simulation begins.
- *   text [SIMULATE_PHASE_TEXT] out
+ *   text [SIMULATE_PHASE_TEXT] out  the description
  */
 void simulate_words_phase(const simulation *simulation, const simulate_phase *phase,
                           char text[SIMULATE_PHASE_TEXT]);

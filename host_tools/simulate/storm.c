@@ -234,9 +234,9 @@ static bool take_run_memory(storm *storm)
 
 /*
  * Multiply a matrix by a vector and by a factor.
- *   matrix  [rows][columns] in
- *   vector  [columns]       in
- *   product [rows]          out
+ *   matrix  [rows][columns] in  matrix
+ *   vector  [columns]       in  vector
+ *   product [rows]          out  product
  */
 static void multiply(double *product, const double *matrix, const double *vector, size_t rows,
                      size_t columns, double factor)
@@ -486,7 +486,7 @@ static void close_storm(storm *storm)
 
 /*
  * Weighted norm of the difference of two shapes, or of the first shape where the second is NULL.
- *   first, second [targets] in
+ *   first, second [targets] in  displacements of the two shapes
  */
 static double weighted_distance(const storm *storm, const double *first, const double *second)
 {
@@ -731,7 +731,7 @@ static double amplitude(storm *storm)
 
 /*
  * Slope of the straight line that fits values over their index best.
- *   value [count] in
+ *   value [count] in  values, one for each index
  */
 static double slope(const double *value, int count)
 {

@@ -26,7 +26,7 @@ typedef struct storm_ceramic {
     /*
      * Compute the voltages that act on the ceramic in the coming interval.
      *   voltage [amplifiers] in   voltages of the amplifiers (V)
-     *   acting  [amplifiers] out  (V)
+     *   acting  [amplifiers] out  voltages that act (V)
      */
     void (*act)(void *state, const double *voltage, double *acting);
     void *state;

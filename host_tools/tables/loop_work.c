@@ -8,7 +8,9 @@ const loop_processor loop_processor_table[LOOP_PROCESSORS] = {
     {"Cortex-M7, double, -O2", "cortex_m7", 2.4, 12, 12, 6.0, 1.05},
 };
 
-/* Instructions of the product of a matrix [rows][cols] and a vector, with either side multiplied.
+/*
+ * Number of instructions of the product of a matrix [rows][cols] with a vector, on the left or on
+ * the right.
  */
 static double product(const loop_processor *on, size_t rows, size_t cols)
 {
@@ -17,8 +19,8 @@ static double product(const loop_processor *on, size_t rows, size_t cols)
 }
 
 /*
- * Instructions of the loops of a tick that are no products of matrices: for each output, for each
- * input, and once.
+ * Number of instructions of those loops of a tick that do not multiply matrices: a number for each
+ * output, a number for each input, and a number for the tick.
  */
 static double loops(const block_counts *of, const loop_processor *on, double per_output,
                     double per_input, double once)
@@ -26,13 +28,16 @@ static double loops(const block_counts *of, const loop_processor *on, double per
     return on->other * (per_output * (double)of->outputs + per_input * (double)of->inputs + once);
 }
 
-/* Instructions of the prediction of the shape after the voltages have changed. */
+/* Number of instructions of the prediction of the shape after the voltages have changed. */
 static double prediction(const block_counts *of, const loop_processor *on)
 {
     return product(on, of->outputs, of->inputs) + loops(of, on, 6, 30, 100);
 }
 
-/* Instructions of a second prediction of the shape in a tick, where the loop may need one. */
+/*
+ * Number of instructions of a second prediction of the shape in a tick; 0 if the loop never needs
+ * one.
+ */
 static double second_prediction(const block_counts *of, const loop_processor *on)
 {
     return of->moves_outside ? prediction(of, on) : 0;
@@ -44,13 +49,19 @@ double loop_work_rest(const block_counts *of, const loop_processor *on)
     return loops(of, on, 0, 210, 3260) + on->other * (blocks + rows);
 }
 
-/* The longest tick of a self-test evaluates a correlation of all amplifiers and sensors. */
+/*
+ * Upper bound of the instructions of the self-test. Its longest tick compares the responses of all
+ * amplifiers and sensors with the model.
+ */
 double loop_work_selftest(const block_counts *of, const loop_processor *on)
 {
     return on->other * (100 * (double)of->inputs * (double)of->readings + 10000);
 }
 
-/* Voltage changes of electrodes that the fault detector holds are taken out of late readings. */
+/*
+ * Upper bound of the instructions of the correction of late readings, including the removal of
+ * voltage changes of faulty electrodes from the readings.
+ */
 double loop_work_delay(const block_counts *of, const loop_processor *on)
 {
     const double held = of->detects_faults ? 9 * (double)of->inputs * (double)of->readings : 0;
@@ -72,13 +83,19 @@ double loop_work_estimator(const block_counts *of, const loop_processor *on)
            second_prediction(of, on);
 }
 
-/* Instructions of the optimiser and of what depends on the number of inputs in a voltage step. */
+/*
+ * Number of instructions of the optimiser, and of those loops of a voltage step whose length is the
+ * number of inputs.
+ */
 static double optimisation(const block_counts *of, const loop_processor *on)
 {
     return on->optimiser * (double)of->work_limit + loops(of, on, 0, 150, 900);
 }
 
-/* The governor solves a second voltage problem, and predicts a shape. */
+/*
+ * Upper bound of the instructions of the reference governor, which solves a second voltage problem
+ * and predicts a shape.
+ */
 double loop_work_governor(const block_counts *of, const loop_processor *on)
 {
     return 3 * product(on, of->outputs, of->inputs) + loops(of, on, 75, 300, 2500) +
@@ -111,7 +128,10 @@ double loop_work_inverse(const block_counts *of, const loop_processor *on)
     return loops(of, on, 0, 250 + 50 * (double)of->plays + 60 * pieces, 300);
 }
 
-/* An undamped step also checks the measurements. */
+/*
+ * Upper bound of the instructions of the control step. A step without vibration damping also checks
+ * the measurements.
+ */
 double loop_work_step(const block_counts *of, const loop_processor *on)
 {
     return product(on, of->outputs, of->inputs) + prediction(of, on) + optimisation(of, on) +
@@ -120,8 +140,9 @@ double loop_work_step(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Voltages are brought inside limit rows before the optimiser runs, and its loops over limit rows
- * take more instructions for each counted multiply-add.
+ * Upper bound of the instructions of the control step with limit rows (limits of weighted sums of
+ * voltages). Voltages are brought inside limit rows before the optimiser runs, and its loops over
+ * limit rows take more instructions for each counted multiply-add.
  */
 double loop_work_row_step(const block_counts *of, const loop_processor *on)
 {
@@ -134,7 +155,10 @@ double loop_work_amplifier(const block_counts *of, const loop_processor *on)
     return loops(of, on, 0, 150, 250) + on->other * 60 * (double)of->rows;
 }
 
-/* A tick in which measurements become missing or return renews a matrix and its factor. */
+/*
+ * Upper bound of the instructions of the fault detector. In its longest tick, measurements become
+ * missing or return, and a matrix and its factor are computed anew.
+ */
 double loop_work_detector(const block_counts *of, const loop_processor *on)
 {
     const double inputs = (double)of->inputs, outputs = (double)of->outputs;

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Instructions of a control tick on a device, block by block: upper bounds that follow from the
- * sizes of the tables, and the limit of the optimiser's work with which a tick keeps them. The
- * bounds count the operations of each block's loops; the instructions of an operation are those
- * of gcc, held to counts under QEMU by tests/bench/count_bound.sh. Ticks that repair damaged memory
- * are not bounded, and more than LOOP_WORK_MISSED missed ticks before a tick may lengthen it.
+ * sizes of the tables, and the largest work of the optimiser with which a tick stays within the
+ * bounds. The bounds count the operations in the loops of each block, each with the number of
+ * instructions that gcc generates for it; tests/bench/count_bound.sh compares them with
+ * instructions counted in QEMU. Ticks that repair damaged memory are not bounded, and more than
+ * LOOP_WORK_MISSED missed ticks before a tick may lengthen it.
  */
 #ifndef LOOP_WORK_H
 #define LOOP_WORK_H
@@ -17,8 +18,8 @@
 #define LOOP_WORK_MISSED 2   /* number of missed ticks before a tick that the bounds include */
 
 /*
- * Numbers of signals, modes and ticks on which memory and work of the blocks of the control tick
- * depend.
+ * Numbers on which memory and work of the blocks of the control tick depend, such as the numbers of
+ * inputs, sensors and vibration modes.
  */
 typedef struct block_counts {
     size_t inputs, outputs, rows, readings, modes, plays, creeps, loads;
@@ -27,8 +28,8 @@ typedef struct block_counts {
                                    the block that damps vibration assumes (ticks) */
     size_t near_plays;   /* largest number of plays (elements with backlash) that begin to move, or
                             change their direction, within one step limit */
-    bool is_damped;      /* the list has the block that damps vibration */
-    bool detects_faults; /* the list has the fault detector for electrodes */
+    bool is_damped;      /* whether the list of blocks contains the block that damps vibration */
+    bool detects_faults; /* whether the list of blocks contains the fault detector for electrodes */
     bool moves_outside;  /* a block other than the control step may change the voltages, so that the
                             prediction of the shape is made twice in a tick */
     uint64_t work_limit; /* limit of the optimiser's work in one tick (multiply-adds) */
@@ -36,21 +37,27 @@ typedef struct block_counts {
 
 /* A processor for which the instructions of a tick are bounded. */
 typedef struct loop_processor {
-    const char *name, *key; /* name with precision and optimisation; name of the JSON member */
-    double entry;           /* instructions for each matrix entry in a product */
-    double row;             /* further instructions for each row and group of columns */
-    double columns;         /* number of columns in a group */
-    double optimiser;       /* instructions for each counted multiply-add of the optimiser */
-    double other;           /* instructions of all other loops, relative to a Cortex-M4F */
+    const char *name, *key; /* name of the processor with precision and optimisation; name of the
+                               JSON member */
+    double entry; /* number of instructions for each matrix entry in a product of matrix and vector
+                   */
+    double row; /* number of further instructions for each row and group of columns in a product of
+                   matrix and vector */
+    double columns;   /* number of columns in a group of a product of matrix and vector */
+    double optimiser; /* number of instructions for each counted multiply-add of the optimiser */
+    double other;     /* number of instructions of all other loops, relative to a Cortex-M4F */
 } loop_processor;
 
-/* LOOP_PROCESSORS: the first processor is the one whose clock a scene states. */
+/*
+ * LOOP_PROCESSORS: number of processors for which instructions are bounded; the first one is that
+ * whose clock rate a scene states.
+ */
 enum { LOOP_PROCESSORS = 2 };
 extern const loop_processor loop_processor_table[LOOP_PROCESSORS];
 
 /*
- * Upper bounds of the instructions of one tick: of everything beside the blocks (restoring memory,
- * checksums, last gate), and of each type of block.
+ * Upper bounds of the instructions of one tick: of all that runs besides the blocks (repair of
+ * memory, checksums, last check of the voltages), and of each type of block.
  */
 typedef double loop_work_bound(const block_counts *of, const loop_processor *on);
 loop_work_bound loop_work_rest, loop_work_selftest, loop_work_delay, loop_work_feed_forward,

@@ -102,8 +102,8 @@ static bool are_rising(const pzs_real *slack, uint32_t plays)
 }
 
 /*
- * Whether parameter set k of the hysteresis model is valid: its numbers are finite, and the effect
- * rises with the voltage.
+ * Whether the hysteresis parameters with index k, which several inputs may share, are valid: the
+ * numbers are finite, and the effect rises with the voltage.
  */
 static bool is_valid_set(const pzs_hysteresis *tables, uint32_t k)
 {
@@ -119,7 +119,10 @@ static bool is_valid_set(const pzs_hysteresis *tables, uint32_t k)
            are_between(tables->creep + k * creeps, creeps, 0, most);
 }
 
-/* Return the index of the parameter set of the hysteresis model that belongs to an input. */
+/*
+ * Return the index of the hysteresis parameters that belong to an input; several inputs may share
+ * the same parameters.
+ */
 static size_t set_of(const pzs_hysteresis *tables, uint32_t input)
 {
     return tables->sets > 1 ? input : 0;

@@ -381,7 +381,8 @@ typedef struct selftest_axis {
                                        entries of a column (or row), in real numbers */
     pzs_wiring *line, *entry; /* [lines] findings about the amplifiers if `is_row` is false, or
                                  about the sensors if it is true; [entries] findings about the
-                                 others, sensors or amplifiers */
+                                 sensors if `is_row` is false, or about the amplifiers if it is true
+                               */
     bool has_gains; /* true: before the comparison, each entry of a modelled row (one sensor, all
                        amplifiers) is multiplied by the measured gain of its amplifier */
 } selftest_axis;
@@ -1030,7 +1031,10 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     const pzs_status status = pzs_selftest_check(tables, signals, &signals->where);
     if (status != PZS_OK)
         return status;
-    /* A test pulse of a single input could violate the limit row of several inputs. */
+    /*
+     * The self-test is refused in a voltage problem with limit rows (limits of weighted sums of
+     * voltages), because a test pulse of a single input could violate them.
+     */
     if (signals->control->state.problem->limit_rows != NULL)
         return PZS_E_ARGUMENT;
     memset(selftest, 0, sizeof *selftest);

@@ -6,15 +6,18 @@
 #if PZS_WIDE
 
 #define AVX2 __attribute__((target("avx2")))
-#define IN_VECTOR 4u /* reals in a vector register */
-#define VECTORS 8u   /* vector registers that hold sums */
+#define IN_VECTOR 4u /* number of reals in a vector register of the processor */
+#define VECTORS 8u   /* number of vector registers that hold sums */
 #define SPREAD (IN_VECTOR * VECTORS)
-#define ROWS 8u /* number of rows that are read together */
+#define ROWS 8u /* number of matrix rows that are read together */
 
 typedef pzs_real wide_vector __attribute__((vector_size(IN_VECTOR * sizeof(pzs_real)),
                                             aligned(sizeof(pzs_real)), may_alias));
 
-/* Add `rows` rows of a table, each times its factor, to SPREAD sums. */
+/*
+ * Add `rows` rows of a table, each multiplied by its factor, to SPREAD sums, the number of columns
+ * that fit into the registers.
+ */
 AVX2 static void add_to_many(pzs_real *sums, const pzs_real *table, size_t stride,
                              const pzs_real *vector, size_t rows)
 {
@@ -32,7 +35,10 @@ AVX2 static void add_to_many(pzs_real *sums, const pzs_real *table, size_t strid
         ((wide_vector *)sums)[k] = sum[k];
 }
 
-/* Add `rows` rows of a table, each times its factor, to `cols` sums, fewer than SPREAD. */
+/*
+ * Add `rows` rows of a table, each multiplied by its factor, to `cols` sums, which must be fewer
+ * than SPREAD.
+ */
 AVX2 static void add_to_few(pzs_real *restrict sums, const pzs_real *restrict table, size_t stride,
                             const pzs_real *restrict vector, size_t rows, size_t cols)
 {
@@ -62,7 +68,9 @@ void pzs_wide_sum_rows(pzs_real *restrict product, const pzs_real *restrict tabl
     }
 }
 
-/* Subtract chosen rows of a table, each times its factor, from SPREAD entries of a vector. */
+/*
+ * Subtract chosen rows of a table, each multiplied by its factor, from SPREAD entries of a vector.
+ */
 AVX2 static void subtract_from_many(pzs_real *vector, const pzs_real *table, size_t stride,
                                     const uint16_t *index, const pzs_real *factor, size_t count)
 {

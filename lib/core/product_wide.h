@@ -9,11 +9,14 @@
 
 #include "linalg_wide.h"
 
-/* Smallest number of columns for which the wide loops are worth a call. */
+/*
+ * Smallest number of columns for which the loops with AVX2 instructions are faster than the
+ * portable ones.
+ */
 #define WIDE_COLUMNS 48u
 #define WIDE_BLOCK 8u /* number of columns of a block that pzs_wide_update updates */
 
-/* Return whether products of rows of `cols` entries use the wide loops. */
+/* Return whether products of rows of `cols` entries use the loops with AVX2 instructions. */
 static inline bool product_is_wide(size_t cols)
 {
     return PZS_WIDE && cols >= WIDE_COLUMNS && pzs_linalg_has_wide();
@@ -21,11 +24,17 @@ static inline bool product_is_wide(size_t cols)
 
 #if PZS_WIDE
 
-/* As pzs_product_sum_rows. */
+/*
+ * Sum of the rows of a table, each multiplied by its factor, with AVX2 instructions; arguments and
+ * result are those of pzs_product_sum_rows.
+ */
 void pzs_wide_sum_rows(pzs_real *restrict product, const pzs_real *restrict table, size_t stride,
                        const pzs_real *restrict vector, size_t rows, size_t cols);
 
-/* As pzs_product_subtract_rows. */
+/*
+ * Subtraction of chosen rows of a table, each multiplied by its factor, from a vector, with AVX2
+ * instructions; arguments and result are those of pzs_product_subtract_rows.
+ */
 void pzs_wide_subtract_rows(pzs_real *restrict vector, const pzs_real *restrict table,
                             size_t stride, const uint16_t *index, const pzs_real *restrict factor,
                             size_t count, size_t cols);
@@ -50,7 +59,10 @@ void pzs_wide_update(pzs_real *block, size_t stride, const pzs_real *column, con
 
 #else
 
-/* Without wide loops product_is_wide is false, so that nothing calls them. */
+/*
+ * In a build without AVX2 loops, product_is_wide returns false, so that no code calls these
+ * functions.
+ */
 #define pzs_wide_sum_rows(...) ((void)0)
 #define pzs_wide_subtract_rows(...) ((void)0)
 #define pzs_wide_dot(sum, left, right, count) ((void)(sum), (void)(left), (void)(right))
