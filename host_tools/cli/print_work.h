@@ -21,7 +21,7 @@ typedef struct work_report {
 
 /*
  * Compute the work of a control tick.
- *   analysis in  after analysis_influence and certificate_make
+ *   analysis in  analysis whose influence matrix and stability certificate are computed
  */
 void work_report_make(work_report *report, const analysis *analysis);
 

@@ -33,7 +33,8 @@ typedef struct fmu_summary {
 /*
  * Write an FMU as a ZIP archive. The same scene gives the same bytes, unless a shared library is
  * built.
- *   nominal in   analysis of the scene after analysis_influence; for a controller, also after the
+ *   nominal in   analysis of the scene, with its influence matrix (analysis_influence); for a
+ *                controller, also after the
  *       tables for a firmware with the control image have been prepared
  *   builds  in   true: compile the sources of the FMU with the C compiler of this computer
  *   summary out  numbers that describe the FMU

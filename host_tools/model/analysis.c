@@ -31,8 +31,8 @@ double analysis_now(void)
 /* ---- structure -------------------------------------------------------- */
 
 /*
- * Position, in the scene file, of the item that should hold the structure: the first support, else
- * the first stack or spring, else the surface.
+ * Return the position in the scene file to which messages about missing supports refer: the first
+ * support; without supports, the first stack or spring; else the surface.
  */
 static scene_at at_of_supports(const design *design)
 {

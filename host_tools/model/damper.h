@@ -54,7 +54,8 @@ int damper_make(damper *damper, const analysis *analysis, const estimator *estim
  * Make the tables of a control tick that damps vibration where the scene has a tick rate and
  * densities and its control step alone would be unstable (certificate_refuses). Otherwise, and with
  * the option `quasi_static` of the analysis, leave the damper unused.
- *   analysis  in  after certificate_make and design_control; must outlive the damper
+ *   analysis  in  analysis whose voltage problem and stability certificate are computed; must
+ *                 outlive the damper
  *   estimator in  estimator of the controller; must outlive the damper; NULL: every target node is
  *       measured
  * Returns 0, or -1 with error filled and the damper unused, also where the scene has the fault

@@ -125,8 +125,9 @@ typedef struct design {
     const scene_spring *spring;     /* [springs] springs of the structure */
     const scene_load *load;         /* [loads] loads of the scene */
     const scene_output *output;     /* [outputs] named outputs of the scene */
-    const scene_compare *compare; /* [compares] voltages whose shape is compared with the optimum */
-    const scene_quads *quads;     /* mesh that is read from a file, or NULL */
+    const scene_compare *compare;   /* [compares] voltages that the scene file gives for comparison,
+                                       whose shape error is computed beside that of the optimum */
+    const scene_quads *quads;       /* mesh that is read from a file, or NULL */
     scene_contact contact;
     scene_limits limits;
     scene_target goal; /* component, place and formula of the target shape */

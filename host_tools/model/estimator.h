@@ -45,7 +45,7 @@ typedef struct estimator {
 /*
  * Compute the gains of a scene with an `estimate` section from its structure in the reference
  * state; for a scene without that section only shape_per_load is computed.
- *   analysis in  after analysis_influence
+ *   analysis in  analysis whose influence matrix is computed
  * Returns 0, or -1 with error filled and the estimator empty, also where the error of the estimate
  * would exceed the scene's tolerance.
  */

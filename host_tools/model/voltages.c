@@ -108,7 +108,8 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
 static int explain(const analysis *analysis, pzs_status status, char *error)
 {
     if (status == PZS_E_LIMITS)
-        return -1; /* the function design_limits has already filled `error` */
+        return -1; /* design_limits, which computes the voltage limits, has already written the
+                      error message */
     return scene_fault(analysis->design.limits.at, error, "%s", pzs_status_text(status));
 }
 
@@ -388,7 +389,8 @@ typedef struct newton {
     double *wanted;      /* [targets] displacements that the voltages are to cause in the linearised
                             problem */
     double *work;        /* [targets] work array for a shape at the target nodes */
-    double trust_radius; /* trust radius: largest change of any voltage (V) */
+    double trust_radius; /* largest change of any voltage in one iteration of the nonlinear
+                            optimisation (V) */
     void *state;         /* saved state of the equilibrium solver for the best result so far */
     voltages best;       /* voltages and shape with the smallest objective so far */
 } newton;

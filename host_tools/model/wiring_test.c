@@ -205,9 +205,10 @@ void wiring_test_text(const wiring_test *test, const analysis *analysis, char te
 }
 
 /*
- * Height of the pulse of one amplifier (V) that suffices beside the noise in the scene file:
- * infinite where the amplifier moves no sensor. The measured energy of noise is the largest of two
- * samples and varies; the margin covers it.
+ * Height of the test pulse of one amplifier at which its response stands out from the noise that
+ * the scene file states (V); infinite where the amplifier moves no sensor. The self-test measures
+ * the energy of the noise in two samples and uses the larger one, which varies by chance; the
+ * height therefore contains a margin.
  */
 static double sufficient_height(const wiring_test *test, const double *direct, size_t amplifier)
 {

@@ -15,7 +15,7 @@ enum { SHELL_MAP_WIDTH = 320 };
 
 /*
  * A parallel projection, scaled so that all included points fit into the picture. Points have three
- * coordinates: x, y, z in space, or theta1, theta2 and 0 on a parameter plane.
+ * coordinates: x, y, z in space, or theta1, theta2 and 0 on a map of the surface parameters.
  */
 typedef struct view {
     double axis[3][3];      /* unit vectors to the right, up and towards the viewer */
@@ -27,10 +27,10 @@ typedef struct view {
 
 /*
  * Begin a view that includes no points yet: a view in space of the outer side of a shell, or a map.
- * The map of a mesh along lines of curvature is its parameter plane (view_has_parameters), with
- * theta1 downwards and theta2 to the right, as the rows and columns of a printed table of voltages
- * are. A polar plate and a mesh of points are seen with x to the right and y upwards. A mesh from a
- * file is seen along its mean normal; a closed surface, which has no mean normal, from above.
+ * The map of a mesh along lines of curvature shows the plane of the surface parameters, with theta1
+ * downwards and theta2 to the right, as the rows and columns of a printed table of voltages are. A
+ * polar plate and a mesh of points are seen with x to the right and y upwards. A mesh from a file
+ * is seen along its mean normal; a closed surface, which has no mean normal, from above.
  */
 void view_begin(view *view, const mesh *mesh, bool is_map);
 bool view_has_parameters(const mesh *mesh);
@@ -61,8 +61,8 @@ typedef struct shell_depth {
 
 /*
  * A mesh as it is drawn: points, and cells (quadrilaterals) between them. They are the nodes and
- * elements of the mesh, but on the parameter plane of a closed surface its first and last mesh line
- * are separate points of the same nodes. A part of a mesh is a copy with fewer cells.
+ * elements of the mesh, but on the map of a closed surface the first and the last mesh line are
+ * separate points of the same nodes. A part of a mesh is a copy with fewer cells.
  */
 typedef struct shell {
     FILE *file;

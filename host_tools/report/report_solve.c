@@ -112,8 +112,9 @@ static void draw_lines(const solve_page *solve, int along)
     for (int k = 0; k < design->outputs; k++) {
         const int count = list_values(solve, k, along, page->wanted, page->value);
         draw_curve(page->file, "wire", &x, page->wanted, &y, page->value, count);
-        const int named = (4 - k % 4) * (count - 1) / 4; /* index of the curve's point beside which
-                                                            the name is written */
+        const int named = (4 - k % 4) * (count - 1) / 4; /* index of the point of the curve beside
+                                                            which the name of the curve is written
+                                                          */
         if (count > 0)
             put(page->file, "<text class=\"tag\" x=\"%f\" y=\"%f\">%t</text>\n",
                 draw_on(&x, page->wanted[named]) + 4, draw_on(&y, page->value[named]) + 4,

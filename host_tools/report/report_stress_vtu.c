@@ -27,7 +27,10 @@ typedef struct stress_file {
     bool is_full; /* true after an allocation of memory has failed */
 } stress_file;
 
-/* Begin an array of zeros for the VTK file. Its name is a format with values. Returns the array. */
+/*
+ * Begin an array of zeros for the VTK file. Its name is made as by printf, from a format and
+ * values. Returns the array.
+ */
 static report_array *add_array(stress_file *out, bool of_cells, int components, const char *format,
                                ...)
 {

@@ -19,7 +19,8 @@ typedef enum outline_plane {
                   surface is projected along the third coordinate */
 } outline_plane;
 
-struct polygon; /* The structure polygon is declared in host_tools/data/polygon.h. */
+struct polygon; /* The C struct `polygon`, a list of points, is declared in
+                   host_tools/data/polygon.h. */
 
 /*
  * Area that one electrode covers: one or several polygons, or all points at which a formula is

@@ -524,8 +524,8 @@ static int case_has(const form_case *one, const char *key)
 }
 
 /*
- * Return the form_case whose list of keys begins with "type=" and a list of words that contains the
- * given word, or NULL if there is none.
+ * Return the permitted combination of keys (form_case) for a given word as value of the key `type`,
+ * or NULL if there is none.
  */
 static const form_case *case_of_type(const form_case *cases, const char *word)
 {

@@ -96,8 +96,8 @@ typedef struct field {
 } field;
 
 /*
- * Item of the list of keys of a form_case: one key, or several keys of which exactly one is
- * required.
+ * Item of the list of keys that a YAML mapping may have (form_case): one key, or several keys of
+ * which exactly one is required.
  */
 typedef struct case_item {
     const char *text; /* key, or keys separated by '|'; not terminated by NUL */
@@ -114,7 +114,10 @@ typedef struct case_item {
  */
 int case_next(const char **keys, case_item *item);
 
-/* Return whether an item of a form_case contains a given key, alone or among its alternatives. */
+/*
+ * Return whether an item of a list of permitted keys (form_case) contains a given key, alone or
+ * among its alternatives.
+ */
 int case_item_has(const case_item *item, const char *key);
 
 /*

@@ -83,8 +83,9 @@ typedef struct trial {
     const estimator *few; /* estimator of the controller; NULL: every target node is measured */
     damper damper;
     loop_blocks blocks;
-    storm_rig rig;       /* structure about its reference state */
-    storm_rig at_target; /* structure about the equilibrium at its target */
+    storm_rig rig; /* simulated structure that vibrates about its reference state (undeformed) */
+    storm_rig at_target; /* simulated structure that vibrates about the equilibrium at its target
+                            shape */
     deformed deformed;
     bool has_target;             /* true where `at_target` and `deformed` are prepared */
     char no_target[SCENE_ERROR]; /* why storms about the target cannot be run, where the scene's
@@ -125,9 +126,9 @@ static int open_trial(trial *trial, analysis *analysis, char *error)
 }
 
 /*
- * Prepare storms (simulations with fast jumps of the target) on the structure about its target,
- * where the scene's kinematics is not linear. Where there is no equilibrium at the target, the
- * reason is kept. Returns 0, or -1 with error filled.
+ * Prepare storms (simulations with fast jumps of the target) on the structure linearised about the
+ * equilibrium at its target, where the scene's kinematics is not linear. Where there is no
+ * equilibrium at the target, the reason is kept. Returns 0, or -1 with error filled.
  */
 static int open_target(trial *trial, char *error)
 {
@@ -258,9 +259,10 @@ static int run_storms(const storm_rig *rig, int count, certificate_loop *loop, c
 }
 
 /*
- * Certify the loop on the structure about its target, where there is one: growth on all structures
- * around it, and the storms (simulations with fast jumps of the target) with the first sequence of
- * targets. Returns 0, or -1 with error filled.
+ * Certify the loop on the structure linearised about the equilibrium at its target, where there is
+ * one: measure the growth of vibrations on structures that differ from this one, and run the storms
+ * (simulations with fast jumps of the target) with the first sequence of targets. Returns 0, or -1
+ * with error filled.
  */
 static int certify_target(const trial *trial, certificate_target *target, char *error)
 {

@@ -413,9 +413,10 @@ static void compute_rest(storm *storm, const double *voltage)
 }
 
 /*
- * Find the voltages at which a loop with the controller's influence matrix comes to rest on a
- * structure with another one, by static control steps of half size. They differ from the best
- * voltages of the structure, because the loop judges the directions of the error by its own matrix.
+ * Find the voltages at which a control loop comes to rest on a structure whose influence matrix
+ * differs from the controller's, by static control steps of half size. They differ from the best
+ * voltages for the structure, because the controller projects the error of the shape with its own
+ * influence matrix.
  *   control in/out  with the controller's influence matrix, and the stroke as voltage limits
  */
 static pzs_status find_rest(storm *storm, pzs_control *control)

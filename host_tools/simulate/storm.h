@@ -96,7 +96,7 @@ typedef struct storm_result {
 
 /*
  * Prepare the data that all storms (simulations with fast target jumps) of an analysis share.
- *   analysis  in  after analysis_influence, with a target and all densities
+ *   analysis  in  analysis whose influence matrix is computed, with a target and all densities
  *   estimator in  NULL: every target row is measured
  * Returns 0, or -1 with error filled; call storm_close in either case.
  */

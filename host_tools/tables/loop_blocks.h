@@ -74,17 +74,17 @@ bool loop_supervises(const design *design, bool is_damped);
 /*
  * Fill the list of blocks of a scene, in the order in which a tick runs them. The list refers to
  * *blocks, the design, the estimator and the damper, which must outlive it.
- *   design    in  after design_control
- *   estimator in  after estimator_open; all zero where the scene has neither an estimator nor
- *       feed-forward
- *   damper    in  after damper_open
+ *   design    in  design whose voltage problem is computed
+ *   estimator in  shape estimator with its gains; all zero where the scene has neither an estimator
+ *                 nor feed-forward
+ *   damper    in  tables of the vibration damper
  */
 void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator *estimator,
                       const damper *damper);
 
 /*
  * Put the self-test, if the scene has one, at the front of a filled list of blocks.
- *   wiring in  after wiring_test_open; must outlive the list
+ *   wiring in  tables of the self-test; must outlive the list
  */
 void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring);
 
@@ -113,7 +113,8 @@ void loop_blocks_bound(const loop_blocks *blocks, const loop_processor *on, loop
 
 /*
  * Make the list of blocks of a scene with everything that it refers to.
- *   analysis  in  after design_control and certificate_make; must outlive the parts
+ *   analysis  in  analysis whose voltage problem and stability certificate are computed; must
+ *                 outlive the parts
  * Returns 0, or -1 with error filled and nothing to close.
  */
 int loop_parts_open(loop_parts *parts, const analysis *analysis, char *error);

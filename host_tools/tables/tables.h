@@ -44,7 +44,8 @@ tables_memory tables_need(const analysis *analysis, tables_image image, const ta
 /*
  * Write the tables of a firmware as a C header. A scene always gives identical bytes, because the
  * header contains no dates and no paths.
- *   analysis in   after analysis_influence; for a nonlinear image after analysis_solve, and after
+ *   analysis in   analysis whose influence matrix is computed; for a nonlinear image after
+ *                 analysis_solve, and after
  *       analysis_influence where the scene has a target (without a target the tables contain no
  *       voltage problem)
  *   image    in   part of the library that the firmware uses: control, linear or nonlinear

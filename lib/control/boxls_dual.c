@@ -12,8 +12,8 @@
  * from the present ones, which only receive them clamped.
  *
  * Work of an iteration: two triangular solutions with the factor of P restricted to A, and the
- * columns of P that belong to A. The matrix itself is not exchanged, so that few active inputs cost
- * little.
+ * columns of P that belong to A. Unlike in the primal method, no pivot exchange changes the whole
+ * matrix, so that a small active set takes little work.
  */
 #include <string.h>
 #include "boxls_dual.h"

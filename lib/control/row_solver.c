@@ -720,7 +720,8 @@ static void move_released(const rows_run *run, uint32_t k, pzs_real change, bloc
  */
 typedef enum release_end {
     RELEASE_DONE,    /* the release is complete: the objective is minimal over the free voltages, or
-                        the released one is at its other bound */
+                        the voltage or limit row that was released from one bound has reached its
+                        other bound */
     RELEASE_GOES_ON, /* another voltage or limit row has reached its bound and become active; the
                         release needs another iteration */
     RELEASE_DESCENDS /* the released quantity has become free and the one that blocked it active;

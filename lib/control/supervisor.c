@@ -100,8 +100,8 @@ static bool is_in_control(uint32_t mode)
 /* ---- ramps -------------------------------------------------------------- */
 
 #define MOST_TICKS                                                                                 \
-    4e9f /* longest bounded ramp (ticks): a ramp that would take more ticks is treated as one that \
-            never ends */
+    4e9f /* largest number of ticks of a ramp that is counted; a ramp that would take more ticks   \
+            is treated as one that never ends */
 
 /*
  * Return the smallest number of ticks in which a voltage changes by `way` (V) if it may change by
