@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Tables of the control tick that damps vibration, for one scene: choice of the observed vibration
- * modes, mode shapes and readings (damper.h).
+ * Computation of the tables with which the control tick of a scene damps vibration: choice of the
+ * observed vibration modes, their shapes, and their readings.
  */
 #include "damper.h"
 #include <math.h>

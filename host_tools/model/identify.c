@@ -58,7 +58,7 @@ typedef struct fit {
                                 the hysteresis model */
     double *bound; /* [4][unknowns] lower bounds, upper bounds, step limits and reference values of
                       the unknowns */
-    double *value; /* [unknowns] solution of the least-squares problem */
+    double *value; /* [unknowns] fitted parameters of the hysteresis and creep model */
 } fit;
 
 static int refuse(char *error, const char *text)

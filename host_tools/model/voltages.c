@@ -98,9 +98,10 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
     for (int k = 0; k < problem->inputs; k++)
         result->narrowed += problem->lower[k] != problem->upper[k] &&
                             (problem->lower[k] > lowest || problem->upper[k] < highest);
-    result->limit[0] = fmin(lowest, highest); /* Where every amplifier is held at one voltage,
-                                                 `lowest` is still infinite and above `highest`;
-                                                 fmin restores their order. */
+    result->limit[0] = fmin(lowest, highest); /* If every amplifier is held at one voltage, `lowest`
+                                                 is still +infinity and `highest` -infinity; fmin
+                                                 and fmax exchange them, so that the range is
+                                                 infinite. */
     result->limit[1] = fmax(lowest, highest);
 }
 

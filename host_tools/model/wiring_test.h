@@ -34,7 +34,7 @@ void wiring_test_close(wiring_test *test);
 /* Return the duration of the whole self-test (ticks). */
 uint32_t wiring_test_ticks(const wiring_test *test);
 
-/* Number of amplifiers that the self-test moves. */
+/* Return the number of amplifiers that the self-test moves. */
 int wiring_test_tested(const wiring_test *test);
 
 /*

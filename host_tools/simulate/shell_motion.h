@@ -67,8 +67,9 @@ typedef struct shell_motion {
     double *scratch;        /* [free_dof] work array of the motion */
     double (*start_resultant)[22]; /* [elements] stress resultants of each element at the start of
                                       the time step (N m) */
-    double work; /* work of the force imbalance over the change of the displacement in half the time
-                    step, before the last increment (N m) */
+    double work; /* work that the remaining force imbalance of a time step does on the change of the
+                    displacement in half the step, before the last increment of Newton's method (N
+                    m) */
     long corrections;    /* number of time steps so far whose energy error was removed by one more
                             evaluation of the forces, in place of a linear solve */
     long steps;          /* number of time steps of the motion so far */

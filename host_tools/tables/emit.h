@@ -18,8 +18,9 @@ typedef struct emitter {
 } emitter;
 
 /*
- * Write a number with all its digits. Values of an array are added to checksum and size by
- * emit_count_reals or emit_count_bytes.
+ * Write a number with so many digits that a program reads the same bits. Before an array of numbers
+ * is written, emit_count_reals or emit_count_bytes adds it to the checksum and to the size of the
+ * tables.
  */
 void emit_real(FILE *file, double value);
 uint32_t emit_crc_reals(uint32_t crc, const double *value, size_t count);

@@ -72,16 +72,18 @@
  */
 #define LEAST_CURVATURE PZS_BY_BITS(PZS_R(3e-4), PZS_R(1e-9))
 /*
- * A voltage or limit row is pivoted while the tableau is computed anew only if its pivot exceeds
- * this fraction of the pivot of a stiff quantity that is linearly independent of all pivoted ones.
+ * While the tableau (matrix of the optimiser) is computed anew, a voltage or limit row is left out
+ * if it depends almost linearly on those that were already eliminated: its pivot must exceed this
+ * fraction of the pivot that a linearly independent voltage or row of high stiffness would have.
  */
 #define LEAST_INDEPENDENCE PZS_BY_BITS(PZS_R(1e-2), PZS_R(1e-6))
 /* A pivot counts as different from zero only if it exceeds this multiple of its rounding error. */
 #define CERTAIN PZS_BY_BITS(16, 64)
 /*
- * A free voltage or limit row that reaches a bound during a release becomes active there, and the
- * release goes on, if its own pivot exceeds this fraction of what the released quantity would add
- * to the pivot. Otherwise it depends almost linearly on the released quantity.
+ * While one voltage or limit row is moved away from its bound (released), a free one may reach a
+ * bound. If this one is linearly independent of the released one, it is kept at its bound and the
+ * release goes on. It counts as independent if its own part of the pivot exceeds this fraction of
+ * the part that the released one would add.
  */
 #define OWN_PART PZS_R(0.01)
 /*
@@ -724,8 +726,9 @@ typedef enum release_end {
                         other bound */
     RELEASE_GOES_ON, /* another voltage or limit row has reached its bound and become active; the
                         release needs another iteration */
-    RELEASE_DESCENDS /* the released quantity has become free and the one that blocked it active;
-                        descent iterations follow */
+    RELEASE_DESCENDS /* the voltage or limit row that was released from its bound has become free,
+                        and the one that blocked it is now kept at its bound; descent iterations
+                        follow */
 } release_end;
 
 /*
