@@ -81,16 +81,16 @@ typedef struct pzs_optimiser {
     pzs_real *tableau; /* [inputs][width >= inputs] tableau: the Hessian after one pivot exchange
                           for each input of the free set, without the exchanges that are still in
                           `pending` */
-    pzs_real *pivot;   /* [width >= inputs] diagonal of the tableau, with the exchanges in `pending`
-                        */
-    pzs_real *pivot;   /* [width] diagonal of the tableau, with the exchanges in `pending` */
-    pzs_real *pending; /* [PZS_PENDING][width] rank-one updates of the tableau: one vector for each
-                          pivot exchange that is collected but not yet applied to the tableau */
+    pzs_real *pivot;   /* [width >= inputs] diagonal of the tableau, with the exchanges in
+                          `pending` */
+    pzs_real *pending; /* [PZS_PENDING][width >= inputs] rank-one updates of the tableau: one vector
+                          for each pivot exchange that is collected but not yet applied to the
+                          tableau */
     pzs_exchange *exchange; /* [pending_most] pivot exchanges whose updates `pending` holds: the
                                array `collected`, or memory of the dual method while the tableau
                                is computed */
-    pzs_real *waiting;      /* [width] 1 for an input that is to join the free set again while the
-                               tableau is recomputed, else 0 */
+    pzs_real *waiting;      /* [width >= inputs] 1 for an input that is to join the free set again
+                               while the tableau is recomputed, else 0 */
     pzs_real *factor;  /* [inputs (inputs + 1) / 2] dual method: Cholesky factor of the inverse of
                           the Hessian restricted to the active set, lower triangle row by row */
     pzs_real *side;    /* [inputs] dual method: bound at which an active input stays, -1 for the
@@ -101,8 +101,8 @@ typedef struct pzs_optimiser {
                                 step (V) */
     pzs_real *free_set; /* [width >= inputs] 1 for an input of the free set, 0 for one of the active
                            set; real numbers, because vector loops multiply by them */
-    pzs_real *base; /* [width >= inputs] base voltages, around which the gradient of the objective
-                       is linearised (V) */
+    pzs_real *base;     /* [width >= inputs] base voltages, around which the gradient of the
+                           objective is linearised (V) */
     pzs_real *regularisation_gradient; /* [width >= inputs] gradient of the regularisation:
                                           regularisation weight times (base voltages - reference
                                           voltages) (m2/V) */
@@ -113,14 +113,14 @@ typedef struct pzs_optimiser {
                                   regularisation_gradient (m2/V); after a round of iterations
                                   computed from the Hessian, after a single full step that no bound
                                   blocks predicted by the tableau */
-    pzs_real *gradient;  /* [width >= inputs] model_gradient - target_gradient: half the gradient of
-                            the objective with respect to the voltages (m2/V) */
+    pzs_real *gradient;        /* [width >= inputs] model_gradient - target_gradient: half the
+                                  gradient of the objective with respect to the voltages (m2/V) */
     pzs_real *direction; /* [width >= inputs] for an input of the free set its search direction (V);
                             for one of the active set its gradient after the step (m2/V) */
     pzs_real *diagonal;  /* [width >= inputs] diagonal of the Hessian of the objective (m2/V2) */
     pzs_real *start_voltage;  /* [width >= inputs] voltages at the start of the present round, a
-                                 sequence of iterations between two computations of the gradient from
-                                 the Hessian (V) */
+                                 sequence of iterations between two computations of the gradient
+                                 from the Hessian (V) */
     pzs_real *start_gradient; /* [width >= inputs] half the gradient of the objective at the start
                                  of the present round of iterations (m2/V) */
     /*
@@ -190,8 +190,9 @@ typedef struct pzs_row_solver {
     pzs_optimiser extended; /* state of the optimiser (tableau, active set and vectors) for inputs
                                and limit rows together */
     pzs_real *margin;       /* [width >= inputs + rows] for a limit row the distance by which the
-                               optimiser narrows the row, so that its sum is inside its limits despite
-                               rounding errors; for an input the largest of these distances (V) */
+                               optimiser narrows the row, so that its sum is inside its limits
+                               despite rounding errors; for an input the largest of these
+                               distances (V) */
     pzs_real predicted_decrease; /* decrease of half the objective that the tableau predicts for the
                                     complete step along the search direction (m2) */
     pzs_real gap; /* upper bound of the distance of half the objective from its minimum, valid if no
