@@ -32,8 +32,8 @@ typedef struct pzs_calibration_settings {
     uint32_t settle;    /* number of ticks for which the test voltages stay constant before their
                            readings count, at least 1; default 8 */
     pzs_real reading_limit; /* largest plausible absolute value of a reading; a record (voltages
-                               with their readings) that contains a larger one is ignored; default
-                               infinity (m) */
+                               with their readings) that contains a larger one is ignored; above 0,
+                               default infinity (m) */
     const uint8_t *ignored; /* [outputs] 1 for an output whose readings are not used, 0 for all
                                others; NULL: all readings are used (default) */
 } pzs_calibration_settings;
@@ -107,6 +107,8 @@ pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *
  *   spread    [inputs]          out  the standard error of entry (i, k) of the matrix is spread[k]
  *                                    times the square root of info.noise[i] (1/V); with a finite
  *                                    memory it is an upper bound
+ * Recorded voltages that never reached the structure, as of an amplifier that is off, give PZS_OK
+ * and a column that differs from 0 by its standard errors at most: test for it before use.
  * PZS_W_UNOBSERVABLE: the records do not determine the effect of input info.where; its column is
  * that of the matrix passed to pzs_calibration_init, and its spread is infinite, as are those of
  * inputs that always moved with it. Errors: PZS_E_ARGUMENT, PZS_E_STAGE.

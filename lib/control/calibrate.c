@@ -44,7 +44,8 @@
 #define SUM_RESERVE PZS_R(4294967296.0)
 /*
  * A test voltage counts as constant if it changes in a tick by at most this part of the voltage
- * range of its input.
+ * range of its input, and by at most half of the step limit, with which a test voltage moves while
+ * it is still far from its pattern.
  */
 #define AT_REST PZS_R(1e-4)
 /*
@@ -219,10 +220,12 @@ static pzs_real half_range(const pzs_problem *problem, uint32_t input)
 static bool have_settled(const pzs_calibration *calibration, const pzs_real *before)
 {
     const pzs_calibration_state *state = &calibration->state;
-    for (uint32_t i = 0; i < state->problem->inputs; i++)
-        if (number_absolute(state->last[0][i] - before[i]) >
-            AT_REST * half_range(state->problem, i))
+    for (uint32_t i = 0; i < state->problem->inputs; i++) {
+        const pzs_real part = AT_REST * half_range(state->problem, i),
+                       step = state->problem->step_limit[i] / 2;
+        if (number_absolute(state->last[0][i] - before[i]) > (part < step ? part : step))
             return false;
+    }
     return true;
 }
 
@@ -450,7 +453,7 @@ pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *
     if (status != PZS_OK)
         return status;
     const size_t inputs = calibration->state.problem->inputs, width = width_of(calibration);
-    if (!(calibration->settings.memory >= 2))
+    if (!(calibration->settings.memory >= 2) || !(calibration->settings.reading_limit > 0))
         return finish(calibration, PZS_E_ARGUMENT, -1);
     pzs_real *record = row_of(calibration, inputs);
     const int32_t bad = pzs_guard_nonfinite(voltage, (uint32_t)inputs);

@@ -623,6 +623,27 @@ static void test_patterns(void **state)
     assert_true(apart(&r, r.truth) < 3e-4 / (25 * 1e-6) * 64 * EPSILON);
 }
 
+/*
+ * Law: a test voltage reaches its whole amplitude before it counts as settled, also where its step
+ * limit is smaller than the change that counts as rest.
+ */
+static void test_slow(void **state)
+{
+    static rig r;
+    (void)state;
+    open_rig(&r, 23, 2, 1); /* limits of -100 V and 100 V, test voltages of 25 V */
+    for (int k = 0; k < r.inputs; k++)
+        r.step_limit[k] = PZS_R(4e-3);
+    assert_int_equal(pzs_problem_seal(&r.problem), PZS_OK);
+    start(&r);
+    for (int tick = 0; !r.calibration.info.is_settled; tick++) {
+        assert_true(tick < 10000);
+        assert_int_equal(pzs_calibration_excite(&r.calibration), PZS_OK);
+    }
+    for (int k = 0; k < r.inputs; k++)
+        assert_true(fabs(fabs((double)r.calibration.info.voltage[k]) - 25) < 0.25);
+}
+
 /* ---- use, and wrong calls -------------------------------------------------- */
 
 /*
@@ -684,6 +705,11 @@ static void test_wrong(void **state)
     assert_int_equal(record(&r), PZS_E_ARGUMENT);
     c->settings.memory = (pzs_real)NAN;
     assert_int_equal(record(&r), PZS_E_ARGUMENT);
+    c->settings.memory = 20;
+    c->settings.reading_limit = (pzs_real)NAN;
+    assert_int_equal(record(&r), PZS_E_ARGUMENT);
+    c->settings.reading_limit = 0;
+    assert_int_equal(record(&r), PZS_E_ARGUMENT);
     c->settings.amplitude = (pzs_real)NAN;
     assert_int_equal(pzs_calibration_excite(c), PZS_E_ARGUMENT);
     c->settings.amplitude = PZS_R(0.5);
@@ -714,8 +740,8 @@ int main(void)
         cmocka_unit_test(test_million),     cmocka_unit_test(test_huge),
         cmocka_unit_test(test_together),    cmocka_unit_test(test_late),
         cmocka_unit_test(test_inside),      cmocka_unit_test(test_limit_rows),
-        cmocka_unit_test(test_patterns),    cmocka_unit_test(test_control),
-        cmocka_unit_test(test_wrong),
+        cmocka_unit_test(test_patterns),    cmocka_unit_test(test_slow),
+        cmocka_unit_test(test_control),     cmocka_unit_test(test_wrong),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
