@@ -928,8 +928,8 @@ extern const pzs_block_type pzs_amplifier_block;
  * suspicion, 9 for the test and 1 to hold it. While more than an eighth of the outputs is not
  * measured, no electrode is observed. The detector assumes static shapes: on a structure that
  * vibrates, or with strong hysteresis, it suspects healthy electrodes. Behind the vibration block,
- * whose static shape changes slowly, the detector finds nothing; pzs_selftest_repeat then tests the
- * electrodes.
+ * whose static shape changes slowly, the detector finds nothing; pzs_pulse_detector_block is for
+ * such loops.
  */
 #define PZS_DELAY_LIMIT 16 /* largest delay of the measurements that the blocks accept (ticks) */
 
@@ -1200,6 +1200,64 @@ extern const pzs_block_type pzs_selftest_block;
                 ((size_t)(inputs) + (size_t)(sensors)) * sizeof(pzs_wiring) +                      \
                 (((size_t)(inputs) + 7u) * (size_t)(sensors) + (size_t)(inputs)) *                 \
                     sizeof(pzs_real))
+
+/* ---- fault detector of a loop that damps vibration (lib/control/pulse_faults.c) */
+
+/*
+ * The fault detector for loops whose structure vibrates finds electrodes that are dead, stuck or
+ * reversed, and holds them, while the loop goes on. It compares the mean readings while the target
+ * stands still with those of an earlier rest. An electrode that seems to have lost its voltage or
+ * its move makes a slow test pulse, then an electrode that seems healthy makes one, then the
+ * suspected one again; the control step compensates with the others. The electrode is held if it
+ * did not respond although the other one did, or responded with the wrong sign.
+ *
+ * Pauses of the target are compared from half a pulse after its last motion on, for half a pulse;
+ * the proof takes four pulses, during which the loop damps vibration, but does not follow loads. A
+ * target that moves interrupts both, and they begin again afterwards: in a loop whose target never
+ * stands still for two pulses, no electrode is found. The pulse of a suspect is compared with that
+ * of another electrode, so that what hides both responses, such as strong hysteresis, makes no
+ * healthy electrode a faulty one; but then a faulty one is not found either (more than about 20 %
+ * hysteresis, or 10 % without compensation).
+ */
+typedef enum pzs_electrode_fault {
+    PZS_FAULT_NONE = 0,
+    PZS_FAULT_DEAD,    /* the electrode has lost its voltage */
+    PZS_FAULT_STUCK,   /* the electrode has kept a voltage that it does not leave */
+    PZS_FAULT_REVERSED /* the electrode responds with the wrong sign */
+} pzs_electrode_fault;
+
+/* Results of the fault detector of a damped loop that a program may read. */
+typedef struct pzs_pulse_detector_info {
+    const uint8_t *electrode; /* [inputs] state of each electrode, a value of pzs_electrode_state */
+    const uint8_t *fault; /* [inputs] fault of each electrode, a value of pzs_electrode_fault; dead
+                             and stuck are told apart by the voltage that the electrode has lost */
+    pzs_real gain;  /* response to the last test pulse, divided by the modelled response (1) */
+    int32_t where;  /* index to which the last status refers, or -1 */
+    uint16_t found; /* number of faulty electrodes detected since the initialisation */
+    uint16_t tests; /* number of electrodes that were suspected since the initialisation */
+    uint16_t unobservable; /* number of electrodes that cannot be tested */
+} pzs_pulse_detector_info;
+
+typedef struct pzs_pulse_detector {
+    pzs_pulse_detector_info info;
+    pzs_pulse_detector_state state;
+} pzs_pulse_detector;
+
+/*
+ * The fault detector of a damped loop as a block of the loop, in PZS_PHASE_OBSERVE. Tables:
+ * pzs_selftest_tables, of which it uses heights and duration of the pulses, static readings, scales
+ * and delay. Memory returned by pzs_loop_find: pzs_pulse_detector. Its tick returns PZS_W_ELECTRODE
+ * if an electrode was found faulty, which is held at its present voltage until pzs_release. Errors
+ * of its initialisation: those of pzs_selftest_block.
+ */
+extern const pzs_block_type pzs_pulse_detector_block;
+#define PZS_PULSE_DETECTOR_BLOCK_BYTES(inputs, sensors, outputs)                                   \
+    PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_pulse_detector)) +                                          \
+                sizeof(pzs_real) *                                                                 \
+                    (PZS_DENSE(inputs) + 5u * (size_t)(inputs) + 2u * PZS_FOURS(inputs) +          \
+                     5u * (size_t)(sensors) + (size_t)(outputs)) +                                 \
+                sizeof(uint32_t) * ((size_t)(inputs) / PZS_TILE + 2u) +                            \
+                (sizeof(uint16_t) + 3u) * (size_t)(inputs) + (size_t)(sensors))
 
 #ifdef __cplusplus
 }

@@ -720,8 +720,6 @@ static int judge_loop(analysis *analysis, char *error)
     certificate_make(&analysis->certificate, analysis);
     if (analysis->quasi_static || !certificate_refuses(certificate))
         return 0;
-    if (damper_allows_blocks(analysis, error) < 0)
-        return -1;
     if (is_damped(analysis, reason))
         return 0;
     return scene_fault(

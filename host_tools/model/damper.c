@@ -448,25 +448,12 @@ int damper_make(damper *damper, const analysis *analysis, const estimator *estim
     return failed;
 }
 
-int damper_allows_blocks(const analysis *analysis, char *error)
-{
-    if (!analysis->design.simulate.detects_faults)
-        return 0;
-    return scene_fault(analysis->design.simulate.at, error,
-                       "'announced: detected' is not for a loop that damps vibration, in which the "
-                       "fault detector finds nothing because it reads static moves; write "
-                       "`safety: {selftest: {amplitude: ...}}`, a test that the firmware can "
-                       "repeat");
-}
-
 int damper_open(damper *damper, const analysis *analysis, const estimator *estimator, char *error)
 {
     memset(damper, 0, sizeof *damper);
     if (analysis->quasi_static || !certificate_refuses(&analysis->certificate) ||
         !is_possible(damper, analysis, estimator))
         return 0;
-    if (damper_allows_blocks(analysis, error) < 0)
-        return -1;
     const damper_options options = damper_options_of(analysis);
     return damper_make(damper, analysis, estimator, &options, error);
 }

@@ -58,15 +58,9 @@ int damper_make(damper *damper, const analysis *analysis, const estimator *estim
  *                 outlive the damper
  *   estimator in  estimator of the controller; must outlive the damper; NULL: every target node is
  *       measured
- * Returns 0, or -1 with error filled and the damper unused, also where the scene has the fault
- * detector of electrodes, which finds nothing in such a loop.
+ * Returns 0, or -1 with error filled and the damper unused.
  */
 int damper_open(damper *damper, const analysis *analysis, const estimator *estimator, char *error);
-/*
- * Check that the scene has no block that is useless in a loop that damps vibration: the fault
- * detector of electrodes. Returns 0, or -1 with error filled.
- */
-int damper_allows_blocks(const analysis *analysis, char *error);
 void damper_close(damper *damper);
 
 /* Write one sentence on the observed vibration modes, the tick rate and the delay. */

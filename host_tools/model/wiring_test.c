@@ -15,6 +15,12 @@
 static const double periods = 6, fewest_ticks = 64, most_ticks = 60000;
 
 /*
+ * Test pulses of the fault detector of a damped loop: height relative to the voltage range of the
+ * amplifier, and duration in periods of the first vibration mode, which the loop damps.
+ */
+static const double detector_height = 0.1, detector_periods = 4;
+
+/*
  * Fraction of the voltage range and of the step limit of an amplifier that a test pulse uses at
  * most. The fraction is below 1 because the tables hold the limits in single precision, rounded
  * inwards.
@@ -46,15 +52,19 @@ static double height_of(const design *design, int amplifier, double amplitude)
     return design->step_limit[amplifier] > 0 ? fmin(amplitude, margin * range / 2) : 0;
 }
 
-/* Return the duration of a test pulse of the self-test (ticks). */
-static uint16_t window_of(const analysis *analysis, const double *height)
+/*
+ * Return the duration of a test pulse (ticks).
+ *   count in  number of periods of the first vibration mode in a pulse, where the scene gives no
+ *       duration
+ */
+static uint16_t window_of(const analysis *analysis, const double *height, double count)
 {
     const design *design = &analysis->design;
     const certificate *certificate = &analysis->certificate;
     const double rate = design->control.rate;
     double ticks = fewest_ticks;
     if (certificate->has_modes && rate > 0 && certificate_first(certificate) > 0)
-        ticks = fmax(ticks, periods * rate / certificate_first(certificate));
+        ticks = fmax(ticks, count * rate / certificate_first(certificate));
     if (design->safety.pulse_ticks > 0)
         ticks = design->safety.pulse_ticks;
     for (int k = 0; k < design->amplifiers; k++)
@@ -116,6 +126,45 @@ static void set_scales(const pzs_selftest_tables *tables, const double *direct, 
     }
 }
 
+/*
+ * Make tables of test pulses, without their heights and durations.
+ * Returns the array of the heights [inputs], or NULL where memory runs out.
+ */
+static double *open_tables(wiring_test *test, const design *design, const estimator *estimator)
+{
+    const size_t inputs = design->problem.inputs;
+    const size_t sensors = estimator ? (size_t)estimator->sensors : design->problem.outputs;
+    test->memory = calloc(inputs + 3 * sensors + 1, sizeof *test->memory);
+    if (!test->memory)
+        return NULL;
+    double *height = test->memory, *scale = height + inputs, *noise = scale + sensors;
+    test->tables = (pzs_selftest_tables){.scene = design->problem.scene,
+                                         .inputs = (uint16_t)inputs,
+                                         .sensors = (uint16_t)sensors,
+                                         .delay = (uint16_t)design->simulate.delay,
+                                         .direct = estimator ? estimator->tables.direct : NULL,
+                                         .amplitude = height,
+                                         .scale = scale,
+                                         .noise = noise,
+                                         .gain_tolerance = design->safety.gain_tolerance};
+    list_noise(design, estimator, sensors, noise);
+    test->stated = noise + sensors;
+    memcpy(test->stated, noise, sensors * sizeof *noise);
+    return height;
+}
+
+/*
+ * Complete tables of test pulses whose heights and durations are known.
+ *   amplitude in  height of a pulse that the largest plausible noise refers to (V)
+ */
+static void complete_tables(wiring_test *test, const design *design, double amplitude)
+{
+    double *scale = test->memory + test->tables.inputs, *noise = scale + test->tables.sensors;
+    const double *direct = test->tables.direct ? test->tables.direct : design->problem.influence;
+    set_scales(&test->tables, direct, amplitude, scale, noise);
+    (void)pzs_selftest_seal(&test->tables);
+}
+
 bool wiring_test_open(wiring_test *test, const analysis *analysis, const estimator *estimator)
 {
     const design *design = &analysis->design;
@@ -124,30 +173,37 @@ bool wiring_test_open(wiring_test *test, const analysis *analysis, const estimat
     test->is_used = safety->given && safety->amplitude > 0;
     if (!test->is_used)
         return true;
-    const size_t inputs = design->problem.inputs;
-    const size_t sensors = estimator ? (size_t)estimator->sensors : design->problem.outputs;
-    test->memory = calloc(inputs + 3 * sensors + 1, sizeof *test->memory);
-    if (!test->memory)
+    double *height = open_tables(test, design, estimator);
+    if (!height)
         return false;
-    double *height = test->memory, *scale = height + inputs, *noise = scale + sensors;
-    for (size_t k = 0; k < inputs; k++)
-        height[k] = height_of(design, (int)k, safety->amplitude);
-    test->tables = (pzs_selftest_tables){.scene = design->problem.scene,
-                                         .inputs = (uint16_t)inputs,
-                                         .sensors = (uint16_t)sensors,
-                                         .delay = (uint16_t)design->simulate.delay,
-                                         .pulse_ticks = window_of(analysis, height),
-                                         .direct = estimator ? estimator->tables.direct : NULL,
-                                         .amplitude = height,
-                                         .scale = scale,
-                                         .noise = noise,
-                                         .gain_tolerance = safety->gain_tolerance};
-    list_noise(design, estimator, sensors, noise);
-    test->stated = noise + sensors;
-    memcpy(test->stated, noise, sensors * sizeof *noise);
-    set_scales(&test->tables, estimator ? estimator->tables.direct : design->problem.influence,
-               safety->amplitude, scale, noise);
-    (void)pzs_selftest_seal(&test->tables);
+    for (int k = 0; k < design->amplifiers; k++)
+        height[k] = height_of(design, k, safety->amplitude);
+    test->tables.pulse_ticks = window_of(analysis, height, periods);
+    complete_tables(test, design, safety->amplitude);
+    return true;
+}
+
+bool wiring_test_detector_open(wiring_test *test, const analysis *analysis,
+                               const estimator *estimator)
+{
+    const design *design = &analysis->design;
+    double highest = 0;
+    memset(test, 0, sizeof *test);
+    test->is_used = design->simulate.detects_faults;
+    if (!test->is_used)
+        return true;
+    double *height = open_tables(test, design, estimator);
+    if (!height)
+        return false;
+    for (int k = 0; k < design->amplifiers; k++) {
+        const double range = design->upper[k] - design->lower[k];
+        height[k] = isfinite(range) ? height_of(design, k, detector_height * range) : 0;
+        highest = fmax(highest, height[k]);
+    }
+    test->tables.pulse_ticks = window_of(analysis, height, detector_periods);
+    if (!(test->tables.gain_tolerance > 0))
+        test->tables.gain_tolerance = 1;
+    complete_tables(test, design, highest);
     return true;
 }
 

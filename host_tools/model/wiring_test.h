@@ -29,6 +29,15 @@ typedef struct wiring_test {
  * Returns whether memory was available; call wiring_test_close in either case.
  */
 bool wiring_test_open(wiring_test *test, const analysis *analysis, const estimator *estimator);
+
+/*
+ * Make the tables of the test pulses with which the fault detector of a loop that damps vibration
+ * proves faults of electrodes. The heights are a part of the voltage ranges, and a pulse lasts four
+ * periods of the first vibration mode. The member is_used is true if the scene asks for detected
+ * faults. Arguments and result are those of wiring_test_open.
+ */
+bool wiring_test_detector_open(wiring_test *test, const analysis *analysis,
+                               const estimator *estimator);
 void wiring_test_close(wiring_test *test);
 
 /* Return the duration of the whole self-test (ticks). */

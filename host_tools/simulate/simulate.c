@@ -195,11 +195,12 @@ static int prepare_controller(simulation *simulation, char *error)
     simulation->blocks = calloc(1, sizeof *simulation->blocks);
     if (!simulation->blocks)
         return no_memory(simulation->nominal, error);
-    if (!wiring_test_open(&simulation->wiring, simulation->nominal, few))
+    if (!wiring_test_open(&simulation->wiring, simulation->nominal, few) ||
+        !wiring_test_detector_open(&simulation->pulses, simulation->nominal, few))
         return no_memory(simulation->nominal, error);
     loop_blocks_fill(simulation->blocks, &simulation->nominal->design, &simulation->estimator,
                      &simulation->damper);
-    loop_blocks_test(simulation->blocks, &simulation->wiring);
+    loop_blocks_test(simulation->blocks, &simulation->wiring, &simulation->pulses);
     simulation->undamped_blocks = calloc(1, sizeof *simulation->undamped_blocks);
     if (!simulation->undamped_blocks)
         return no_memory(simulation->nominal, error);
@@ -303,6 +304,7 @@ void simulate_close(simulation *simulation)
     estimator_close(&simulation->estimator);
     damper_close(&simulation->damper);
     wiring_test_close(&simulation->wiring);
+    wiring_test_close(&simulation->pulses);
     free(simulation->blocks);
     free(simulation->undamped_blocks);
     device_remove(simulation->folder);

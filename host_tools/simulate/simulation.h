@@ -128,6 +128,8 @@ typedef struct simulation {
                             or `feeds` is set */
     damper damper; /* tables of the control tick that damps vibration; unused for a quasi-static
                       plant */
+    wiring_test pulses;   /* test pulses of the fault detector of a damped loop; unused where the
+                             scene asks for no detected faults */
     wiring_test wiring;   /* self-test before the schedule; unused where the scene has none */
     damper unused_damper; /* empty tables of a vibration block, for the block list without that
                              block */

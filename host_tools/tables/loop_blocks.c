@@ -94,7 +94,12 @@ static bool has_amplifier(const loop_blocks *blocks)
 
 static bool has_detector(const loop_blocks *blocks)
 {
-    return blocks->design->simulate.detects_faults;
+    return blocks->design->simulate.detects_faults && !blocks->damper->is_used;
+}
+
+static bool has_pulse_detector(const loop_blocks *blocks)
+{
+    return blocks->pulses && blocks->pulses->is_used && blocks->damper->is_used;
 }
 
 static bool has_supervisor(const loop_blocks *blocks)
@@ -107,6 +112,11 @@ static bool has_supervisor(const loop_blocks *blocks)
 static const void *selftest_tables(loop_blocks *blocks)
 {
     return &blocks->wiring->tables;
+}
+
+static const void *pulse_tables(loop_blocks *blocks)
+{
+    return &blocks->pulses->tables;
 }
 
 static const void *delay_tables(loop_blocks *blocks)
@@ -266,30 +276,48 @@ static void write_shared(const emitter *emitter, const void *table, const char *
         fputs("NULL, ", emitter->file);
 }
 
-static void write_selftest(emitter *emitter, const loop_blocks *blocks)
+/*
+ * Write tables of test pulses.
+ *   name in  name of the tables in the generated header, after the prefix
+ */
+static void write_pulses(emitter *emitter, const pzs_selftest_tables *tables, const char *name)
 {
-    const pzs_selftest_tables *tables = &blocks->wiring->tables;
     const uint16_t counts[4] = {tables->inputs, tables->sensors, tables->delay,
                                 tables->pulse_ticks};
     const size_t entries = tables->direct ? (size_t)tables->sensors * tables->inputs : 0;
+    char amplitude[40], scale[40], noise[40];
+    snprintf(amplitude, sizeof amplitude, "%s_amplitude", name);
+    snprintf(scale, sizeof scale, "%s_scale", name);
+    snprintf(noise, sizeof noise, "%s_noise", name);
+    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
+    emitter->crc32 = emit_crc_reals(emitter->crc32, tables->direct, entries);
+    emit_reals(emitter, amplitude, tables->amplitude, tables->inputs,
+               "height of the test pulse of each amplifier (V)");
+    emit_reals(emitter, scale, tables->scale, tables->sensors,
+               "factor that makes the readings of different sensors comparable");
+    emit_reals(emitter, noise, tables->noise, tables->sensors,
+               "largest plausible noise of each sensor");
+    emitter->crc32 = emit_crc_reals(emitter->crc32, &tables->gain_tolerance, 1);
+    emit_begin(emitter, "selftest_tables", name, tables->scene, tables->crc);
+    fprintf(emitter->file, " %u, %u, %u, %u, ", counts[0], counts[1], counts[2], counts[3]);
+    write_shared(emitter, tables->direct, "direct");
+    fprintf(emitter->file, "\n    %s_%s, %s_%s, %s_%s, PZS_R(%.17g)\n};\n", emitter->prefix,
+            amplitude, emitter->prefix, scale, emitter->prefix, noise, tables->gain_tolerance);
+}
+
+static void write_selftest(emitter *emitter, const loop_blocks *blocks)
+{
     emit_comment(emitter, "number of ticks of the self-test before the loop takes control");
     fprintf(emitter->file, "#define %s_SELFTEST_TICKS %luu\n", emitter->upper,
             (unsigned long)wiring_test_ticks(blocks->wiring));
-    emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    emitter->crc32 = emit_crc_reals(emitter->crc32, tables->direct, entries);
-    emit_reals(emitter, "selftest_amplitude", tables->amplitude, tables->inputs,
-               "height of the pulse of each amplifier in the self-test (V)");
-    emit_reals(emitter, "selftest_scale", tables->scale, tables->sensors,
-               "factor that makes the readings of different sensors comparable");
-    emit_reals(emitter, "selftest_noise", tables->noise, tables->sensors,
-               "largest plausible noise of each sensor");
-    emitter->crc32 = emit_crc_reals(emitter->crc32, &tables->gain_tolerance, 1);
-    emit_begin(emitter, "selftest_tables", "selftest", tables->scene, tables->crc);
-    fprintf(emitter->file, " %u, %u, %u, %u, ", counts[0], counts[1], counts[2], counts[3]);
-    write_shared(emitter, tables->direct, "direct");
-    fprintf(emitter->file,
-            "\n    %s_selftest_amplitude, %s_selftest_scale, %s_selftest_noise, PZS_R(%.17g)\n};\n",
-            emitter->prefix, emitter->prefix, emitter->prefix, tables->gain_tolerance);
+    write_pulses(emitter, &blocks->wiring->tables, "selftest");
+}
+
+static void write_pulse_detection(emitter *emitter, const loop_blocks *blocks)
+{
+    emit_comment(emitter, "test pulses of the fault detector: number of amplifiers, number of "
+                          "readings, age of the readings (ticks), duration of a pulse (ticks)");
+    write_pulses(emitter, &blocks->pulses->tables, "pulse_detection");
 }
 
 static void write_delay(emitter *emitter, const loop_blocks *blocks)
@@ -492,6 +520,7 @@ BLOCK_BYTES(step, PZS_STEP_BLOCK_BYTES(of->inputs, of->outputs))
 BLOCK_BYTES(row_step, PZS_STEP_BLOCK_ROW_BYTES(of->inputs, of->outputs, of->rows))
 BLOCK_BYTES(amplifier, PZS_AMPLIFIER_BLOCK_BYTES(of->inputs))
 BLOCK_BYTES(fault_detector, PZS_FAULT_DETECTOR_BLOCK_BYTES(of->inputs, of->outputs, of->delay))
+BLOCK_BYTES(pulse_detector, PZS_PULSE_DETECTOR_BLOCK_BYTES(of->inputs, of->readings, of->outputs))
 BLOCK_BYTES(supervisor, PZS_SUPERVISOR_BLOCK_BYTES(of->outputs))
 
 /* ---- the table -------------------------------------------------------- */
@@ -538,6 +567,9 @@ static const struct {
      "amplifier", amplifier_bytes, amplifier_macro, loop_work_amplifier},
     {&pzs_fault_detector_block, has_detector, detection_tables, write_detection, "fault_detector",
      "fault_detection", fault_detector_bytes, fault_detector_macro, loop_work_detector},
+    {&pzs_pulse_detector_block, has_pulse_detector, pulse_tables, write_pulse_detection,
+     "pulse_detector", "pulse_detection", pulse_detector_bytes, pulse_detector_macro,
+     loop_work_pulse_detector},
     {&pzs_supervisor_block, has_supervisor, supervision_tables, write_supervision, "supervisor",
      "supervision", supervisor_bytes, supervisor_macro, loop_work_supervisor},
 };
@@ -553,9 +585,10 @@ static void list_blocks(loop_blocks *blocks)
                 (pzs_block){block_types[k].type, block_types[k].tables(blocks)};
 }
 
-void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring)
+void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring, const wiring_test *pulses)
 {
     blocks->wiring = wiring;
+    blocks->pulses = pulses;
     list_blocks(blocks);
 }
 
@@ -774,18 +807,20 @@ int loop_parts_open(loop_parts *parts, const analysis *analysis, char *error)
         estimator_close(&parts->estimator);
         return -1;
     }
-    const bool has_memory = wiring_test_open(&parts->wiring, analysis, few);
+    const bool has_test = wiring_test_open(&parts->wiring, analysis, few);
+    const bool has_pulses = wiring_test_detector_open(&parts->pulses, analysis, few);
     loop_blocks_fill(&parts->blocks, design, &parts->estimator, &parts->damper);
-    loop_blocks_test(&parts->blocks, &parts->wiring);
-    if (has_memory)
+    loop_blocks_test(&parts->blocks, &parts->wiring, &parts->pulses);
+    if (has_test && has_pulses)
         return 0;
     loop_parts_close(parts);
-    return scene_fault(design->simulate.at, error, "not enough memory for the self-test");
+    return scene_fault(design->simulate.at, error, "not enough memory for the test pulses");
 }
 
 void loop_parts_close(loop_parts *parts)
 {
     wiring_test_close(&parts->wiring);
+    wiring_test_close(&parts->pulses);
     damper_close(&parts->damper);
     estimator_close(&parts->estimator);
 }

@@ -19,6 +19,8 @@ typedef struct loop_blocks {
     const damper *damper;
     const wiring_test *wiring; /* tables of the self-test before the loop takes control; NULL: the
                                   loop has no self-test */
+    const wiring_test *pulses; /* tables of the test pulses of the fault detector in a loop that
+                                  damps vibration; NULL: the loop has no such detector */
     /*
      * Tables of those blocks of the control tick whose data are not stored in the design, the
      * estimator or the damper.
@@ -52,7 +54,8 @@ typedef struct loop_bounds {
 typedef struct loop_parts {
     estimator estimator;
     damper damper;
-    wiring_test wiring;
+    wiring_test wiring; /* self-test */
+    wiring_test pulses; /* test pulses of the fault detector in a loop that damps vibration */
     loop_blocks blocks;
 } loop_parts;
 
@@ -83,10 +86,12 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
                       const damper *damper);
 
 /*
- * Put the self-test, if the scene has one, at the front of a filled list of blocks.
+ * Add the blocks that make test pulses to a filled list of blocks, where the scene has them: the
+ * self-test, and the fault detector of a loop that damps vibration.
  *   wiring in  tables of the self-test; must outlive the list
+ *   pulses in  tables of the test pulses of the fault detector; must outlive the list
  */
-void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring);
+void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring, const wiring_test *pulses);
 
 /*
  * Write the tables of the blocks, the list PREFIX_blocks and the macro PREFIX_LOOP_BYTES (memory of

@@ -167,6 +167,14 @@ double loop_work_detector(const block_counts *of, const loop_processor *on)
            on->other * 8 * (outputs * inputs * inputs / 16 + inputs * inputs * inputs / 6);
 }
 
+/* The longest tick is the last one of a pause of the target, which compares the mean readings. */
+double loop_work_pulse_detector(const block_counts *of, const loop_processor *on)
+{
+    return 3 * product(on, of->readings, of->inputs) + 2 * product(on, of->inputs, of->inputs) +
+           on->other * (100 * (double)of->readings + 200 * (double)of->inputs +
+                        20 * (double)of->outputs + 3000);
+}
+
 double loop_work_supervisor(const block_counts *of, const loop_processor *on)
 {
     return of->is_damped ? loops(of, on, 12, 45, 900) + second_prediction(of, on)

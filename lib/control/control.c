@@ -308,6 +308,23 @@ static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control
 }
 
 /*
+ * Keep the free inputs from compensating the moves of held inputs, which a damped tick otherwise
+ * does because it limits the change of the shape: the gradient of these moves is added to the
+ * target gradient.
+ */
+static void ignore_held_moves(pzs_optimiser *optimiser, const pzs_control *control)
+{
+    for (uint32_t j = 0; j < optimiser->inputs; j++) {
+        const pzs_real lower = control->state.lower[j], move = lower - optimiser->base[j];
+        if (lower < control->state.upper[j])
+            continue;
+        for (uint32_t i = 0; i < optimiser->inputs; i++)
+            optimiser->target_gradient[i] +=
+                optimiser->hessian[(size_t)i * optimiser->width + j] * move;
+    }
+}
+
+/*
  * Make one voltage step from the shape `shown` towards the shape `wanted`.
  *   damping [inputs] in  gradient of the objective that damps vibration (m2/V); NULL: a step
  *                        without damping
@@ -321,6 +338,8 @@ static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs
                       pzs_guard_nonfinite(wanted, control->state.problem->outputs));
     if (damping != NULL)
         missed = damp_target(optimiser, control, damping, missed);
+    if (damping != NULL && control->state.is_paused)
+        ignore_held_moves(optimiser, control);
     const int32_t clash = start_step(optimiser, control);
     set_work_limits(optimiser, control, missed);
     int32_t where = -1;

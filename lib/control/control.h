@@ -38,7 +38,8 @@ void pzs_control_moved(pzs_control *control);
  * multiplied by `share`, and the damping gradient is subtracted from it. Voltages that do not
  * change obey all limits of such a tick, and in static equilibrium the voltages are those without
  * damping.
- *   share            in      factor of the static gradient, above 0 and at most 1
+ *   share            in      factor of the static gradient, at most 1; 0: the ticks damp vibration
+ *                            alone
  *   damping [inputs] in      gradient by which the vibration damper moves the voltages, read in
  *                            each tick (m2/V); NULL: ticks without damping
  *   carry   [inputs] in/out  parts of voltage changes that the amplifiers have not made because of

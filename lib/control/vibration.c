@@ -399,8 +399,8 @@ static void damp(pzs_damper *damper)
     damper->info.deviation = PZS_SQRT(energy);
     pzs_product_sum_rows(damper->state.damping, tables->damping, tables->inputs, damped,
                          tables->modes, tables->inputs);
-    pzs_control_damp(damper->state.control, tables->share, damper->state.damping,
-                     damper->state.carry);
+    const pzs_real share = damper->state.control->state.is_paused ? 0 : tables->share;
+    pzs_control_damp(damper->state.control, share, damper->state.damping, damper->state.carry);
 }
 
 static void add_vector(pzs_real *restrict sum, const pzs_real *restrict vector, size_t count)

@@ -498,8 +498,10 @@ check 'simulate: a plant with inertia, its modes and its vibration over time' $?
 run 0 simulate plate-closed-loop ${quick% --set simulate.events*} --set 'safety={}'; check 'safety: no false alarm in the shipped schedule of faults' $?
 # shellcheck disable=SC2086
 wired="$quick --set simulate.ticks=20"
-run 2 tables plate-closed-loop $quick --image control -o "$dir/none.h" --set 'simulate.events=[{at: 5, dead: [v_1_1], announced: detected}]' --set simulate.plant.inertia=true &&
-    grep -q 'a loop that damps vibration' "$dir/err"; check 'a fault detector in a damped loop: exit 2' $?
+run 0 tables plate-closed-loop $quick --image control -o "$dir/pulses.h" --set 'simulate.events=[{at: 5, dead: [v_1_1], announced: detected}]' --set simulate.plant.inertia=true &&
+    grep -q 'pzs_pulse_detector_block' "$dir/pulses.h" && ! grep -q 'pzs_fault_detector_block' "$dir/pulses.h"; check 'a damped loop has the fault detector with test pulses' $?
+run 0 simulate plate-closed-loop --json --set simulate.ticks=4000 --set simulate.plant.kinematics=linear --set 'simulate.events=[{at: 1500, dead: [v_3_2], announced: detected}, {at: 1520, target: -0.5}]' &&
+    json "j['counts']['controller']['found'] == 1 and j['counts']['controller']['found_wrong'] == 0"; check 'simulate: a damped loop finds a dead electrode' $?
 run 0 check plate-closed-loop $quick --set 'safety={selftest: {amplitude: 5, pulse_ticks: 20}}' && grep -q 'pulses of 5 V, 20 ticks each, 8[0-9][0-9] ticks' "$dir/out"
 check 'self-test: check prints its duration' $?
 run 0 simulate plate-closed-loop $wired --set 'safety={selftest: {amplitude: 20, pulse_ticks: 20}}' && grep -q 'self-test before the loop.*passed' "$dir/out"
@@ -652,13 +654,11 @@ int main(void)
     return W_INPUT_v_5_5 != W_INPUTS - 1 || W_TICK_RATE < 1000 || W_BLOCKS != BLOCKS || loop.info.control == NULL;
 }
 EOT
-# A damped loop has no fault detector, and neither a block for it, but a supervisor.
-for case in plate-few-sensors:5:--quasi-static plate-closed-loop:4:--quasi-static plate-few-sensors:5: plate-closed-loop:5:; do
+# A damped loop has the fault detector with test pulses, the damper and a supervisor.
+for case in plate-few-sensors:5:--quasi-static plate-closed-loop:4:--quasi-static plate-few-sensors:5: plate-closed-loop:6:; do
     scene=${case%%:*} blocks=${case#*:} option=${case##*:}
     blocks=${blocks%:*}
-    announced=0
-    [ -z "$option" ] || announced=detected
-    set -- --set simulate.amplifiers.step=0.1 --set "simulate.events=[{at: 3, load: 0, factor: 1, feed_forward: true}, {at: 9, dead: [v_1_1], announced: $announced}]"
+    set -- --set simulate.amplifiers.step=0.1 --set "simulate.events=[{at: 3, load: 0, factor: 1, feed_forward: true}, {at: 9, dead: [v_1_1], announced: detected}]"
     [ $scene = plate-closed-loop ] || set --
     # shellcheck disable=SC2086
     run 0 tables $scene "$@" $option --prefix w -o "$dir/w.h"

@@ -1,0 +1,339 @@
+/*
+ * Fault detector of damped loops (lib/control/pulse_faults.c) on a strip without mass: proofs,
+ * interruptions, holds by the program, missing readings, tables. tests/unit/sweep_faults.c measures
+ * the detector on structures that vibrate.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
+ */
+#include "pzs.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+#include <cmocka.h>
+#include "../rigs/uniform.h"
+
+enum { INPUTS = 4, SENSORS = 12, PULSE = 64, DELAY = 2 };
+/* Duration of a settling, a rest and a proof of four pulses, with the delays of the readings. */
+enum { PROOF = 5 * PULSE + 5 * (DELAY + 1) };
+
+static const double limit = 130, step_limit = 40, height = 20;
+
+/* A strip, clamped at one end, whose electrodes follow each other along its length. */
+typedef struct strip {
+    pzs_real influence[SENSORS * INPUTS];
+    pzs_real lower[INPUTS], upper[INPUTS], step[INPUTS], zero[INPUTS], amplitude[INPUTS];
+    pzs_real weight[SENSORS], scale[SENSORS], noise[SENSORS];
+    pzs_problem problem;
+    pzs_selftest_tables tables;
+    pzs_block block[2];
+    pzs_loop loop;
+    pzs_real work[3000];
+    pzs_real wanted[SENSORS], readings[SENSORS];
+    double acting[INPUTS];           /* voltages that act on the electrodes (V) */
+    double past[DELAY + 1][SENSORS]; /* readings of the last ticks */
+    pzs_electrode_fault fault[INPUTS];
+    double load[SENSORS]; /* change of the readings by a load */
+    size_t missing;       /* number of sensors, from the first one, that give NaN */
+    double gain;          /* response of all electrodes relative to the model */
+    int tick;
+    unsigned seed;
+} strip;
+
+static void fill(pzs_real *to, size_t count, double value)
+{
+    for (size_t k = 0; k < count; k++)
+        to[k] = (pzs_real)value;
+}
+
+/* Deflection at the place x of a strip whose curvature is 1 from `from` to `to`, and 0 elsewhere.
+ */
+static double deflection(double x, double from, double to)
+{
+    const double bent = fmin(fmax(x - from, 0), to - from);
+    return bent * bent / 2 + bent * fmax(x - to, 0);
+}
+
+static void open_strip(strip *s)
+{
+    memset(s, 0, sizeof *s);
+    for (size_t k = 0; k < SENSORS * INPUTS; k++) {
+        const double place = (double)(k / INPUTS + 1) / SENSORS;
+        const double from = (double)(k % INPUTS) / INPUTS;
+        s->influence[k] = (pzs_real)deflection(place, from, from + 1.0 / INPUTS);
+    }
+    fill(s->lower, INPUTS, -limit);
+    fill(s->upper, INPUTS, limit);
+    fill(s->step, INPUTS, step_limit);
+    fill(s->amplitude, INPUTS, height);
+    fill(s->weight, SENSORS, 1);
+    fill(s->scale, SENSORS, 10);
+    s->problem = (pzs_problem){.scene = 1,
+                               .inputs = INPUTS,
+                               .outputs = SENSORS,
+                               .influence = s->influence,
+                               .weight = s->weight,
+                               .lower = s->lower,
+                               .upper = s->upper,
+                               .step_limit = s->step,
+                               .reference_voltage = s->zero};
+    s->tables = (pzs_selftest_tables){.scene = 1,
+                                      .inputs = INPUTS,
+                                      .sensors = SENSORS,
+                                      .delay = DELAY,
+                                      .pulse_ticks = PULSE,
+                                      .amplitude = s->amplitude,
+                                      .scale = s->scale,
+                                      .noise = s->noise,
+                                      .gain_tolerance = 1};
+    s->block[0] = (pzs_block){&pzs_step_block, &s->problem};
+    s->block[1] = (pzs_block){&pzs_pulse_detector_block, &s->tables};
+    s->gain = 1;
+    s->seed = 1;
+    assert_int_equal(pzs_problem_seal(&s->problem), PZS_OK);
+    assert_int_equal(pzs_selftest_seal(&s->tables), PZS_OK);
+    assert_int_equal(pzs_loop_init(&s->loop, s->block, 2, NULL, s->work, sizeof s->work), PZS_OK);
+}
+
+static const pzs_pulse_detector *detector_of(const strip *s)
+{
+    return pzs_loop_find(&s->loop, &pzs_pulse_detector_block);
+}
+
+/* Set the target to the shape of random voltages, as far as the strip can follow them. */
+static void move_target(strip *s)
+{
+    for (size_t i = 0; i < SENSORS; i++)
+        s->wanted[i] = 0;
+    for (size_t j = 0; j < INPUTS; j++) {
+        const double sign = uniform(&s->seed, 0, 1) < 0.5 ? -1 : 1;
+        const double voltage = sign * uniform(&s->seed, 0.3, 0.7) * limit;
+        for (size_t i = 0; i < SENSORS; i++)
+            s->wanted[i] += s->influence[i * INPUTS + j] * (pzs_real)voltage;
+    }
+}
+
+/* Let the electrodes act under the voltages that the loop gives. */
+static void act(strip *s)
+{
+    for (size_t j = 0; j < INPUTS; j++) {
+        const double voltage = (double)s->loop.info.voltage[j];
+        if (s->fault[j] == PZS_FAULT_DEAD)
+            s->acting[j] = 0;
+        else if (s->fault[j] != PZS_FAULT_STUCK)
+            s->acting[j] = s->fault[j] == PZS_FAULT_REVERSED ? -voltage : voltage;
+    }
+}
+
+/*
+ * Run one tick with readings that are DELAY ticks old.
+ *   has_readings in  false: no reading arrives in this tick
+ */
+static pzs_status run_tick(strip *s, bool has_readings)
+{
+    double *now = s->past[s->tick % (DELAY + 1)];
+    for (size_t i = 0; i < SENSORS; i++) {
+        now[i] = s->load[i];
+        for (size_t j = 0; j < INPUTS; j++)
+            now[i] += s->gain * (double)s->influence[i * INPUTS + j] * s->acting[j];
+    }
+    const int then = s->tick > DELAY ? s->tick - DELAY : 0;
+    for (size_t i = 0; i < SENSORS; i++)
+        s->readings[i] = (pzs_real)(i < s->missing ? (double)NAN : s->past[then % (DELAY + 1)][i]);
+    s->tick++;
+    const pzs_status status = pzs_loop_tick(&s->loop, s->wanted, has_readings ? s->readings : NULL);
+    for (size_t j = 0; j < INPUTS; j++)
+        assert_true(fabs((double)s->loop.info.voltage[j]) <= limit);
+    act(s);
+    return status;
+}
+
+/* Run some ticks. Returns the number of ticks that report a faulty electrode. */
+static int run_ticks(strip *s, int ticks)
+{
+    int found = 0;
+    for (int tick = 0; tick < ticks; tick++)
+        found += run_tick(s, true) == PZS_W_ELECTRODE;
+    return found;
+}
+
+/* Run a rest of a healthy strip after a new target. */
+static void rest(strip *s)
+{
+    move_target(s);
+    (void)run_ticks(s, 2 * PULSE);
+}
+
+/*
+ * A dead, a stuck and a reversed electrode are held and named within one rest and one proof of a
+ * motion of the target, and nothing else, whatever the gain of the strip.
+ */
+static void test_named(void **state)
+{
+    static const double gains[] = {0.8, 1, 1.33};
+    static strip s;
+    (void)state;
+    for (int k = 0; k < 3 * INPUTS * 3; k++) {
+        const pzs_electrode_fault fault = (pzs_electrode_fault)(PZS_FAULT_DEAD + k % 3);
+        const size_t j = (size_t)k / 3 % INPUTS;
+        open_strip(&s);
+        s.seed = 7u + (unsigned)k;
+        s.gain = gains[k / 3 / INPUTS];
+        rest(&s);
+        s.fault[j] = fault;
+        rest(&s);
+        (void)run_ticks(&s, 2 * PROOF);
+        for (size_t other = 0; other < INPUTS; other++)
+            assert_int_equal(s.loop.info.electrode[other] == PZS_ELECTRODE_HELD, other == j);
+        assert_int_equal(detector_of(&s)->info.found, 1);
+        assert_int_equal(detector_of(&s)->info.fault[j] == PZS_FAULT_REVERSED,
+                         fault == PZS_FAULT_REVERSED);
+        assert_int_equal(pzs_release(s.loop.info.control, (uint16_t)j), PZS_OK);
+    }
+}
+
+/* Let an electrode die in a motion, and run until it makes its first test pulse. */
+static void suspect(strip *s, size_t j)
+{
+    open_strip(s);
+    rest(s);
+    s->fault[j] = PZS_FAULT_DEAD;
+    rest(s);
+    for (int tick = 0; tick < PROOF && s->loop.info.electrode[j] != PZS_ELECTRODE_TESTED; tick++)
+        (void)run_tick(s, true);
+    assert_int_equal(s->loop.info.electrode[j], PZS_ELECTRODE_TESTED);
+    (void)run_ticks(s, PULSE / 2);
+}
+
+/* Assert that no electrode is held, and that all limits in force are those of the tables. */
+static void assert_free(const strip *s)
+{
+    const pzs_control_info *info = &s->loop.info.control->info;
+    for (size_t j = 0; j < INPUTS; j++) {
+        assert_int_not_equal(s->loop.info.electrode[j], PZS_ELECTRODE_HELD);
+        assert_true(info->lower[j] <= s->lower[j] && info->upper[j] >= s->upper[j]);
+    }
+}
+
+/*
+ * A healthy strip has no finding, in rests and while the target moves; a load with the shape of one
+ * electrode is no fault either.
+ */
+static void test_healthy(void **state)
+{
+    static strip s;
+    (void)state;
+    open_strip(&s);
+    for (int k = 0; k < 60; k++) {
+        move_target(&s);
+        assert_int_equal(run_ticks(&s, k % 3 ? PULSE / 3 : 4 * PULSE), 0);
+        if (k % 3 == 0)
+            for (size_t i = 0; i < SENSORS; i++)
+                s.load[i] = 60 * (double)s.influence[i * INPUTS + (size_t)(k / 3) % INPUTS];
+    }
+    assert_int_equal(run_ticks(&s, 2 * PROOF), 0);
+    assert_true(detector_of(&s)->info.tests > 0);
+    assert_free(&s);
+}
+
+/* A target that moves interrupts a proof, which gives all electrodes free and is made later. */
+static void test_interruption(void **state)
+{
+    static strip s;
+    (void)state;
+    suspect(&s, 1);
+    for (int k = 0; k < 40; k++) {
+        move_target(&s);
+        assert_int_equal(run_ticks(&s, PULSE / 3), 0);
+        assert_free(&s);
+    }
+    assert_int_equal(run_ticks(&s, 3 * PROOF), 1);
+    assert_int_equal(s.loop.info.electrode[1], PZS_ELECTRODE_HELD);
+}
+
+/* An electrode that the program holds or releases during its test pulse is left as it is. */
+static void test_program(void **state)
+{
+    static strip s;
+    (void)state;
+    suspect(&s, 2);
+    assert_int_equal(pzs_hold(s.loop.info.control, 2, 5), PZS_OK);
+    assert_int_equal(run_ticks(&s, 2 * PROOF), 0);
+    const pzs_control_info *info = &s.loop.info.control->info;
+    assert_true(info->lower[2] >= 5 && info->upper[2] <= 5);
+    suspect(&s, 2);
+    assert_int_equal(pzs_release(s.loop.info.control, 2), PZS_OK);
+    (void)run_ticks(&s, 1);
+    assert_free(&s);
+}
+
+/*
+ * Nothing is found without readings, or while more than an eighth of the sensors gives none; with
+ * one sensor of twelve missing, the electrode is found.
+ */
+static void test_missing(void **state)
+{
+    static strip s;
+    (void)state;
+    suspect(&s, 0);
+    for (int tick = 0; tick < 2 * PROOF; tick++)
+        (void)run_tick(&s, false);
+    assert_int_equal(detector_of(&s)->info.found, 0);
+    for (size_t missing = 1; missing <= 2; missing++) {
+        suspect(&s, 0);
+        s.missing = missing;
+        (void)run_ticks(&s, 2 * PROOF);
+        assert_int_equal(detector_of(&s)->info.found, missing == 1);
+    }
+}
+
+/* After pzs_loop_start the detector begins anew, and no voltage is held. */
+static void test_start(void **state)
+{
+    static strip s;
+    pzs_real voltage[INPUTS];
+    (void)state;
+    suspect(&s, 3);
+    memcpy(voltage, (const void *)s.loop.info.voltage, sizeof voltage);
+    assert_int_equal(pzs_loop_start(&s.loop, voltage), PZS_OK);
+    assert_int_equal(run_ticks(&s, 1), 0);
+    assert_free(&s);
+    assert_int_equal(detector_of(&s)->info.tests, 0);
+}
+
+/* Tables that are damaged, do not fit or would break a limit are refused. */
+static void test_bad_tables(void **state)
+{
+    static strip s;
+    (void)state;
+    open_strip(&s);
+    s.tables.pulse_ticks++;
+    assert_int_equal(pzs_loop_init(&s.loop, s.block, 2, NULL, s.work, sizeof s.work), PZS_E_CRC);
+    fill(s.amplitude, INPUTS, limit);
+    assert_int_equal(pzs_selftest_seal(&s.tables), PZS_OK);
+    assert_int_equal(pzs_loop_init(&s.loop, s.block, 2, NULL, s.work, sizeof s.work), PZS_OK);
+    fill(s.amplitude, INPUTS, limit * 1.01);
+    assert_int_equal(pzs_selftest_seal(&s.tables), PZS_OK);
+    assert_int_equal(pzs_loop_init(&s.loop, s.block, 2, NULL, s.work, sizeof s.work), PZS_E_LIMITS);
+    fill(s.amplitude, INPUTS, height);
+    fill(s.scale, SENSORS, 0);
+    assert_int_equal(pzs_selftest_seal(&s.tables), PZS_OK);
+    assert_int_equal(pzs_loop_init(&s.loop, s.block, 2, NULL, s.work, sizeof s.work),
+                     PZS_E_NONFINITE);
+    s.tables.inputs--;
+    assert_int_equal(pzs_selftest_seal(&s.tables), PZS_OK);
+    assert_int_equal(pzs_loop_init(&s.loop, s.block, 2, NULL, s.work, sizeof s.work),
+                     PZS_E_ARGUMENT);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_named),        cmocka_unit_test(test_healthy),
+        cmocka_unit_test(test_interruption), cmocka_unit_test(test_program),
+        cmocka_unit_test(test_missing),      cmocka_unit_test(test_start),
+        cmocka_unit_test(test_bad_tables),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
