@@ -494,6 +494,8 @@ static int run_simulation(simulation *run, const options *options, simulate_reco
         return options->csv ? outfile_end(&csv, 0) : 0;
     if (options->csv)
         outfile_drop(&csv);
+    if (options->as_json)
+        print_refusal_json(run);
     return complain(error, 1);
 }
 
@@ -833,6 +835,7 @@ static void print_tables(const options *options, const analysis *analysis, const
         printf("condition %.1e after scaling: %s\n", analysis->model.info.condition,
                tables_allow_float(analysis) ? "float or double" : "refused in float");
     print_vibration_summary(&analysis->certificate);
+    print_selftest_plan(analysis);
 }
 
 static int command_tables(const options *options, analysis *analysis)

@@ -168,8 +168,7 @@ static int image_size(const analysis *analysis, tables_image image, tables_size 
     return failed;
 }
 
-/* Print the duration of the self-test before the loop takes control, where the scene has one. */
-static void print_selftest(const analysis *analysis)
+void print_selftest_plan(const analysis *analysis)
 {
     estimator estimator;
     wiring_test wiring;
@@ -206,7 +205,7 @@ void print_check(const analysis *analysis, const work_report *work)
     puts("  RAM: with the whole control loop and all its blocks (PREFIX_LOOP_BYTES)\n");
     print_work(work, &analysis->design);
     print_certificate(&analysis->certificate);
-    print_selftest(analysis);
+    print_selftest_plan(analysis);
     if (work->holds)
         puts("\n  the scene is valid");
 }

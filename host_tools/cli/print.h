@@ -34,6 +34,13 @@ void print_head(const analysis *analysis, const char *influence);
 void print_estimate_json(json *json, const estimator *estimator);
 
 /*
+ * Print heights and duration of the pulses of the self-test, which runs before the loop takes
+ * control, and a warning of the amplifiers that it cannot judge; nothing where the scene has no
+ * self-test.
+ */
+void print_selftest_plan(const analysis *analysis);
+
+/*
  * Print the size of the scene and the device memory that the constants of its firmware (`pzs
  * tables`) need.
  */

@@ -258,18 +258,18 @@ static void print_selftest(const simulation *simulation)
         printf("  warning: self-test: %s\n", text);
 }
 
-/*
- * Write the results of the self-test, which ran before the schedule of the simulation without
- * findings, as JSON.
- */
+/* Write the results of the self-test, which runs before the schedule of the simulation, as JSON. */
 static void json_selftest(json *json, const simulation *simulation)
 {
     char text[SCENE_ERROR];
+    const bool is_disturbed = simulation->verdict == PZS_SELFTEST_DISTURBED;
+    const char *refused = is_disturbed ? "disturbed" : "faulty";
     if (!simulation->wiring.is_used)
         return;
     wiring_test_remarks(&simulation->wiring, simulation->nominal, text);
     json_open(json, "selftest", '{');
-    json_string(json, "verdict", "passed");
+    json_string(json, "verdict", *simulation->findings ? refused : "passed");
+    json_string(json, "findings", simulation->findings);
     json_number(json, "tested", wiring_test_tested(&simulation->wiring));
     json_number(json, "ticks", wiring_test_ticks(&simulation->wiring));
     json_number(json, "pulse_ticks", simulation->wiring.tables.pulse_ticks);
@@ -460,5 +460,16 @@ void print_simulation_json(const simulation *simulation, const simulate_record *
     json_close(&json, '}');
     json_history(&json, record, design->control.rate);
     plausible_json(&json, &simulation->nominal->warnings);
+    json_close(&json, '}');
+}
+
+void print_refusal_json(const simulation *simulation)
+{
+    json json = {.file = stdout};
+    if (!*simulation->findings)
+        return;
+    json_open(&json, NULL, '{');
+    json_string(&json, "scene", simulation->nominal->design.name);
+    json_selftest(&json, simulation);
     json_close(&json, '}');
 }

@@ -26,4 +26,10 @@ int print_run(simulation *simulation, const simulate_sinks *sinks, char *error);
 void print_simulation(const simulation *simulation, const simulate_record *record);
 void print_simulation_json(const simulation *simulation, const simulate_record *record);
 
+/*
+ * Print the findings of a self-test that has stopped the simulation on standard output, as JSON;
+ * nothing where no self-test has stopped it.
+ */
+void print_refusal_json(const simulation *simulation);
+
 #endif

@@ -680,15 +680,18 @@ static int run_selftest_tick(loop *loop, int tick, char *error)
     return 0;
 }
 
-/* Write the findings of the self-test as an error message. */
+/* Keep the findings of the self-test, and write them as an error message. */
 static int refuse(const loop *loop, char *error)
 {
     const pzs_selftest *selftest = pzs_loop_find(&loop->controller, &pzs_selftest_block);
-    char text[SCENE_ERROR] = "";
-    if (selftest)
+    char *text = loop->simulation->findings;
+    if (selftest) {
+        loop->simulation->verdict = selftest->info.verdict;
         wiring_test_findings(selftest, loop->simulation->nominal, text);
-    return scene_fault(loop->design->simulate.at, error, "self-test: %s",
-                       *text ? text : pzs_status_text(loop->status));
+    }
+    if (!*text)
+        snprintf(text, SCENE_ERROR, "%s", pzs_status_text(loop->status));
+    return scene_fault(loop->design->simulate.at, error, "self-test: %s", text);
 }
 
 int loop_selftest(loop *loop, char *error)

@@ -128,9 +128,12 @@ typedef struct simulation {
                             or `feeds` is set */
     damper damper; /* tables of the control tick that damps vibration; unused for a quasi-static
                       plant */
-    wiring_test pulses;   /* test pulses of the fault detector of a damped loop; unused where the
-                             scene asks for no detected faults */
-    wiring_test wiring;   /* self-test before the schedule; unused where the scene has none */
+    wiring_test pulses; /* test pulses of the fault detector of a damped loop; unused where the
+                           scene asks for no detected faults */
+    wiring_test wiring; /* self-test before the schedule; unused where the scene has none */
+    pzs_selftest_verdict verdict; /* result of this self-test, if it did not pass */
+    char findings[SCENE_ERROR];   /* text of what this self-test has found; empty: it has passed
+                                     or has not ended */
     damper unused_damper; /* empty tables of a vibration block, for the block list without that
                              block */
     struct loop_blocks *undamped_blocks; /* block list without a vibration block, for the control

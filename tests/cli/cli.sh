@@ -508,6 +508,10 @@ run 0 simulate plate-closed-loop $wired --set 'safety={selftest: {amplitude: 20,
 check 'self-test: healthy wiring passes' $?
 tested='safety={selftest: {amplitude: 20, pulse_ticks: 20}}'
 run 0 simulate plate-closed-loop $wired --set "$tested" --json && grep -q '"verdict": "passed"' "$dir/out" && grep -q '"tested": 25' "$dir/out"; check 'self-test: --json tells the verdict' $?
+run 1 simulate plate-closed-loop $wired --set "$tested" --set 'simulate.events=[{at: 0, dead: [v_1_1]}]' --json && json "j['selftest']['verdict'] == 'faulty' and j['selftest']['findings'] == 'v_1_1 does not respond'"
+check 'self-test: --json tells the findings of a test that stops the loop' $?
+run 0 tables plate-closed-loop $quick --set "$tested" --set 'simulate.sensors={noise: 1e-4}' --image control -o "$dir/noise.h" && grep -q 'warning: self-test: noise may hide the response of' "$dir/out"
+check 'self-test: tables name the amplifiers that noise may hide' $?
 run 1 simulate plate-closed-loop $wired --set "$tested" --set 'simulate.sensors={noise: 1e-3}' && grep -q 'self-test: vibration or noise hides the response of v_1_1, ' "$dir/err"
 check 'self-test: noise above all responses does not pass' $?
 run 0 check plate-closed-loop $quick --set "$tested" --set 'simulate.sensors={noise: 1e-6}' && grep -q 'noise may hide the response of .*pulse_ticks: [0-9]* suffices' "$dir/out"
