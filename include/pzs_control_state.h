@@ -359,46 +359,54 @@ typedef struct pzs_pulse_detector_state {
                                 readings D per volt and the scales S of the sensors */
     pzs_real *diagonal;      /* [inputs] diagonal of D'S^2 D without regularisation, with the static
                                 readings D per volt and the scales S of the sensors (1/V2) */
-    pzs_real *first_voltage; /* [inputs] voltages in the first tick of the present rest or pulse (V)
-                              */
-    pzs_real *voltage;       /* [inputs] weighted sum over the present rest or pulse of the voltages
-                                minus those of its first tick (V) */
-    pzs_real *base_voltage, *rest_voltage; /* [inputs] mean voltages of the base (an earlier rest),
-                                              and of the last rest (V) */
-    pzs_real *move; /* [inputs] voltages of the last rest minus those of the base; during the
-                       evaluation of a pulse the weighted sums of all other voltages (V) */
-    pzs_real *loss; /* [inputs] voltages that the electrodes seem to have lost between the base and
-                       the last rest (V) */
+    pzs_real *first_voltage; /* [inputs] voltages in the first tick of the present standstill of the
+                                target or test pulse (V) */
+    pzs_real *voltage; /* [inputs] weighted sum over the present standstill of the target or test
+                          pulse of the voltages minus those of its first tick (V) */
+    pzs_real *base_voltage, *rest_voltage; /* [inputs] mean voltages of an earlier standstill of the
+                                              target, and of the last standstill of the target (V)
+                                            */
+    pzs_real *move; /* [inputs] voltages of the last standstill of the target minus those of the
+                       earlier standstill; during the evaluation of a pulse the weighted sums of all
+                       other voltages (V) */
+    pzs_real *loss; /* [inputs] voltages that the electrodes seem to have lost between the earlier
+                       and the last standstill of the target (V) */
     pzs_real *last_reading; /* [sensors] last usable reading of each sensor (unit of each sensor) */
-    pzs_real *first_reading; /* [sensors] readings in the first tick of the present rest or pulse;
-                                after a rest the mean readings (unit of each sensor) */
-    pzs_real *reading;      /* [sensors] weighted sum over the present rest or pulse of the readings
-                               minus those of its first tick (unit of each sensor) */
-    pzs_real *base_reading; /* [sensors] mean readings of the base (unit of each sensor) */
-    pzs_real *difference;   /* [sensors] change of the readings since the base that the voltages do
-                               not explain; during the evaluation of a pulse the readings that the
-                               voltages of the other electrodes explain (unit of each sensor) */
+    pzs_real *first_reading; /* [sensors] readings in the first tick of the present standstill of
+                                the target or test pulse; after a standstill the mean readings (unit
+                                of each sensor) */
+    pzs_real *reading; /* [sensors] weighted sum over the present standstill of the target or test
+                          pulse of the readings minus those of its first tick (unit of each sensor)
+                        */
+    pzs_real *base_reading; /* [sensors] mean readings of the earlier standstill of the target (unit
+                               of each sensor) */
+    pzs_real *difference;   /* [sensors] change of the readings since the earlier standstill of the
+                               target that the voltages do not explain; during the evaluation of a
+                               pulse the readings that the voltages of the other electrodes explain
+                               (unit of each sensor) */
     pzs_real *wanted;       /* [outputs] target shape that stands still (m) */
     uint8_t *electrode;     /* [inputs] state of each electrode, a value of pzs_electrode_state */
     uint8_t *fault;         /* [inputs] fault of each electrode, a value of pzs_electrode_fault */
-    uint8_t *pause;        /* [inputs] number of rests to come in which an electrode that has passed
-                              its test is not suspected */
-    uint8_t *is_missing;   /* [sensors] 1: a reading was missing in the present rest or pulse */
+    uint8_t *pause; /* [inputs] number of standstills to come in which an electrode that has passed
+                       its test is not suspected */
+    uint8_t *is_missing;   /* [sensors] 1: a reading was missing in the present standstill of the
+                              target or test pulse */
     pzs_real ridge;        /* regularisation of the lost voltages (1/V2) */
     pzs_real least_energy; /* energy of the shape of the weakest test pulse (m2) */
     pzs_real start[2], set[2]; /* voltages of the suspected electrode and of the reference electrode
                                   before the pulses, and in the next tick (V) */
     pzs_real first_gain, reference_gain; /* gains of the first pulse of the suspected electrode and
                                             of the pulse of the reference electrode (1) */
-    pzs_real suspect_voltage, suspect_move, suspect_loss; /* voltage of the suspected electrode in
-                                               the last rest, its change since the base, and the
-                                               voltage that it seemed to have lost (V) */
+    pzs_real suspect_voltage;    /* voltage of the suspected electrode in the last standstill (V) */
+    pzs_real suspect_move;       /* change of this voltage since the earlier standstill (V) */
+    pzs_real suspect_loss;       /* voltage that the suspected electrode seemed to have lost (V) */
     uint32_t position;           /* number of ticks of the present phase so far */
     uint16_t suspect, reference; /* electrodes under test; 0xFFFF: none */
     uint8_t phase, stage; /* what the detector does now, and the pulse that is due in the proof */
     uint8_t tries;        /* number of disturbed pulses and of silent references in the proof */
-    bool has_base, has_taken; /* has_base: there is a base; has_taken: the detector sets the
-                                 voltages of both electrodes under test */
+    bool has_base, has_taken; /* has_base: there was a standstill with which later ones are
+                                 compared; has_taken: the detector sets the voltages of both
+                                 electrodes under test */
 } pzs_pulse_detector_state;
 
 typedef struct pzs_estimate_state {

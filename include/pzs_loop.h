@@ -1206,10 +1206,10 @@ extern const pzs_block_type pzs_selftest_block;
 /*
  * The fault detector for loops whose structure vibrates finds electrodes that are dead, stuck or
  * reversed, and holds them, while the loop goes on. It compares the mean readings while the target
- * stands still with those of an earlier rest. An electrode that seems to have lost its voltage or
- * its move makes a slow test pulse, then an electrode that seems healthy makes one, then the
- * suspected one again; the control step compensates with the others. The electrode is held if it
- * did not respond although the other one did, or responded with the wrong sign.
+ * stands still with those of an earlier standstill. An electrode that seems to have lost its
+ * voltage or its move makes a slow test pulse, then an electrode that seems healthy makes one, then
+ * the suspected one again. The electrode is held if it did not respond although the other one
+ * did, or responded with the wrong sign.
  *
  * Pauses of the target are compared from half a pulse after its last motion on, for half a pulse;
  * the proof takes four pulses, during which the loop damps vibration, but does not follow loads. A

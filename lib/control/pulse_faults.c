@@ -3,27 +3,28 @@
  * Fault detector for a loop that damps vibration (pzs_loop.h): finds dead, stuck and reversed
  * electrodes from the readings of the sensors, while the loop goes on.
  *
- * Suspicion: whenever the target stands still, the mean readings and the mean voltages of a rest
- * are compared with those of an earlier rest, the base. Let du be the change of the voltages, dy
- * that of the readings, D the static readings per volt, and S the scales of the sensors. The lost
- * voltages f minimise |S (dy - D (du + f))|^2 + ridge |f|^2. A structure whose gain differs from
- * the model loses a common part of all moves, f = c du, which is taken out. The electrode whose
- * remaining loss explains most of the difference is suspected, if it lost about its own voltage
- * (as a dead electrode) or its own move (as a stuck or reversed one).
+ * Suspicion: the mean readings and the mean voltages during a standstill of the target are compared
+ * with those of an earlier standstill. Let du be the change of the voltages, dy that of the
+ * readings, D the static readings per volt, and S the scales of the sensors. The lost voltages f
+ * minimise |S (dy - D (du + f))|^2 + ridge |f|^2. A structure whose gain differs from the model
+ * loses a common part c of all voltage changes, f = c du, which is taken out. The electrode whose
+ * remaining loss explains most of the difference is suspected, if it lost about its own voltage (as
+ * a dead electrode) or its own change of voltage (as a stuck or reversed one).
  *
- * Proof: the suspected electrode makes a slow test pulse (test_pulse.h) while all other electrodes
- * remain under control. Readings and voltages are multiplied by the even weights of the pulse and
- * summed, so that constant loads, drift and vibration drop out. The measured sum, minus the sum
- * that the model predicts for the other electrodes, is the response; its part along the modelled
- * response to the pulse is the gain of the electrode. Then a second electrode, the reference, makes
- * the same pulse, then the suspected one again. The electrode is faulty if both its gains are small
- * or negative in comparison with the gain of the reference. Whatever else hides responses
- * (hysteresis, a wrong model, missing readings, lost control) hides that of the reference, too.
+ * Proof: the suspected electrode makes a slow test pulse (test_pulse.h), during which the loop
+ * damps vibration, but does not follow the target. Readings and voltages are multiplied by the even
+ * weights of the pulse and summed, so that constant loads, drift and vibration drop out. The
+ * response is fitted by the modelled responses to this electrode and to all others; the factor of
+ * the first one is the gain of the electrode. Then a reference electrode makes a pulse of its own,
+ * then the suspected one again. The suspected electrode is faulty if both its gains are small or
+ * negative in comparison with the gain of the reference electrode. Whatever else hides responses
+ * (hysteresis, a wrong model, missing readings, lost control) hides that of the reference electrode
+ * too.
  *
- * A target that moves interrupts a rest or a pulse, which is repeated after the next settling.
+ * A motion of the target interrupts standstill and pulse, which are repeated later.
  *
- * The work of a tick is outputs + 6 (inputs + sensors) operations. At the end of a rest 2 inputs
- * sensors + inputs^2 multiply-adds are added, and at the end of a pulse inputs sensors.
+ * The work of a tick is outputs + 6 (inputs + sensors) operations. At the end of a standstill 2
+ * inputs sensors + inputs^2 multiply-adds are added, and at the end of a pulse inputs sensors.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -38,54 +39,76 @@
 #define READING_LIMIT PZS_R(1e12)
 /* Regularisation of the lost voltages, relative to the mean diagonal of their matrix. */
 #define RIDGE PZS_R(1e-4)
-/* Smallest part of the difference between two rests that the loss of a suspect explains. */
+/*
+ * Smallest part of the difference between two standstills of the target that the loss of a
+ * suspected electrode explains.
+ */
 #define LEAST_SHARE PZS_R(0.2)
 /*
- * Smallest and largest loss of a suspect, relative to the voltage or to the move that it would lose
- * if it were dead, stuck or reversed.
+ * Smallest and largest loss of a suspected electrode, relative to the voltage or to the voltage
+ * change that the electrode would lose if it were dead, stuck or reversed.
  */
 #define LEAST_LOSS PZS_R(0.5)
 #define LARGEST_LOSS PZS_R(4)
-/* Smallest loss of a suspect, relative to the height of its test pulse. */
+/* Smallest loss of a suspected electrode, relative to the height of its test pulse. */
 #define NOTICED PZS_R(0.05)
-/* Bounds of the common part of all moves that a structure loses whose gain differs from the model.
+/*
+ * Largest common loss of all electrodes, relative to their voltage changes. A structure whose gain
+ * differs from the model causes such a loss.
  */
 #define COMMON_LOSS PZS_R(0.5)
 /* A suspected electrode with at least this gain has passed its test. */
 #define PASSED PZS_R(0.35)
-/* A reference with a smaller gain proves nothing. */
+/*
+ * A reference electrode, whose test pulse is compared with that of a suspected electrode, must have
+ * at least this gain.
+ */
 #define LEAST_REFERENCE PZS_R(0.4)
 /*
- * A suspected electrode is faulty if its gains are smaller than SILENT times that of the reference,
- * and reversed if the first one is below the negative of REVERSED times that of the reference.
+ * A suspected electrode is faulty if the gains of both its test pulses are smaller than SILENT
+ * times the gain of the reference electrode. It is reversed if the first of these gains is below
+ * the negative of REVERSED times the gain of the reference electrode.
  */
 #define SILENT PZS_R(0.5)
 #define REVERSED PZS_R(0.3)
 /*
- * Largest energy of the response that is not along the modelled one, relative to the energy of the
- * modelled one: otherwise the pulse was disturbed.
+ * Largest energy of the part of a measured response to a test pulse that has another shape than the
+ * modelled response, relative to the energy of the modelled response. A larger part means that
+ * something else has disturbed the test pulse.
  */
 #define DISTURBED PZS_R(0.25)
 /*
- * Weight of the expectation that the gain of all other electrodes is 1 in the evaluation of a
- * pulse, relative to the energy of the modelled response to the pulse.
+ * The evaluation of a test pulse expects that the gain of all other electrodes is 1; weight of this
+ * expectation relative to the energy of the modelled response to the pulse.
  */
 #define EXPECTED PZS_R(0.05)
-#define MOST_TRIES 4u /* number of disturbed pulses, and of silent references, that end a proof */
-/* Number of rests during which an electrode that has passed its test is not suspected. */
-#define CLEARED_RESTS 32u
-#define NO_INPUT 0xFFFFu /* input number where there is no suspect or no reference */
-#define MISSING_LIMIT                                                                              \
-    8u /* at most 1/MISSING_LIMIT of the sensors may be missing in a rest or pulse */
+#define MOST_TRIES                                                                                 \
+    4u /* number of disturbed test pulses and of silent reference electrodes that end a proof */
 /*
- * The target counts as unmoved while its change since the last one, squared and summed over the
- * outputs with their weights, is below 1/STILL of the energy of the weakest test pulse.
+ * Number of standstills of the target during which an electrode that has passed its test is not
+ * suspected.
+ */
+#define CLEARED_RESTS 32u
+#define NO_INPUT                                                                                   \
+    0xFFFFu /* input number where there is no suspected electrode or no reference electrode */
+#define MISSING_LIMIT                                                                              \
+    8u /* at most 1/MISSING_LIMIT of the sensors may give no reading during a standstill of the    \
+          target or a test pulse */
+/*
+ * The target counts as unmoved while the energy of its change since it last moved (the sum over the
+ * outputs of the squared weighted change) is below 1/STILL of the energy of the weakest test pulse.
  */
 #define STILL PZS_R(64)
 
-/* What the detector does in a tick. */
+/*
+ * Phases of the detector: waiting until the structure has settled, averaging while the target
+ * stands still, first pulses of both electrodes under test, and measured test pulses.
+ */
 enum { SETTLING = 0, RESTING, CONDITIONING, PULSING };
-/* Pulses of a proof, in their order. */
+/*
+ * Measured test pulses of a proof in their order: suspected electrode, reference electrode,
+ * suspected electrode again.
+ */
 enum { FIRST_PULSE = 0, REFERENCE_PULSE, SECOND_PULSE };
 
 static pzs_real square(pzs_real number)
@@ -155,7 +178,10 @@ static void place(pzs_pulse_detector *detector, const pzs_loop_signals *signals)
         state->phase = SETTLING;
 }
 
-/* Return the signal of one electrode under test: number 0 the suspect, number 1 the reference. */
+/*
+ * Return the input of an electrode under test: number 0 is the suspected electrode, number 1 the
+ * reference electrode.
+ */
 static uint32_t tested_input(const pzs_pulse_detector_state *state, uint32_t number)
 {
     return number == 0 ? state->suspect : state->reference;
@@ -187,14 +213,16 @@ static void take_readings(pzs_pulse_detector_state *state, const pzs_real *readi
     }
 }
 
-/* Return the duration of the present rest or pulse (ticks). */
+/* Return the duration of the present standstill of the target or test pulse (ticks). */
 static uint32_t window_ticks(const pzs_pulse_detector_state *state)
 {
     const uint32_t ticks = state->tables->pulse_ticks;
     return state->phase == RESTING ? ticks / 2u : ticks;
 }
 
-/* Return the weight of a tick of the present rest or pulse. */
+/*
+ * Return the weight of a tick in the sums over the present standstill of the target or test pulse.
+ */
 static pzs_real weight_of(const pzs_pulse_detector_state *state, uint32_t tick)
 {
     const uint32_t ticks = window_ticks(state);
@@ -203,7 +231,10 @@ static pzs_real weight_of(const pzs_pulse_detector_state *state, uint32_t tick)
     return test_pulse_even(test_pulse_place(tick, ticks));
 }
 
-/* Add the present voltages [inputs] to their weighted sum over the present rest or pulse. */
+/*
+ * Add the present voltages [inputs] to their weighted sums over the present standstill of the
+ * target or test pulse.
+ */
 static void add_voltages(pzs_pulse_detector_state *state, const pzs_real *voltage)
 {
     const pzs_real weight = weight_of(state, state->position);
@@ -217,8 +248,8 @@ static void add_voltages(pzs_pulse_detector_state *state, const pzs_real *voltag
 }
 
 /*
- * Add the present readings to their weighted sum over the present rest or pulse.
- *   tick in  tick of the rest or pulse whose voltages the readings show
+ * Add the present readings to their weighted sums over the present standstill of the target or test
+ * pulse. tick in  tick of the standstill or pulse whose voltages the readings show
  */
 static void add_readings(pzs_pulse_detector_state *state, uint32_t tick)
 {
@@ -233,8 +264,8 @@ static void add_readings(pzs_pulse_detector_state *state, uint32_t tick)
 }
 
 /*
- * Make one tick of a rest or pulse. The readings show the voltages that were set `delay` + 1 ticks
- * ago. Returns whether the rest or pulse has ended.
+ * Make one tick of a standstill of the target or of a test pulse. The readings show the voltages
+ * that were set `delay` + 1 ticks ago. Returns whether the standstill or pulse has ended.
  */
 static bool measure(pzs_pulse_detector_state *state, const pzs_real *voltage)
 {
@@ -248,7 +279,10 @@ static bool measure(pzs_pulse_detector_state *state, const pzs_real *voltage)
     return state->position + 1u >= ticks + late;
 }
 
-/* Whether enough sensors gave usable readings in the present rest or pulse. */
+/*
+ * Whether enough sensors gave usable readings in the present standstill of the target or test
+ * pulse.
+ */
 static bool has_enough(const pzs_pulse_detector_state *state)
 {
     uint32_t missing = 0;
@@ -285,7 +319,7 @@ static void set_voltage(pzs_control *control, uint32_t j, pzs_real voltage)
     pzs_control_set_held(control, j, voltage);
 }
 
-/* Begin to hold the suspect and the reference at their present voltages. */
+/* Begin to hold the suspected electrode and the reference electrode at their present voltages. */
 static void take_electrodes(pzs_pulse_detector_state *state)
 {
     for (uint32_t k = 0; k < 2; k++) {
@@ -366,7 +400,10 @@ static void set_test_voltages(pzs_pulse_detector_state *state)
 
 /* ---- suspicion ------------------------------------------------------------ */
 
-/* Turn the sums of a rest into mean voltages and, in first_reading, mean readings. */
+/*
+ * Turn the sums over a standstill of the target into mean voltages and mean readings; the mean
+ * readings replace first_reading.
+ */
 static void find_means(pzs_pulse_detector_state *state)
 {
     for (uint32_t j = 0; j < state->tables->inputs; j++)
@@ -376,8 +413,8 @@ static void find_means(pzs_pulse_detector_state *state)
 }
 
 /*
- * Compute the difference between the present rest and the base: the moves of the voltages, and the
- * readings that these do not explain.
+ * Compute the difference between the last standstill of the target and an earlier one: the changes
+ * of the voltages, and the changes of the readings that these do not explain.
  */
 static void compare_rests(pzs_pulse_detector_state *state)
 {
@@ -393,8 +430,8 @@ static void compare_rests(pzs_pulse_detector_state *state)
 }
 
 /*
- * Compute the lost voltages of all electrodes from the unexplained readings. Returns the energy of
- * the readings that remain, divided by the regularisation (V2).
+ * Compute the lost voltages of all electrodes from the unexplained changes of the readings. Returns
+ * the energy of the changes that no lost voltage explains, divided by the regularisation (V2).
  */
 static pzs_real find_losses(pzs_pulse_detector_state *state)
 {
@@ -411,10 +448,13 @@ static pzs_real find_losses(pzs_pulse_detector_state *state)
     return energy / state->ridge;
 }
 
-/* Sums over the electrodes that are not held, without one of them: squares and products. */
+/*
+ * Sums, over the electrodes that are not held, of squared lost voltages, squared voltage changes,
+ * and their products.
+ */
 typedef struct loss_sums {
-    pzs_real losses, moves, both; /* squared losses, squared moves, products of loss and move (V2)
-                                   */
+    pzs_real losses, moves, both; /* squared lost voltages, squared voltage changes, products of
+                                     both (V2) */
 } loss_sums;
 
 static loss_sums sum_losses(const pzs_pulse_detector_state *state)
@@ -430,7 +470,10 @@ static loss_sums sum_losses(const pzs_pulse_detector_state *state)
     return sums;
 }
 
-/* Whether a loss is plausible for an electrode that lost `whole` (V). */
+/*
+ * Whether a lost voltage is plausible for an electrode that would lose `whole` if it were faulty
+ * (V).
+ */
 static bool is_loss_of(pzs_real loss, pzs_real whole)
 {
     const pzs_real part = -loss * whole, most = square(whole);
@@ -438,10 +481,10 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
 }
 
 /*
- * Return the part of the difference between two rests that the loss of electrode j explains (0 to
- * 1), or 0 where the loss is not that of a faulty electrode.
- *   sums in  sums over all electrodes that are not held
- *   rest in  energy of the readings that no loss explains (V2)
+ * Return the part of the difference between two standstills of the target that the lost voltage of
+ * electrode j explains (0 to 1), or 0 where the loss is not that of a faulty electrode. sums in
+ * sums over all electrodes that are not held rest in  energy of the readings that no lost voltage
+ * explains (V2)
  */
 static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, const loss_sums *sums,
                          pzs_real rest)
@@ -460,7 +503,10 @@ static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, cons
     return square(own) / (square(own) + (others > 0 ? others : 0));
 }
 
-/* Return the electrode under the strongest suspicion, or NO_INPUT. */
+/*
+ * Return the electrode whose lost voltage explains the largest part of the difference between two
+ * standstills of the target, or NO_INPUT if no electrode is suspected.
+ */
 static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real rest)
 {
     const loss_sums sums = sum_losses(state);
@@ -479,10 +525,10 @@ static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real res
 }
 
 /*
- * Return the electrode whose pulse is compared with that of the suspect: the one with the strongest
- * pulse among those that seem to have followed their moves, or else among all. Returns NO_INPUT if
- * there is none.
- *   but in  electrode that is not chosen, NO_INPUT: none
+ * Return the electrode whose test pulse is compared with that of the suspected electrode: the one
+ * with the strongest pulse among the electrodes that seem to have followed their voltages, or else
+ * among all. Returns NO_INPUT if there is none. but in  electrode that is not chosen; NO_INPUT:
+ * none
  */
 static uint32_t find_reference(const pzs_pulse_detector_state *state, uint32_t but)
 {
@@ -505,7 +551,10 @@ static uint32_t find_reference(const pzs_pulse_detector_state *state, uint32_t b
     return reference;
 }
 
-/* Whether any electrode has moved by two pulses or more since the base. */
+/*
+ * Whether the voltage of any electrode has changed by two test pulses or more since the earlier
+ * standstill of the target.
+ */
 static bool has_moved(const pzs_pulse_detector_state *state)
 {
     for (uint32_t j = 0; j < state->tables->inputs; j++)
@@ -514,7 +563,7 @@ static bool has_moved(const pzs_pulse_detector_state *state)
     return false;
 }
 
-/* Take the present rest as the base. */
+/* Take the last standstill of the target as the one with which later ones are compared. */
 static void set_base(pzs_pulse_detector_state *state)
 {
     memcpy(state->base_voltage, state->rest_voltage,
@@ -527,14 +576,14 @@ static void set_base(pzs_pulse_detector_state *state)
 
 /* ---- proof ---------------------------------------------------------------- */
 
-/* Return to the beginning of a phase. */
+/* Go to the first tick of a phase of the detector. */
 static void begin(pzs_pulse_detector_state *state, uint32_t phase)
 {
     state->phase = (uint8_t)phase;
     state->position = 0;
 }
 
-/* End the proof. */
+/* End the proof, and return both electrodes under test to the control step. */
 static void end_proof(pzs_pulse_detector_state *state)
 {
     release_electrodes(state);
@@ -552,7 +601,10 @@ static void clear_suspect(pzs_pulse_detector_state *state)
     state->pause[suspect] = CLEARED_RESTS;
 }
 
-/* Begin the proof of an electrode. */
+/*
+ * Begin the proof of a suspected electrode with a first pulse of this electrode and of a reference
+ * electrode.
+ */
 static void begin_proof(pzs_pulse_detector *detector, uint32_t suspect)
 {
     pzs_pulse_detector_state *state = &detector->state;
@@ -569,12 +621,13 @@ static void begin_proof(pzs_pulse_detector *detector, uint32_t suspect)
     take_electrodes(state);
 }
 
-/* Sums over the sensors, with which the pulse of one electrode is evaluated (1). */
+/* Sums over the sensors by which a test pulse of one electrode is evaluated (1). */
 typedef struct pulse_sums {
-    pzs_real own, others, both; /* squared modelled responses to the electrode, and to all others,
-                                   and their products */
-    pzs_real own_response, other_response; /* products of the measured response with both modelled
-                                              responses */
+    pzs_real own, others, both; /* squared modelled responses to the electrode under test and to all
+                                   other electrodes, and products of both */
+    pzs_real own_response, other_response; /* products of the measured response with the modelled
+                                              responses to the electrode under test and to all other
+                                              electrodes */
     pzs_real response;                     /* squared measured responses */
 } pulse_sums;
 
@@ -649,7 +702,10 @@ static void hold_electrode(pzs_pulse_detector *detector, pzs_electrode_fault fau
     detector->info.found++;
 }
 
-/* Return the fault of the suspect, from the gains of its pulses and from the loss before them. */
+/*
+ * Return the fault of the suspected electrode, from the gain of its first test pulse and from the
+ * voltage that it seemed to have lost before.
+ */
 static pzs_electrode_fault fault_of(const pzs_pulse_detector_state *state)
 {
     if (-state->first_gain > REVERSED * state->reference_gain)
@@ -660,8 +716,8 @@ static pzs_electrode_fault fault_of(const pzs_pulse_detector_state *state)
 }
 
 /*
- * Continue after a pulse of the reference, whose gain must be large for the silence of the suspect
- * to mean anything.
+ * Continue after the test pulse of the reference electrode. Only if its gain is large does a small
+ * gain of the suspected electrode mean anything.
  */
 static void judge_reference(pzs_pulse_detector_state *state, pzs_real gain)
 {
@@ -678,14 +734,17 @@ static void judge_reference(pzs_pulse_detector_state *state, pzs_real gain)
     begin(state, SETTLING);
 }
 
-/* Whether the suspect is faulty according to both of its pulses and to that of the reference. */
+/*
+ * Whether the suspected electrode is faulty according to both of its test pulses and to that of the
+ * reference electrode. gain in  gain of its second test pulse (1)
+ */
 static bool is_faulty(const pzs_pulse_detector_state *state, pzs_real gain)
 {
     const pzs_real least = SILENT * state->reference_gain;
     return gain < least && state->first_gain < least;
 }
 
-/* Continue the proof after a pulse. Returns the input that was found faulty, or NO_INPUT. */
+/* Continue the proof after a test pulse. Returns the input that was found faulty, or NO_INPUT. */
 static uint32_t judge(pzs_pulse_detector *detector)
 {
     pzs_pulse_detector_state *state = &detector->state;
@@ -734,7 +793,7 @@ static void update_states(pzs_pulse_detector_state *state)
     }
 }
 
-/* Evaluate a rest, and begin the proof of an electrode that is suspected. */
+/* Evaluate a standstill of the target, and begin the proof of an electrode that is suspected. */
 static void end_rest(pzs_pulse_detector *detector)
 {
     pzs_pulse_detector_state *state = &detector->state;
@@ -751,7 +810,8 @@ static void end_rest(pzs_pulse_detector *detector)
     const pzs_real rest = find_losses(state);
     const uint32_t suspect = find_suspect(state, rest);
     if (suspect == NO_INPUT) {
-        if (has_moved(state) || !number_is_finite(rest)) /* damaged memory is renewed */
+        if (has_moved(state) || !number_is_finite(rest)) /* renews sums that damaged memory made
+                                                            infinite or NaN */
             set_base(state);
         return;
     }
@@ -761,7 +821,10 @@ static void end_rest(pzs_pulse_detector *detector)
     begin_proof(detector, suspect);
 }
 
-/* Begin a rest, or the pulses of a proof, after the structure has settled. */
+/*
+ * After the structure has settled, begin to average voltages and readings, or begin the test pulses
+ * of a proof.
+ */
 static void end_settling(pzs_pulse_detector_state *state)
 {
     if (state->suspect == NO_INPUT) {
@@ -772,14 +835,16 @@ static void end_settling(pzs_pulse_detector_state *state)
     take_electrodes(state);
 }
 
-/* Return the number of ticks without a moving target after which the structure has settled. */
+/*
+ * Return the number of ticks without a motion of the target after which the structure has settled.
+ */
 static uint32_t settling_ticks(const pzs_pulse_detector_state *state)
 {
     return state->tables->pulse_ticks / 2u;
 }
 
 /*
- * Make one tick of the present phase.
+ * Make one tick of the present phase of the detector.
  *   voltage [inputs] in  voltages that act on the structure in this tick (V)
  * Returns the input that was found faulty, or NO_INPUT.
  */
@@ -801,7 +866,10 @@ static uint32_t run_phase(pzs_pulse_detector *detector, const pzs_real *voltage)
     return NO_INPUT;
 }
 
-/* Interrupt rest and proof: after the next settling both begin again. */
+/*
+ * Interrupt the present standstill of the target and the present test pulse, which are repeated
+ * after the structure has settled again.
+ */
 static void interrupt(pzs_pulse_detector_state *state)
 {
     release_electrodes(state);
@@ -817,7 +885,8 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Compute and factor the matrix of the lost voltages. Returns whether it is regular.
+ * Compute and factor the matrix from which the lost voltages follow. Returns whether the matrix is
+ * regular.
  */
 static bool factor_matrix(pzs_pulse_detector_state *state)
 {
