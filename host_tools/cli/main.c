@@ -842,12 +842,16 @@ static int command_tables(const options *options, analysis *analysis)
 {
     outfile output;
     tables_size size;
+    work_report work;
     char error[SCENE_ERROR], prefix[SCENE_NAME], path[OPTIONS_PATH];
     analysis->quasi_static = options->quasi_static;
     analysis->is_compact = options->is_compact;
     progress_stage("tables");
     if (prepare_tables(analysis, options->image, error) < 0)
         return complain(error, failed_code(analysis));
+    work_report_make(&work, analysis);
+    if (work_report_check(&work, &analysis->design, error) < 0)
+        return complain(error, OPTIONS_WRONG);
     table_prefix(options, analysis->design.name, prefix);
     int status = outfile_begin(&output, output_path(options, prefix, ".h", path));
     if (status == 0)

@@ -75,6 +75,9 @@ coarse='--set mesh.theta1.elements=2 --set mesh.theta2.elements=2 --set patches.
 # shellcheck disable=SC2086
 run 2 check plate-50-patches $coarse --set 'control={rate: 1000, clock: 16 MHz}' --json && says 'more than the' && json 'all(abs(sum(p["blocks"].values())+p["rest"]-p["all"])<1 for p in j["tick"]["instructions"].values()) and not j["tick"]["holds"] and len(j["tick"]["instructions"])==2'
 check 'a rate that the processor cannot hold is refused, with the instructions of each block' $?
+# shellcheck disable=SC2086
+run 2 tables plate-50-patches $coarse --set 'control={rate: 1000, clock: 16 MHz}' -o "$dir/slow.h" && says 'more than the' && [ ! -e "$dir/slow.h" ]
+check 'no tables for a rate that the processor cannot hold' $?
 run 2 solve plate-50-patches --report && says 'a value is missing'; check 'an option without its value' $?
 run 2 list plate-50-patches && says 'takes no argument'; check 'a command without argument' $?
 run 0 --version && [ "$(cat "$dir/out")" = "pzs $(sed -n 's/^#define PZS_VERSION_TEXT "\(.*\)"/\1/p' include/pzs_version.h)" ]; check '--version' $?
