@@ -258,13 +258,14 @@ typedef struct pzs_control_state {
     pzs_real *disturbance; /* [outputs] measured shape minus predicted shape (m) */
     pzs_real *measured;    /* [outputs] measured shape of the last tick (m) */
     pzs_real *step_limit; /* [inputs] largest change of the voltage on each input in one step (V) */
-    pzs_real *weighted;   /* [2][outputs] first row: squared output weights times (target shape -
-                             shape of the base voltages - disturbance); second row: expected
-                             measurements (m) */
-    uint8_t *repeats; /* [outputs] number of ticks in which a measurement stayed constant although
-                         its output should have moved */
-    uint8_t *faulty;  /* [inputs] 1: the fault detector keeps the voltage of the input constant
-                         because the shape did not respond to it; otherwise 0 */
+    pzs_real *weighted; /* [2][outputs] first row: squared output weights times the target minus the
+                           shape under the base voltages (those from which the optimiser counts
+                           changes) minus the disturbance; second row: expected measurements (m)
+                         */
+    uint8_t *repeats;   /* [outputs] number of ticks in which a measurement stayed constant although
+                           its output should have moved */
+    uint8_t *faulty;    /* [inputs] 1: the fault detector keeps the voltage of the input constant
+                           because the shape did not respond to it; otherwise 0 */
     const pzs_real *damping; /* [inputs] damping gradient, which a control step that also damps
                                 vibration subtracts from the gradient of the objective (m2/V); NULL:
                                 no damping */

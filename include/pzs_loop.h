@@ -362,8 +362,8 @@ typedef struct pzs_reading_delay {
 } pzs_reading_delay;
 
 /*
- * Write the format number and the checksum into tables of late readings that a firmware has built
- * itself. Errors: PZS_E_ARGUMENT.
+ * Write the format number and the checksum into tables of the correction for late sensor readings
+ * that a firmware has built itself. Errors: PZS_E_ARGUMENT (a pointer is NULL).
  */
 pzs_status pzs_reading_delay_seal(pzs_reading_delay *tables);
 

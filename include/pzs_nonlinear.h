@@ -107,8 +107,8 @@ typedef struct pzs_solver_info {
                                      the voltages of open electrodes */
     pzs_real load_factor; /* part (0 to 1) of the way from the previous equilibrium to the wanted
                              input values that the solver has reached */
-    pzs_real residual; /* norm of the force imbalance divided by the norm of the applied force, with
-                          scaled matrix rows (1) */
+    pzs_real residual; /* norm of the force imbalance divided by the norm of the applied force; both
+                          norms weigh each force with the scale factor of its matrix row (1) */
     pzs_real relative_increment; /* norm of the last increment of the displacement divided by the
                                     norm of the displacement of the load step (1) */
     uint32_t linear_solves;      /* number of linear solves in the last call of pzs_equilibrium */
@@ -451,8 +451,8 @@ typedef struct pzs_contact_state {
                        contact can hold it */
     pzs_real reach; /* half of the longest diagonal of an element (m); every point of the shell is
                        at most this far from a node */
-    bool lacks_contact; /* whether at the last linear solve no node touched the contact body, or no
-                           node was pressed onto it */
+    bool lacks_contact; /* true: at the last linear solve no node was assumed to touch the contact
+                           body, or none of those nodes had a compressive contact force */
 } pzs_contact_state;
 
 typedef struct pzs_contact {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Instructions of a control tick on a device, block by block, for `pzs check`. */
+/*
+ * Number of processor instructions in a control tick on a device, for each block (part) of the
+ * tick, as `pzs check` prints it.
+ */
 #ifndef PRINT_WORK_H
 #define PRINT_WORK_H
 

@@ -22,7 +22,8 @@ typedef struct text_reader {
     cell comment;   /* text of the last line that begins with #, without the # */
     unsigned long line; /* number of the line of the file whose cells are in `cell`, counted from 1
                          */
-    unsigned long first_line; /* number of the first line of the file with cells, counted from 1 */
+    unsigned long first_line; /* number, from 1, of the first line of the table file that holds
+                                 values */
     cell *cell;               /* [cells] cells of the present line of the text table */
     size_t cells, room_cells, room_rows;
     char *error;

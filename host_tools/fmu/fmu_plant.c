@@ -128,13 +128,13 @@ static void add_variables(fmu *fmu, const plant *plant, const double *start)
 typedef struct plant_rows {
     int count, sensors, first_sensor; /* number of rows, number of sensors, and index of the first
                                          row that belongs to a sensor */
-    int *row;      /* [count] index of each row among all outputs of the structure */
+    int *row;      /* [count] number of each selected output among all outputs of the structure */
     double *noise; /* [sensors] standard deviation of the noise of each sensor (unit of the reading)
                     */
-    double *influence; /* [count][inputs] influence matrix: static displacement of each row per unit
-                          of each input */
-    double *shape;     /* [count][modes] displacement of each row per unit of the coordinate of each
-                          vibration mode */
+    double *influence; /* [count][inputs] influence matrix: static displacement of each selected
+                          output per unit of each input */
+    double *shape;     /* [count][modes] displacement of each selected output per unit of the
+                          coordinate of each vibration mode */
 } plant_rows;
 
 static void close_rows(plant_rows *rows)

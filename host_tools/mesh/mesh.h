@@ -169,7 +169,10 @@ typedef struct mesh_side {
  */
 int mesh_sides(const mesh *mesh, const scene_where *where);
 
-/* Return side number k of an edge or of an edge set. */
+/*
+ * Return the k-th element side, counted from 0, along an edge of the mesh, or in a set of element
+ * sides that a mesh file names.
+ */
 mesh_side mesh_side_at(const mesh *mesh, const scene_where *where, int k);
 
 /*

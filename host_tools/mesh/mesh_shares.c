@@ -28,7 +28,10 @@ static mesh_side side_of_set(const mesh *mesh, const quad_set *set, size_t i)
     return found;
 }
 
-/* Return side number k of an edge of a mesh that consists of mesh lines. */
+/*
+ * Return the k-th element side, counted from 0, along an edge of a mesh that consists of mesh
+ * lines.
+ */
 static mesh_side side_of_lines(const mesh *mesh, scene_edge edge, int k)
 {
     const int along = edge == EDGE_THETA1_MINUS || edge == EDGE_THETA1_PLUS ? 1 : 0;

@@ -134,7 +134,8 @@ typedef struct quad_build {
     type_list *list;
     const quad_mesh *quads;
     const surface_point *point;
-    const double *irregularity; /* [nodes] irregularity of each node, from quad_irregularity (1) */
+    const double *irregularity; /* [nodes] distance of each inner node from the mean of its
+                                   neighbours, relative to their distances (1) */
     uint16_t *element_type;
     quad_report *report;
 } quad_build;

@@ -52,8 +52,8 @@ typedef struct damper_settings {
 } damper_settings;
 
 /*
- * Default settings, with which the shape settles after fast jumps of the target on every structure
- * of tests/unit/test_vibration_block.c.
+ * Return the default settings of the block that damps vibration. With them the shape settles after
+ * fast jumps of the target on every structure of tests/unit/test_vibration_block.c.
  */
 damper_settings damper_default_settings(void);
 

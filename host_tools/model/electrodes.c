@@ -39,8 +39,9 @@ static void make_room(across_list *list, int more)
 }
 
 /*
- * Append to a list the voltages that one actuator or sensor applies across the plies of an element.
- * Several drives of an actuator may act on the same ply.
+ * Append to a list, for every ply of an element that lies between electrodes of one actuator or
+ * sensor, the index of the input (the voltage of an amplifier or of an open electrode) and the
+ * voltage across the ply per volt of this input. A ply may appear several times.
  *   first in  index of the first input of the actuator or sensor
  */
 static void append_across(const mesh *mesh, const scene_actuator *actuator, int first, int element,

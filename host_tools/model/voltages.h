@@ -47,8 +47,8 @@ typedef struct voltages {
                         combination of the columns of others (amplifiers held at one voltage do not
                         count, regularisation is ignored); computed only by voltages_clipped,
                         otherwise 0 */
-    int relinearised;  /* number of times that the influence matrix was computed again at the last
-                          shape */
+    int relinearised;  /* number of times that the influence matrix was computed again, each time
+                          at the deformed shape reached until then */
     int linear_solves; /* number of linear solves that the equilibrium of the nonlinear structure
                           has needed */
 } voltages;

@@ -152,7 +152,8 @@ typedef struct search {
     uint32_t *other;   /* [nodes] another node order, to be compared with the best one */
     uint32_t *level;   /* [nodes] distance of each node from the start of a node order, counted in
                           elements */
-    uint32_t *place;   /* [nodes] work memory for the computation of an envelope */
+    uint32_t *place;   /* [nodes] work memory for counting the entries in the envelope of the matrix
+                        */
     uint64_t envelope; /* number of stored entries (envelope) of the stiffness matrix's factor for
                           the best node order; UINT64_MAX: no order has been found yet */
 } search;

@@ -88,7 +88,10 @@ static int list_values(const solve_page *solve, int k, int along, double *theta,
     return count;
 }
 
-/* Draw a diagram of all outputs along theta1 (along = 0) or theta2 (along = 1), if any. */
+/*
+ * Draw one diagram of all outputs at several nodes of a line along the surface coordinate theta1
+ * (along = 0) or theta2 (along = 1), over this coordinate; nothing if there are no such outputs.
+ */
 static void draw_lines(const solve_page *solve, int along)
 {
     const page *page = &solve->page;

@@ -127,8 +127,9 @@ int case_item_has(const case_item *item, const char *key);
 int check_type_case(reader *reader, int node, const form_case *cases, const char *word);
 
 /*
- * Return the form of the value of a key: that of its table row, or the form that its basic read
- * function implies.
+ * Return the form (number, formula, word, list, ...) of the values that a key of the scene file
+ * takes: the form in the row of the table of keys, or, if the row names none, the form that the
+ * read function of the row accepts.
  */
 form field_form(const field *field);
 

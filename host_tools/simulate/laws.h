@@ -17,7 +17,8 @@
  * block.
  */
 typedef struct law {
-    pzs_problem problem; /* voltage problem; the library requires it as first member */
+    pzs_problem problem; /* least-squares problem whose solution is the voltages; first
+                            member, because the library casts a pointer to this struct to it */
     unconstrained solver;
     double gain, leak;   /* gain and leak of the leaky integrator, both without unit */
     double *memory;      /* one allocation that holds the vectors disturbance, required and next */

@@ -91,10 +91,10 @@ int shell_motion_open(shell_motion *motion, const equilibrium *equilibrium,
 void shell_motion_close(shell_motion *motion);
 
 /*
- * Longest time step for control ticks: a whole part of the tick interval, with at most half a
- * radian a step for the highest natural frequency that a control tick can follow (at most two
- * radians a tick), or, where all are faster, for the first natural frequency. The period of that
- * vibration mode is then at most 2 % too long. The interval is the time between two ticks (s).
+ * Return the longest time step for control ticks: the tick interval over a whole number, at most
+ * half a radian a step for the highest natural frequency that a control tick can follow (at most
+ * two radians a tick), or, where all are faster, for the first natural frequency. The period of
+ * that vibration mode is then at most 2 % too long. The interval is the time between two ticks (s).
  */
 double shell_motion_step(const vibration *vibration, double interval);
 

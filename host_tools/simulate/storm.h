@@ -104,9 +104,10 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
 void storm_close(storm_rig *rig);
 
 /*
- * Replace the structure of the storms (simulations with fast target jumps) by the structure
- * linearised about the equilibrium at the target. The controller keeps its tables.
- *   deformed in  of the same scene; must outlive the rig
+ * Let the following storms (simulations with fast target jumps) move the structure linearised about
+ * its equilibrium at the target, in place of the undeformed one. The controller keeps its tables.
+ *   deformed in  data of the structure in that equilibrium; must outlive `rig`, the controller
+ *                coupled with the simulated structure
  * Returns whether memory sufficed.
  */
 bool storm_deform(storm_rig *rig, const deformed *deformed);

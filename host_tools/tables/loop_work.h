@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Instructions of a control tick on a device, block by block: upper bounds that follow from the
- * sizes of the tables, and the largest work of the optimiser with which a tick stays within the
- * bounds. The bounds count the operations in the loops of each block, each with the number of
- * instructions that gcc generates for it; tests/bench/count_bound.sh compares them with
- * instructions counted in QEMU. Ticks that repair damaged memory are not bounded, and more than
- * LOOP_WORK_MISSED missed ticks before a tick may lengthen it.
+ * Number of processor instructions in a control tick, for each block (part) of the tick: upper
+ * bounds that follow from the sizes of the tables, and the largest work of the optimiser with which
+ * a tick stays within the bounds. The bounds count the operations in the loops of each block, each
+ * with the number of instructions that gcc generates for it; tests/bench/count_bound.sh compares
+ * them with instructions counted in QEMU. Ticks that repair damaged memory are not bounded, and
+ * more than LOOP_WORK_MISSED missed ticks before a tick may lengthen it.
  */
 #ifndef LOOP_WORK_H
 #define LOOP_WORK_H

@@ -132,7 +132,10 @@ static void rotate_row(const pzs_optimiser *optimiser, uint32_t removed, uint32_
     to[k] = length;
 }
 
-/* Make the input of row k of the Cholesky factor free, and remove this row. */
+/*
+ * Make the active input (held at a limit) that belongs to row k of the Cholesky factor free, and
+ * remove this row.
+ */
 static void leave_active_set(pzs_optimiser *optimiser, uint32_t k)
 {
     const uint32_t last = optimiser->active_count - 1u;

@@ -343,8 +343,9 @@ static void end_window(pzs_selftest *selftest, uint32_t window)
 }
 
 /*
- * Add the readings of a tick to the weighted sums of the self-test. The readings show the effect of
- * the voltages that were set delay + 1 ticks ago.
+ * Add the readings of a tick to the sums of the self-test, each times a weight that follows the
+ * shape of the test pulse. The readings show the effect of the voltages that were set delay + 1
+ * ticks ago, where `delay` is the delay of the loop (ticks).
  */
 static void measure(pzs_selftest *selftest, const pzs_real *readings, uint32_t position)
 {
@@ -425,7 +426,8 @@ static selftest_axis rows_of(const pzs_selftest *selftest)
  */
 typedef struct line_sums {
     pzs_real product;  /* sum of the products of measured and modelled responses (1/V2) */
-    pzs_real size;     /* sum of the absolute values of these products (1/V2) */
+    pzs_real size;     /* sum of the absolute values of the products of measured and modelled
+                          responses (1/V2) */
     pzs_real measured; /* sum of the squared measured responses (1/V2) */
     pzs_real modelled; /* sum of the squared responses that the model predicts, each times the
                           scale of its sensor (1/V2) */

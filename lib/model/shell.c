@@ -272,8 +272,8 @@ static void distribute_modes(const pzs_element_type *type, pzs_real resultant[4]
 }
 
 /*
- * Replace the corrected strains of all four strain modes of an element by their stress resultants,
- * which distribute_modes then turns into resultants of the uncorrected strains.
+ * Replace the strains of an element by their stress resultants, the product with the stiffness of
+ * the laminate, for each of the four strain modes: constant, linear in either direction, bilinear.
  */
 static void multiply_modes(const pzs_element_type *type, pzs_real strain[4][10])
 {
