@@ -70,6 +70,36 @@ static void print_json(const identified_modes *found)
     json_close(&json, '}');
 }
 
+/* Largest part of the vibration that identified modes may leave without a warning. */
+static const double usual_left = 0.1;
+
+/*
+ * Warn of modes that do not explain the record, and of modes whose damping ratio is smaller than
+ * its standard error.
+ */
+static void warn_of_modes(const identified_modes *found)
+{
+    const char *head = "\nWarnings:\n";
+    if (found->left > usual_left) {
+        fprintf(stderr,
+                "%s  vibration_left: the modes leave %.3g%% of the vibration, above %.3g%%: check "
+                "that the voltages are those applied at these samples, check the rate, or allow "
+                "more modes with --number\n",
+                head, 100 * found->left, 100 * usual_left);
+        head = "";
+    }
+    for (int mode = 0; mode < found->modes; mode++) {
+        if (found->damping[mode] > found->damping_error[mode])
+            continue;
+        fprintf(stderr,
+                "%s  uncertain_mode: mode %d, %.6g Hz: damping ratio %.3g with a standard error of "
+                "%.3g; it may be no mode of the structure: lower --number, or record longer\n",
+                head, mode + 1, found->frequency[mode], found->damping[mode],
+                found->damping_error[mode]);
+        head = "";
+    }
+}
+
 int command_modes(const options *options, const pokes *samples)
 {
     char error[SCENE_ERROR];
@@ -86,6 +116,8 @@ int command_modes(const options *options, const pokes *samples)
         print_json(&found);
     else if (status == 0)
         print_result(&found, samples, options->output);
+    if (status == 0)
+        warn_of_modes(&found);
     identified_modes_free(&found);
     return status;
 }

@@ -32,11 +32,12 @@ enum {
 }; /* largest number of vibration modes that can be identified together */
 
 /*
- * Identify vibration modes from a record of voltages and readings.
- *   samples in  voltages and readings, a line for each sample: steps of the voltages, each followed
- * by constant voltages for several periods of the lowest mode rate    in  samples a second most in
- * largest number of modes, from 1 to IDENTIFIED_MODES Modes that the noise hides are left out.
- * Returns 0, or -1 with error filled; call identified_modes_free in either case.
+ * Identify vibration modes from a record of voltages and readings. Vibration modes that the noise
+ * hides are left out.
+ *   samples  in  voltages and readings, a line for each sample: steps of the voltages, each
+ * followed by constant voltages for several periods of the lowest mode rate     in  samples a
+ * second most     in  largest number of modes, from 1 to IDENTIFIED_MODES Returns 0, or -1 with
+ * error filled; call identified_modes_free in either case.
  */
 int identify_modes(identified_modes *result, const pokes *samples, double rate, int most,
                    char *error);

@@ -558,6 +558,10 @@ run 0 calibrate --vibration 1000 --number 3 --voltages "$dir/steps.csv" --shapes
     { printf 'name: rung\ncontrol: {rate: 1000}\nlimits: {voltage: [-9, 9]}\ntarget: {value: [1e-6, 1e-6, 1e-6, 0]}\n' && cat "$dir/modes.yaml" && echo '  file: rung.csv'; } >"$dir/rung.yaml" &&
     run 0 check "$dir/rung.yaml" && grep -q 'damps 2 modes from 47.7' "$dir/out"
 check 'calibrate --vibration: modes of a record, and a scene with them' $?
+awk '{ print 0 }' "$dir/steps.csv" >"$dir/never.csv"
+run 0 calibrate --vibration 1000 --voltages "$dir/never.csv" --shapes "$dir/ringing.csv" && grep -q 'vibration_left: the modes leave' "$dir/err" &&
+    run 0 calibrate --vibration 1000 --voltages "$dir/steps.csv" --shapes "$dir/ringing.csv" && ! grep -q . "$dir/err"
+check 'calibrate --vibration: voltages that were never applied are warned of' $?
 run 2 calibrate --vibration -1 --voltages "$dir/steps.csv" --shapes "$dir/ringing.csv" && says '--vibration is the samples a second of the record, not'
 check 'calibrate --vibration: a rate below 0 is refused' $?
 run 2 calibrate --hysteresis 0 --voltages "$dir/sweep.csv" --shapes "$dir/place.csv" && says '--hysteresis is the samples a second of the sweep, not'
