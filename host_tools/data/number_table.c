@@ -26,8 +26,10 @@ static char *read_bytes(const char *path, size_t *count, char *error)
 {
     char message[NUMBER_ERROR];
     FILE *file = fopen(path, "rb");
+    /* A folder can be opened, but not read; its size is no size. */
+    const bool is_readable = file && (fgetc(file) != EOF || !ferror(file));
     long size = -1;
-    if (file && fseek(file, 0, SEEK_END) == 0)
+    if (is_readable && fseek(file, 0, SEEK_END) == 0)
         size = ftell(file);
     if (size < 0) {
         snprintf(message, sizeof message, "cannot read it: %s", strerror(errno));

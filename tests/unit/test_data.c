@@ -189,6 +189,17 @@ static void test_huge(void **state)
     assert_non_null(strstr(error, "95.4 MB; a table of at most 64 MB"));
 }
 
+/* Law: a folder is refused as what it is; its "size" is no size. */
+static void test_folder(void **state)
+{
+    (void)state;
+    number_table table;
+    char error[NUMBER_ERROR] = "";
+    assert_int_equal(number_table_read(&table, "/tmp", error), -1);
+    assert_non_null(strstr(error, "cannot read it"));
+    assert_null(strstr(error, "MB"));
+}
+
 /* ---- .npy ------------------------------------------------------------- */
 
 /* Bytes of a .npy file of a version with a header and data. Returns their number. */
@@ -593,23 +604,15 @@ static void test_area_line(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_text_layouts),
-        cmocka_unit_test(test_text_comments),
-        cmocka_unit_test(test_text_faults),
-        cmocka_unit_test(test_text_garbage),
-        cmocka_unit_test(test_huge),
-        cmocka_unit_test(test_npy_types),
-        cmocka_unit_test(test_npy_integers),
-        cmocka_unit_test(test_npy_faults),
-        cmocka_unit_test(test_npy_garbage),
-        cmocka_unit_test(test_npz),
-        cmocka_unit_test(test_pgm),
-        cmocka_unit_test(test_csv),
-        cmocka_unit_test(test_scatter_linear),
-        cmocka_unit_test(test_scatter_line),
-        cmocka_unit_test(test_scatter_order),
-        cmocka_unit_test(test_area_grid),
-        cmocka_unit_test(test_area_sum),
+        cmocka_unit_test(test_text_layouts), cmocka_unit_test(test_text_comments),
+        cmocka_unit_test(test_text_faults),  cmocka_unit_test(test_text_garbage),
+        cmocka_unit_test(test_huge),         cmocka_unit_test(test_folder),
+        cmocka_unit_test(test_npy_types),    cmocka_unit_test(test_npy_integers),
+        cmocka_unit_test(test_npy_faults),   cmocka_unit_test(test_npy_garbage),
+        cmocka_unit_test(test_npz),          cmocka_unit_test(test_pgm),
+        cmocka_unit_test(test_csv),          cmocka_unit_test(test_scatter_linear),
+        cmocka_unit_test(test_scatter_line), cmocka_unit_test(test_scatter_order),
+        cmocka_unit_test(test_area_grid),    cmocka_unit_test(test_area_sum),
         cmocka_unit_test(test_area_line),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
