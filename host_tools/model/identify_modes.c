@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../../lib/core/linalg.h"
 #include "../mesh/invert.h"
 #include "eigen.h"
 
@@ -76,14 +77,6 @@ static int refuse(char *error, const char *text)
 {
     snprintf(error, SCENE_ERROR, "%s", text);
     return -1;
-}
-
-static double dot(const double *x, const double *y, size_t count)
-{
-    double sum = 0;
-    for (size_t i = 0; i < count; i++)
-        sum += x[i] * y[i];
-    return sum;
 }
 
 static void add(double *to, const double *vector, double factor, size_t count)
@@ -163,9 +156,9 @@ static void orthonormalise(const fit *fit, size_t row)
     double *vector = fit->mixer + row * outputs;
     for (int repeat = 0; repeat < 2; repeat++)
         for (size_t j = 0; j < row; j++)
-            add(vector, fit->mixer + j * outputs, -dot(fit->mixer + j * outputs, vector, outputs),
-                outputs);
-    const double size = sqrt(dot(vector, vector, outputs));
+            add(vector, fit->mixer + j * outputs,
+                -pzs_linalg_inner(fit->mixer + j * outputs, vector, (uint32_t)outputs), outputs);
+    const double size = sqrt(pzs_linalg_inner(vector, vector, (uint32_t)outputs));
     for (size_t i = 0; i < outputs; i++)
         vector[i] = size > 0 ? vector[i] / size : 0;
 }
@@ -208,8 +201,8 @@ static bool choose_channels(fit *fit)
         mix(fit, reading);
         for (size_t row = 0; row < fit->channels && round + 1 < SUBSPACE_ROUNDS; row++)
             for (size_t i = 0; i < outputs; i++)
-                fit->mixer[row * outputs + i] =
-                    dot(fit->signal + row * count, reading + i * count, count);
+                fit->mixer[row * outputs + i] = pzs_linalg_inner(
+                    fit->signal + row * count, reading + i * count, (uint32_t)count);
     }
     free(reading);
     return true;
@@ -238,15 +231,15 @@ static void fill_functions(const fit *fit, const interval *interval, double tria
                 k ? fit->frequency[mode] * sqrt(1 - pow(fit->damping[mode], 2)) * time : 0;
             function[i] = decay * (k % 2 || k == 0 ? cos(phase) : sin(phase));
         }
-        const double before = sqrt(dot(function, function, count));
+        const double before = sqrt(pzs_linalg_inner(function, function, (uint32_t)count));
         for (int repeat = 0; repeat < 2; repeat++)
             for (int j = 0; j < k; j++) {
                 const double *other = fit->function + (size_t)j * fit->longest;
-                const double part = dot(other, function, count);
+                const double part = pzs_linalg_inner(other, function, (uint32_t)count);
                 triangle[j][k] += part;
                 add(function, other, -part, count);
             }
-        const double size = sqrt(dot(function, function, count));
+        const double size = sqrt(pzs_linalg_inner(function, function, (uint32_t)count));
         const bool is_new = size > 1e-9 * before;
         triangle[k][k] = is_new ? size : 0;
         for (size_t i = 0; i < count; i++)
@@ -267,7 +260,7 @@ static void fit_signal(const fit *fit, size_t count, double triangle[BASIS][BASI
     const int functions = 2 * fit->modes + 1;
     for (int k = 0; k < functions; k++) {
         const double *function = fit->function + (size_t)k * fit->longest;
-        coefficient[k] = dot(function, signal, count);
+        coefficient[k] = pzs_linalg_inner(function, signal, (uint32_t)count);
         add(signal, function, -coefficient[k], count);
     }
     for (int k = functions - 1; k >= 0; k--) {
@@ -303,7 +296,7 @@ static void fill_slopes(const fit *fit, const interval *interval)
             for (int j = 0; j < 2 * fit->modes + 1; j++) {
                 const double *function = fit->function + (size_t)j * fit->longest;
                 double *slope = row + (size_t)k * fit->longest;
-                add(slope, function, -dot(function, slope, count), count);
+                add(slope, function, -pzs_linalg_inner(function, slope, (uint32_t)count), count);
             }
     }
 }
@@ -339,12 +332,12 @@ static void add_signal(const fit *fit, size_t count, const double *left,
         double *derivative = fit->function + (size_t)(BASIS + k) * fit->longest;
         for (size_t i = 0; i < count; i++)
             derivative[i] = weight[k][0] * own[i] + weight[k][1] * own[fit->longest + i];
-        normal->right[k] += dot(derivative, left, count);
+        normal->right[k] += pzs_linalg_inner(derivative, left, (uint32_t)count);
         for (int j = 0; j <= k; j++)
-            normal->matrix[k * PARAMETERS + j] +=
-                dot(derivative, fit->function + (size_t)(BASIS + j) * fit->longest, count);
+            normal->matrix[k * PARAMETERS + j] += pzs_linalg_inner(
+                derivative, fit->function + (size_t)(BASIS + j) * fit->longest, (uint32_t)count);
     }
-    normal->squares += dot(left, left, count);
+    normal->squares += pzs_linalg_inner(left, left, (uint32_t)count);
 }
 
 /*
@@ -384,7 +377,8 @@ static void assemble(const fit *fit, bool with_slopes, normal *normal)
             if (with_slopes)
                 add_signal(fit, interval->count, fit->column, coefficient, normal);
             else
-                normal->squares += dot(fit->column, fit->column, interval->count);
+                normal->squares +=
+                    pzs_linalg_inner(fit->column, fit->column, (uint32_t)interval->count);
             normal->values += interval->count - (size_t)(2 * fit->modes + 1);
         }
     }
@@ -464,11 +458,11 @@ static void fill_covariance(const fit *fit, size_t lag, double *matrix)
         for (size_t row = 0; row < size; row++)
             for (size_t column = 0; column <= row; column++)
                 matrix[row * size + column] +=
-                    dot(fit->signal + row % fit->channels * count + interval->first +
-                            row / fit->channels * lag,
-                        fit->signal + column % fit->channels * count + interval->first +
-                            column / fit->channels * lag,
-                        interval->count - window);
+                    pzs_linalg_inner(fit->signal + row % fit->channels * count + interval->first +
+                                         row / fit->channels * lag,
+                                     fit->signal + column % fit->channels * count +
+                                         interval->first + column / fit->channels * lag,
+                                     (uint32_t)(interval->count - window));
     }
     for (size_t row = 0; row < size; row++)
         for (size_t column = 0; column < row; column++)
@@ -739,12 +733,14 @@ static void find_shape(const double *part, size_t outputs, size_t columns, doubl
         along[k] = 0;
     for (size_t i = 0; i < outputs; i++) /* The iteration starts from the coefficients of the output
                                             that moves most. */
-        if (dot(part + i * columns, part + i * columns, columns) > dot(along, along, columns))
+        if (pzs_linalg_inner(part + i * columns, part + i * columns, (uint32_t)columns) >
+            pzs_linalg_inner(along, along, (uint32_t)columns))
             memcpy(along, part + i * columns, columns * sizeof *along);
     for (int round = 0; round < SHAPE_ROUNDS; round++) {
         for (size_t i = 0; i < outputs; i++)
-            shape[i] = dot(part + i * columns, along, columns);
-        const double size = sqrt(dot(shape, shape, outputs) / (double)outputs);
+            shape[i] = pzs_linalg_inner(part + i * columns, along, (uint32_t)columns);
+        const double size =
+            sqrt(pzs_linalg_inner(shape, shape, (uint32_t)outputs) / (double)outputs);
         for (size_t k = 0; k < columns; k++)
             along[k] = 0;
         for (size_t i = 0; i < outputs; i++) {

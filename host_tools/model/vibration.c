@@ -222,14 +222,6 @@ static double random_number(search *search)
     return (double)(search->seed >> 11) / 4503599627370496.0 - 1;
 }
 
-static double dot(const double *x, const double *y, size_t n)
-{
-    double sum = 0;
-    for (size_t i = 0; i < n; i++)
-        sum += x[i] * y[i];
-    return sum;
-}
-
 /*
  * Make the work vector w orthogonal to the basis by two Gram-Schmidt iterations, and append the
  * remainder to the basis unless it is a rounding error.
@@ -239,11 +231,13 @@ static double dot(const double *x, const double *y, size_t n)
 static void append(search *search, double *column)
 {
     mass_multiply(&search->mass, &search->model, search->next, search->mass_next);
-    const double before = sqrt(fmax(dot(search->next, search->mass_next, search->free_dof), 0));
+    const double before = sqrt(
+        fmax(pzs_linalg_inner(search->next, search->mass_next, (uint32_t)search->free_dof), 0));
     for (int pass = 0; pass < 2; pass++) {
         for (size_t i = 0; i < search->made; i++) {
             const double *direction = search->basis + i * search->free_dof;
-            const double part = dot(direction, search->mass_next, search->free_dof);
+            const double part =
+                pzs_linalg_inner(direction, search->mass_next, (uint32_t)search->free_dof);
             for (size_t k = 0; k < search->free_dof; k++)
                 search->next[k] -= part * direction[k];
             if (column)
@@ -251,7 +245,8 @@ static void append(search *search, double *column)
         }
         mass_multiply(&search->mass, &search->model, search->next, search->mass_next);
     }
-    const double norm = sqrt(fmax(dot(search->next, search->mass_next, search->free_dof), 0));
+    const double norm = sqrt(
+        fmax(pzs_linalg_inner(search->next, search->mass_next, (uint32_t)search->free_dof), 0));
     if (!(norm > 1e-10 * before) || search->made == search->room)
         return;
     for (size_t k = 0; k < search->free_dof; k++)
@@ -525,7 +520,7 @@ static double energy(const search *search, const double *vector)
         double local[SHELL_MAX], force[SHELL_MAX];
         pzs_model_gather(&search->model, mesh->element[element], SHELL_NODES, vector, local);
         pzs_shell_force(&mesh->type[mesh->element_type[element]], mesh->dof_per_node, local, force);
-        sum += dot(local, force, SHELL_NODES * (size_t)mesh->dof_per_node);
+        sum += pzs_linalg_inner(local, force, (uint32_t)(SHELL_NODES * (size_t)mesh->dof_per_node));
     }
     for (int row = 0; row < mesh->springs.count; row++) {
         const double elongation = springs_elongation(&mesh->springs, row, vector);
@@ -563,8 +558,8 @@ static void take_masses(search *search, vibration *vibration)
         vibration->mass =
             mass_rigid(&search->mass, &search->model, shift, still, search->mass_next);
         for (int i = 0; i < vibration->count; i++) {
-            const double part = dot(vibration->shape + (size_t)i * search->free_dof,
-                                    search->mass_next, search->free_dof);
+            const double part = pzs_linalg_inner(vibration->shape + (size_t)i * search->free_dof,
+                                                 search->mass_next, (uint32_t)search->free_dof);
             vibration->effective[i][axis] = part * part;
         }
     }

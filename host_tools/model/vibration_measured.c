@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include "../../lib/core/linalg.h"
 #include "vibration.h"
 
 static const double two_pi = 6.283185307179586;
@@ -17,21 +18,6 @@ static const double two_pi = 6.283185307179586;
  * lower modes.
  */
 static const double distinct = 1e-6;
-
-static double dot(const double *x, const double *y, size_t count)
-{
-    double sum = 0;
-    for (size_t i = 0; i < count; i++)
-        sum += x[i] * y[i];
-    return sum;
-}
-
-/* Subtract a multiple of one vector from another vector. */
-static void subtract(double *from, const double *vector, double factor, size_t count)
-{
-    for (size_t i = 0; i < count; i++)
-        from[i] -= factor * vector[i];
-}
 
 static void fill_modes(vibration *vibration, const design *design)
 {
@@ -55,8 +41,10 @@ static void fill_modes(vibration *vibration, const design *design)
  * Compute an orthonormal basis of the shapes of all modes, by Gram-Schmidt orthogonalisation.
  *   basis    [modes][outputs] out  orthonormal vectors
  *   triangle [modes][modes]   out  the shape of mode k is the sum over j <= k of triangle[j][k]
- * times vector j of the basis Returns the number of the first mode whose shape is a combination of
- * the shapes before it, or -1 if there is none.
+ *                                  times vector j of the basis
+ *
+ * Returns the number of the first mode whose shape is a combination of the shapes before it, or -1
+ * if there is none.
  */
 static int make_basis(const scene_influence *measured, double *basis, double *triangle)
 {
@@ -64,14 +52,16 @@ static int make_basis(const scene_influence *measured, double *basis, double *tr
     for (size_t k = 0; k < modes; k++) {
         double *vector = basis + k * outputs;
         memcpy(vector, measured->mode[k].shape, outputs * sizeof *vector);
-        const double before = sqrt(dot(vector, vector, outputs));
+        const double before = sqrt(pzs_linalg_inner(vector, vector, (uint32_t)outputs));
         for (int repeat = 0; repeat < 2; repeat++)
             for (size_t j = 0; j < k; j++) {
-                const double part = dot(basis + j * outputs, vector, outputs);
+                const double part =
+                    pzs_linalg_inner(basis + j * outputs, vector, (uint32_t)outputs);
                 triangle[j * modes + k] += part;
-                subtract(vector, basis + j * outputs, part, outputs);
+                for (size_t i = 0; i < outputs; i++)
+                    vector[i] -= part * basis[j * outputs + i];
             }
-        const double size = sqrt(dot(vector, vector, outputs));
+        const double size = sqrt(pzs_linalg_inner(vector, vector, (uint32_t)outputs));
         if (!(size > distinct * before))
             return (int)k;
         triangle[k * modes + k] = size;
@@ -96,7 +86,7 @@ static void fit_column(const design *design, size_t amplifier, const double *bas
     for (size_t i = 0; i < outputs; i++)
         column[i] = measured->matrix[i * (size_t)design->amplifiers + amplifier];
     for (size_t k = modes; k-- > 0;) {
-        fitted[k] = dot(basis + k * outputs, column, outputs);
+        fitted[k] = pzs_linalg_inner(basis + k * outputs, column, (uint32_t)outputs);
         for (size_t j = k + 1; j < modes; j++)
             fitted[k] -= triangle[k * modes + j] * fitted[j];
         fitted[k] /= triangle[k * modes + k];
