@@ -333,6 +333,16 @@ static void store_voltages(pzs_fault_detector *detector, const pzs_real *voltage
 }
 
 /*
+ * Return an exponentially decaying sum after one more term. A sum that is not finite, as after a
+ * flipped bit of the memory, starts anew with the term.
+ */
+static pzs_real faded_sum(pzs_real sum, pzs_real term)
+{
+    const pzs_real next = FADING * sum + term;
+    return number_is_finite(next) ? next : term;
+}
+
+/*
  * Estimate by least squares, into state.deviation, the voltage change of each electrode that the
  * shape indicates minus its commanded change (V). Then update three exponentially decaying sums for
  * each electrode: squared commanded changes, squared indicated changes, and deviations. Returns the
@@ -350,12 +360,12 @@ static pzs_real update_responses(pzs_fault_detector *detector, const pzs_real *v
         const pzs_real move = voltage[j] - detector->state.voltage_before[j],
                        limit = 2 * number_absolute(move);
         deviation2 += square(detector->state.deviation[j]);
-        detector->state.moved[j] = FADING * detector->state.moved[j] + square(move);
+        detector->state.moved[j] = faded_sum(detector->state.moved[j], square(move));
         detector->state.response[j] =
-            FADING * detector->state.response[j] +
-            square(number_clamp(move + detector->state.deviation[j], -limit, limit));
+            faded_sum(detector->state.response[j],
+                      square(number_clamp(move + detector->state.deviation[j], -limit, limit)));
         detector->state.lost_voltage[j] =
-            FADING * detector->state.lost_voltage[j] + detector->state.deviation[j];
+            faded_sum(detector->state.lost_voltage[j], detector->state.deviation[j]);
     }
     return deviation2;
 }
@@ -473,10 +483,14 @@ static void set_test_voltages(pzs_fault_detector *detector)
 
 /*
  * Mark an electrode that has passed a test, so that it is not tested again for CLEARED_SHAPES
- * measured shapes.
+ * measured shapes. The sums that caused the test start anew: otherwise a sum that a flipped bit has
+ * made very large would cause test after test until it has decayed.
  */
 static void mark_cleared(pzs_fault_detector *detector, uint32_t j)
 {
+    detector->state.moved[j] = 0;
+    detector->state.response[j] = 0;
+    detector->state.lost_voltage[j] = 0;
     detector->state.electrode[j] = PZS_ELECTRODE_CLEARED;
     detector->state.pause[j] = CLEARED_SHAPES;
 }

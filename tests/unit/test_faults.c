@@ -440,7 +440,46 @@ static void test_blind(void **state)
     rig_close(&r);
 }
 
-/* Every way to start wrongly has its status. */
+/* How often a test of this electrode starts within 400 ticks of a target that stands still. */
+static int count_tests(rig *r, int input)
+{
+    int count = 0;
+    bool was_tested = false;
+    for (int t = 0; t < 400; t++) {
+        const bool is_tested = r->watch.info.electrode[input] == PZS_ELECTRODE_TESTED;
+        count += is_tested && !was_tested;
+        was_tested = is_tested;
+        assert_int_equal(tick(r, 1), PZS_OK);
+    }
+    return count;
+}
+
+/*
+ * A flipped bit in the sums of a healthy electrode causes one test of it at most, and leaves the
+ * fault detector able to find its fault afterwards.
+ */
+static void test_damaged_sums(void **state)
+{
+    const pzs_real bad[3] = {(pzs_real)1e30, (pzs_real)HUGE_VAL, (pzs_real)NAN};
+    (void)state;
+    for (int b = 0; b < 9; b++) {
+        int input = 0;
+        rig r;
+        rig_open(&r, 41);
+        settle(&r, 1, 60);
+        while (input < N - 1 && !matters(&r, input))
+            input++;
+        assert_true(matters(&r, input));
+        pzs_real *const sums[3] = {r.watch.state.moved, r.watch.state.response,
+                                   r.watch.state.lost_voltage};
+        sums[b / 3][input] = bad[b % 3];
+        assert_true(count_tests(&r, input) <= 1);
+        break_down(&r, input, DEAD);
+        assert_true(find(&r, &input, 1, 1, FOUND_WITHIN) > 0);
+        rig_close(&r);
+    }
+}
+
 /* Whatever the swings are changed to in the middle of a probe, volts and limits in force stay
  * inside the table's limits. */
 static void test_swings_changed(void **state)
@@ -473,6 +512,7 @@ static void test_swings_changed(void **state)
     }
 }
 
+/* Every way to start wrongly has its status. */
 static void test_misuse(void **state)
 {
     const size_t bytes = PZS_FAULT_DETECTOR_BYTES(N, M, 2);
@@ -513,7 +553,7 @@ int main(void)
         cmocka_unit_test(test_lost_sensors),   cmocka_unit_test(test_hold_and_release),
         cmocka_unit_test(test_no_false_alarm), cmocka_unit_test(test_leaves_alone),
         cmocka_unit_test(test_blind),          cmocka_unit_test(test_swings_changed),
-        cmocka_unit_test(test_misuse),
+        cmocka_unit_test(test_misuse),         cmocka_unit_test(test_damaged_sums),
     };
     return cmocka_run_group_tests_name("faults", tests, NULL, NULL);
 }
