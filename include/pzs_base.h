@@ -70,7 +70,8 @@ typedef double pzs_real;
 
 /*
  * Upper bounds of the stack (bytes) that a public function of the library uses: PZS_STACK_LINEAR in
- * a control image or a linear image, PZS_STACK_NONLINEAR in a nonlinear image.
+ * a program without large rotations (built without PZS_NONLINEAR), PZS_STACK_NONLINEAR in a program
+ * built with PZS_NONLINEAR=1.
  */
 #define PZS_STACK_LINEAR (256u * sizeof(pzs_real))
 #define PZS_STACK_NONLINEAR (2176u * sizeof(pzs_real))
@@ -98,9 +99,9 @@ typedef enum pzs_status {
     PZS_W_ELECTRODE, /* Warning: electrode info.where does not follow its amplifier; the fault
                         detector keeps its voltage constant from now on. */
     /*
-     * The shell is in equilibrium and in contact with the rigid body, but a part of the shell that
-     * faces away from the body lies inside the body: the shell has passed through itself, or both
-     * of its faces would touch the body.
+     * Warning: the shell is in equilibrium and in contact with the rigid body, but a part of the
+     * shell that faces away from the body lies inside the body: the shell has passed through
+     * itself, or both of its faces would touch the body.
      */
     PZS_W_BEHIND,
     PZS_W_UNSTABLE, /* Warning: the equilibrium is unstable, because its tangent stiffness has
@@ -116,13 +117,13 @@ typedef enum pzs_status {
     PZS_W_SELFTEST, /* Warning: the self-test moves one amplifier after the other, so the loop is
                        not yet in control. */
     /*
-     * input info.where was held, or the controller was started, at voltages from which the limit
-     * rows (limits of sums of voltages) allow only a gradual way: the voltages go to the safe
-     * voltages of the limit rows in several steps, or stay if that way is not allowed either
+     * Warning: input info.where was held, or the controller was started, at voltages from which the
+     * limit rows (limits of sums of voltages) allow only a gradual way: the voltages go to the safe
+     * voltages of the limit rows in several steps, or stay if that way is not allowed either.
      */
     PZS_W_LIMIT_ROWS,
-    PZS_W_UNOBSERVABLE, /* the records of a calibration do not determine the effect of input
-                           info.where; its column of the influence matrix is kept */
+    PZS_W_UNOBSERVABLE, /* Warning: the records of a calibration do not determine the effect of
+                           input info.where; its column of the influence matrix is kept. */
 
     /* Errors have values from 64 on: the outputs of the function are untouched. */
     PZS_E_ARGUMENT = 64, /* Error: a pointer is NULL, or a size, an index or a setting is out of
@@ -164,9 +165,9 @@ typedef enum pzs_status {
      */
     PZS_E_CONTACT,
     /*
-     * the contact body would enter element info.where at a node or between its nodes (refine the
-     * mesh there or enlarge the body), or would pass through the element; info.penetration of the
-     * contact tells which
+     * Error: the contact body would enter element info.where at a node or between its nodes (refine
+     * the mesh there or enlarge the body), or would pass through the element; info.penetration of
+     * the contact tells which.
      */
     PZS_E_PENETRATION,
     PZS_E_SOLVES, /* Error: the limit on linear solves, settings.solve_limit, was reached before the

@@ -212,14 +212,17 @@ typedef struct pzs_row_solver {
                             which excludes cycles */
 } pzs_row_solver;
 
-/* One array of constant tables that is a part of their checksum; an absent array has 0 bytes. */
+/*
+ * One array of a constant table whose checksum is compared while the control loop runs; an absent
+ * array has 0 bytes.
+ */
 typedef struct pzs_table_part {
     const void *data;
     size_t bytes;
 } pzs_table_part;
 
-#define PZS_TABLE_PARTS                                                                            \
-    14u /* largest number of arrays in the constant tables of a block of the loop */
+/* Largest number of arrays in the constant tables of a block of the loop. */
+#define PZS_TABLE_PARTS 14u
 
 /*
  * Progress of a scrub, a check of constant tables for damage during the control loop: each tick
@@ -277,10 +280,10 @@ typedef struct pzs_control_state {
                              the optimiser linearises (m2) */
     pzs_real largest_column; /* square root of the largest diagonal entry of the Hessian: the
                                 largest weighted norm of a column of the influence matrix (m/V) */
-    bool is_paused;          /* damped ticks damp vibration, but do not follow target and loads: a
-                                test pulse is being measured */
-    bool has_step_limits;    /* whether at least one step limit is shorter than the distance between
-                                the voltage limits of its input */
+    bool is_paused; /* true while a fault detector measures the response to a test pulse: the ticks
+                       of the loop then damp vibration, but do not follow target and loads */
+    bool has_step_limits; /* whether at least one step limit is shorter than the distance between
+                             the voltage limits of its input */
     pzs_control_behind behind;
     uint16_t scrub_row; /* index of the row of the Hessian that the next tick checks for damage
                            against the voltage problem */
@@ -311,8 +314,8 @@ typedef struct pzs_test_signal {
                             their squares (V, V2) */
 } pzs_test_signal;
 
-#define PZS_TEST_SIGNALS                                                                           \
-    4 /* largest number of electrodes that the fault detector tests at the same time */
+/* Largest number of electrodes that the fault detector tests at the same time. */
+#define PZS_TEST_SIGNALS 4
 
 typedef struct pzs_fault_detector_state {
     struct pzs_control *control;
@@ -337,9 +340,9 @@ typedef struct pzs_fault_detector_state {
                                predicted shape) since the last measured shape (m) */
     uint8_t *electrode;     /* [inputs] state of each electrode in the fault detector, a value of
                                pzs_electrode_state */
-    uint8_t *missing; /* [outputs] bit 0: the output was not measured in the last shape; bit 1: the
-                         output is excluded from the least-squares estimate of the electrode
-                         voltages */
+    uint8_t *missing; /* [outputs] bit 0: the output was not measured in the last measured shape;
+                         bit 1: the output is excluded from the least-squares estimate of the
+                         electrode voltages */
     uint8_t *pause;   /* [inputs] number of measured shapes to come in which an electrode that has
                          passed its test is not suspected */
     pzs_test_signal test[PZS_TEST_SIGNALS];
@@ -385,29 +388,43 @@ typedef struct pzs_pulse_detector_state {
                                target that the voltages do not explain; during the evaluation of a
                                pulse the readings that the voltages of the other electrodes explain
                                (unit of each sensor) */
-    pzs_real *wanted;       /* [outputs] target shape that stands still (m) */
-    uint8_t *electrode;     /* [inputs] state of each electrode, a value of pzs_electrode_state */
-    uint8_t *fault;         /* [inputs] fault of each electrode, a value of pzs_electrode_fault */
-    uint8_t *pause; /* [inputs] number of standstills to come in which an electrode that has passed
-                       its test is not suspected */
-    uint8_t *is_missing;   /* [sensors] 1: a reading was missing in the present standstill of the
-                              target or test pulse */
-    pzs_real ridge;        /* regularisation of the lost voltages (1/V2) */
-    pzs_real least_energy; /* energy of the shape of the weakest test pulse (m2) */
-    pzs_real start[2], set[2]; /* voltages of the suspected electrode and of the reference electrode
-                                  before the pulses, and in the next tick (V) */
-    pzs_real first_gain, reference_gain; /* gains of the first pulse of the suspected electrode and
-                                            of the pulse of the reference electrode (1) */
-    pzs_real suspect_voltage;    /* voltage of the suspected electrode in the last standstill (V) */
-    pzs_real suspect_move;       /* change of this voltage since the earlier standstill (V) */
-    pzs_real suspect_loss;       /* voltage that the suspected electrode seemed to have lost (V) */
-    uint32_t position;           /* number of ticks of the present phase so far */
-    uint16_t suspect, reference; /* electrodes under test; 0xFFFF: none */
-    uint8_t phase, stage; /* what the detector does now, and the pulse that is due in the proof */
-    uint8_t tries;        /* number of disturbed pulses and of silent references in the proof */
-    bool has_base, has_taken; /* has_base: there was a standstill with which later ones are
-                                 compared; has_taken: the detector sets the voltages of both
-                                 electrodes under test */
+    pzs_real *wanted;    /* [outputs] target shape of the last tick in which the target moved (m) */
+    uint8_t *electrode;  /* [inputs] state of each electrode, a value of pzs_electrode_state */
+    uint8_t *fault;      /* [inputs] fault of each electrode, a value of pzs_electrode_fault */
+    uint8_t *pause;      /* [inputs] number of further standstills of the target during which an
+                            electrode that has passed its test is not suspected */
+    uint8_t *is_missing; /* [sensors] 1: a reading was missing in the present standstill of the
+                            target or test pulse */
+    pzs_real ridge; /* regularisation in the least-squares estimate of the voltages that electrodes
+                       have lost (1/V2) */
+    pzs_real least_energy;     /* sum of the squared weighted output changes that a full test pulse
+                                  causes, for the input with the smallest sum (m2) */
+    pzs_real start[2], set[2]; /* voltages of two electrodes, the one suspected of a fault and the
+                                  healthy one with which it is compared: before their test pulses
+                                  (start), and in the next tick (set) (V) */
+    pzs_real first_gain, reference_gain; /* measured response to a test pulse, divided by the
+                                            modelled response: first pulse of the electrode
+                                            suspected of a fault, and pulse of the healthy electrode
+                                            with which it is compared (1) */
+    pzs_real suspect_voltage; /* voltage of the electrode suspected of a fault in the last
+                                 standstill of the target (V) */
+    pzs_real suspect_move;    /* change of the voltage of the electrode suspected of a fault between
+                                 the earlier and the last standstill of the target (V) */
+    pzs_real suspect_loss;    /* voltage that the electrode suspected of a fault seemed to have lost
+                                 (V) */
+    uint32_t position; /* number of ticks since the fault detector began its present phase, such as
+                          a standstill of the target or a test pulse */
+    uint16_t suspect, reference; /* inputs of the electrodes under test: the one suspected of a
+                                    fault, and the healthy one with which it is compared; 0xFFFF:
+                                    none */
+    uint8_t phase, stage; /* phase: what the fault detector does now; stage: test pulse that it
+                             makes next */
+    uint8_t tries; /* number of unsuccessful test pulses in the test of a suspected electrode: those
+                      that were disturbed, and those to which the electrode taken as healthy did not
+                      respond */
+    bool has_base, has_taken; /* has_base: there was a standstill of the target with which later
+                                 ones are compared; has_taken: the fault detector sets the voltages
+                                 of the two electrodes under test */
 } pzs_pulse_detector_state;
 
 typedef struct pzs_estimate_state {
@@ -607,23 +624,31 @@ typedef struct pzs_selftest_state {
 
 typedef struct pzs_calibration_state {
     const struct pzs_problem *problem;
-    const pzs_real *influence; /* [outputs][inputs] influence matrix for inputs that the records do
-                                  not determine (m/V) */
-    pzs_real *factor; /* [inputs + 1][inputs + outputs] triangular factor of the sum of the squared
-                         voltages (V) and, beside it, the readings in its basis (m); last row: the
-                         record that is being added */
-    pzs_real *direction; /* [inputs] work vector: factor times the voltages of a record (V2) */
+    const pzs_real *influence; /* [outputs][inputs] influence matrix from which a calibration takes
+                                  the columns that its records do not determine (m/V) */
+    pzs_real *factor;    /* [inputs + 1][inputs + outputs] triangular factor of the sum of v v' over
+                            the recorded voltages v (V), beside it the readings in its basis (m);
+                            last row: record being added */
+    pzs_real *direction; /* [inputs] work vector of a calibration: triangular factor times the
+                            voltages of a record (V2) */
     pzs_real *noise;     /* [outputs] variance of the noise of each output's readings (m2) */
-    pzs_real *centre;    /* [inputs] voltages around which the test voltages lie (V) */
-    pzs_real *proposal;  /* [inputs] test voltages before they are inside all limits (V), or work
-                            vector: reciprocals of the pivots of the factor (1/V) */
-    pzs_real *free;  /* [inputs] NaN for each input: a calibration holds none at a fixed voltage */
-    pzs_real *least; /* [inputs] size below which a pivot of the factor counts as zero (V) */
-    pzs_real *last[3];  /* [inputs] three copies of the test voltages (V) */
+    pzs_real *centre;   /* [inputs] voltages around which the test voltages of a calibration lie (V)
+                         */
+    pzs_real *proposal; /* [inputs] test voltages of a calibration before they are brought inside
+                           all limits (V); also a work vector for reciprocals of the pivots of its
+                           triangular factor (1/V) */
+    pzs_real *free; /* [inputs] NaN for each input, which means that a calibration holds no input at
+                       a fixed voltage */
+    pzs_real *least; /* [inputs] size below which a pivot of the triangular factor of a calibration
+                        counts as zero (V) */
+    pzs_real *last[3];  /* [inputs] three copies of the test voltages of a calibration, so that two
+                           outvote a damaged third (V) */
     uint32_t limit_sum; /* checksum of the voltage limits and the step limits */
-    uint32_t pattern;   /* number of the present test pattern, from 0 */
-    uint32_t rest;      /* number of ticks for which the test voltages have been constant */
-    uint32_t surplus;   /* number of records beyond those that determine the matrix */
+    uint32_t pattern;   /* number of the present test pattern of a calibration, from 0 */
+    uint32_t rest;      /* number of ticks for which the test voltages of a calibration have been
+                           constant */
+    uint32_t surplus;   /* number of records of a calibration beyond those that are needed to
+                           determine the influence matrix */
     uint8_t stage;
 } pzs_calibration_state;
 
@@ -656,7 +681,7 @@ typedef struct pzs_loop_state {
                               checksums, slice by slice, one table after the other */
     uint16_t scrubbed_block;  /* index in the list of the block whose tables are being checked */
     uint16_t scrubbed_number; /* number of the table that is being checked, among the tables of its
-                                 block */
+                                 block of the loop */
     uint32_t missed; /* number of ticks missed since the last tick, as announced by pzs_loop_skip */
 } pzs_loop_state;
 

@@ -137,8 +137,8 @@ typedef struct pzs_block {
 } pzs_block;
 
 #define PZS_BLOCK_LIMIT 16 /* largest number of blocks in the list of a loop */
-#define PZS_MISSED_LIMIT                                                                           \
-    64 /* largest number of missed ticks over which the blocks of a loop predict */
+/* Largest number of missed ticks over which the blocks of a loop predict. */
+#define PZS_MISSED_LIMIT 64
 
 /* Results of the loop that a program may read. */
 typedef struct pzs_loop_info {
@@ -803,13 +803,12 @@ extern const pzs_block_type pzs_feed_forward_block;
  * part creep_rate[j] of the way to creep[j] v. All arrays are const and may stay in flash.
  */
 #define PZS_HYSTERESIS_SEGMENTS 4u
-#define PZS_PLAY_LIMIT                                                                             \
-    32u /* largest number of plays (elements with backlash) in the hysteresis model of an          \
-           electrode */
-#define PZS_CREEP_LIMIT                                                                            \
-    8u /* largest number of creep terms in the hysteresis model of an electrode */
-#define PZS_LEAST_SLOPE                                                                            \
-    PZS_R(0.001) /* smallest slope of the piecewise linear part of an electrode's effect (1) */
+/* Largest number of plays (elements with backlash) in the hysteresis model of an electrode. */
+#define PZS_PLAY_LIMIT 32u
+/* Largest number of creep terms in the hysteresis model of an electrode. */
+#define PZS_CREEP_LIMIT 8u
+/* Smallest slope of the piecewise linear part of an electrode's effect (1). */
+#define PZS_LEAST_SLOPE PZS_R(0.001)
 
 typedef struct pzs_hysteresis {
     uint32_t format, scene; /* format: format number of the tables; scene: hash of the scene file
@@ -1062,7 +1061,8 @@ typedef enum pzs_wiring_state {
                            pzs_selftest_tables.noise */
 } pzs_wiring_state;
 
-/* Value of the members `other` and `similar` of pzs_wiring: there is no such amplifier or sensor.
+/*
+ * Value of the members `other` and `similar` of pzs_wiring: there is no such amplifier or sensor.
  */
 #define PZS_WIRING_NONE 0xFFFFu
 
@@ -1231,11 +1231,14 @@ typedef struct pzs_pulse_detector_info {
     const uint8_t *electrode; /* [inputs] state of each electrode, a value of pzs_electrode_state */
     const uint8_t *fault; /* [inputs] fault of each electrode, a value of pzs_electrode_fault; dead
                              and stuck are told apart by the voltage that the electrode has lost */
-    pzs_real gain;  /* response to the last test pulse, divided by the modelled response (1) */
-    int32_t where;  /* index to which the last status refers, or -1 */
+    pzs_real gain;  /* response of an electrode to the last test pulse, divided by the modelled
+                       response (1) */
+    int32_t where;  /* index of the input to which the last status of the fault detector refers, or
+                       -1 */
     uint16_t found; /* number of faulty electrodes detected since the initialisation */
     uint16_t tests; /* number of electrodes that were suspected since the initialisation */
-    uint16_t unobservable; /* number of electrodes that cannot be tested */
+    uint16_t unobservable; /* number of electrodes that cannot be tested, because they have no test
+                              pulse or move no sensor */
 } pzs_pulse_detector_info;
 
 typedef struct pzs_pulse_detector {

@@ -47,9 +47,10 @@ typedef struct pzs_element_type {
     pzs_real thickness; /* thickness of the element (m) */
     /*
      * Factors (1) of the nine strains that a warped (not plane) element adds to the mean strain 12
-     * of strain mode 00. The nine strains are, with m for the mean and d for the difference of the
-     * two faces: 12d of mode 00; 13 of 01, 23 of 10, 13 of 00, 23 of 00; 11d of 00, 11d of 01, 22d
-     * of 00, 22d of 10
+     * that is constant over the element. The strains are named by component, by m (mean) or d
+     * (difference) of the two faces, and by strain mode: mode r1 r2 varies over the element as
+     * xi1^r1 xi2^r2. The nine strains are 12d of mode 00; 13 of 01, 23 of 10, 13 of 00, 23 of 00;
+     * 11d of 00, 11d of 01, 22d of 00, 22d of 10
      */
     pzs_real warp[9];
     /*

@@ -31,7 +31,8 @@ typedef struct options {
     bool estimates_error; /* whether to estimate the discretisation error from coarser meshes */
     bool recovers_stress; /* whether to recover stresses and strains from the displacement */
     const char *report, *svg, *vtu, *csv, *output, *prefix;
-    bool uses_stdout;              /* whether one of these output files is "-", standard output */
+    bool uses_stdout; /* whether one of the output files that the options name is "-", standard
+                         output */
     const char *npz, *csv_folder;  /* NumPy file and folder of CSV files for arrays of numbers; NULL
                                       where they are not wanted */
     const char *voltages, *shapes; /* files of measured voltages and shapes, for the command

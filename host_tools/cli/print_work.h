@@ -10,20 +10,22 @@
 #include "../text/json.h"
 
 typedef struct work_report {
-    bool is_made;   /* false where the scene has no controller with a target; the following members
-                       are set only then */
-    uint64_t limit; /* limit of the optimiser's work in one tick (multiply-adds) */
+    bool is_made;      /* true where the scene has a controller with a target; otherwise all other
+                          members are unset */
+    uint64_t limit;    /* limit of the optimiser's work in one tick (multiply-adds) */
     uint64_t measured; /* work of the optimiser in the longest simulated tick (multiply-adds) */
     loop_bounds bounds[LOOP_PROCESSORS];
-    double longest[LOOP_PROCESSORS]; /* instructions of a tick with the work `measured` */
-    double rate; /* highest tick rate that the scene's clock allows (1/s); 0 where the scene gives
-                    no clock */
-    bool holds;  /* true where the scene's tick rate is at most `rate`, or the scene lacks the clock
-                    or the tick rate */
+    double longest[LOOP_PROCESSORS]; /* upper bound of the instructions of the longest simulated
+                                        tick, on each processor for which instructions are bounded
+                                      */
+    double rate; /* highest tick rate that a processor with the clock frequency of the scene file
+                    reaches (1/s); 0 where the scene file gives no clock frequency */
+    bool holds;  /* true where the processor reaches the tick rate of the scene, or the scene file
+                    lacks the clock frequency or the tick rate */
 } work_report;
 
 /*
- * Compute the work of a control tick.
+ * Compute the number of processor instructions of a control tick.
  *   analysis in  analysis whose influence matrix and stability certificate are computed
  */
 void work_report_make(work_report *report, const analysis *analysis);

@@ -33,11 +33,10 @@ typedef struct fmu_summary {
 /*
  * Write an FMU as a ZIP archive. The same scene gives the same bytes, unless a shared library is
  * built.
- *   nominal in   analysis of the scene, with its influence matrix (analysis_influence); for a
- *                controller, also after the
- *       tables for a firmware with the control image have been prepared
- *   builds  in   true: compile the sources of the FMU with the C compiler of this computer
- *   summary out  numbers that describe the FMU
+ *   nominal  in   analysis of the scene, whose influence matrix is computed; for a controller, the
+ *                 tables of its firmware must have been prepared too
+ *   builds   in   true: compile the sources of the FMU with the C compiler of this computer
+ *   summary  out  numbers that describe the FMU
  * Returns 0, or -1 with a message in `error`.
  */
 int fmu_write(FILE *file, const analysis *nominal, fmu_kind kind, bool builds, fmu_summary *summary,

@@ -85,8 +85,8 @@ int mesh_build(mesh *mesh, const scene *scene, char *error);
 /*
  * Build the mesh of a scene from a general quadrilateral mesh in place of the scene's surface and
  * mesh lines. Scene and quads must exist as long as the mesh.
- *   accept_irregular  in  elements that are too thin for an irregular mesh are reported; otherwise
- *                         they are refused
+ *   accept_irregular in  true: elements that are too thin for an irregular mesh are reported;
+ *                        false: they are refused
  * Returns 0, or -1 with error filled and the mesh empty.
  */
 int mesh_build_quads(mesh *mesh, const scene *scene, const quad_mesh *quads, bool accept_irregular,

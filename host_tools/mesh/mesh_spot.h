@@ -13,8 +13,8 @@ typedef struct mesh_spot {
     int count; /* number of nodes whose displacements determine that of the point: 1 for a point
                   that is a node, 4 for a point in an element */
     int node[4];
-    double weight[4]; /* weights of these nodes, bilinear functions of the position in the element,
-                         with the sum 1 */
+    double weight[4]; /* weights of the nodes whose displacements determine that of the point:
+                         bilinear functions of its position in the element, with the sum 1 */
 } mesh_spot;
 
 /* Return the mesh point that coincides with a node. */

@@ -41,12 +41,12 @@ int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error);
 
 /*
  * Build the element types of a general quadrilateral mesh.
- *   list              in/out          types are added; the laminate of the list must be filled
- *   point             [nodes] in      positions and triads of the nodes
- *   accept_irregular  in              elements that are too thin for an irregular mesh are
- *                                     reported; otherwise they are refused
- *   element_type      [elements] out  number of the type of each element
- *   report            out             doubtful elements
+ *   list              in/out  types are added; the laminate of the list must be filled
+ *   point [nodes]     in      positions and triads of the nodes
+ *   accept_irregular  in      true: elements that are too thin for an irregular mesh are reported;
+ *                             false: they are refused
+ *   element_type [elements] out  number of the type of each element
+ *   report            out     doubtful elements
  * Returns 0, or -1 with error filled: an element is degenerate, nearly a triangle or inclined to
  * its directors, or elements are too thin for the irregular mesh around them.
  */

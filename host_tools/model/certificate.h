@@ -89,7 +89,8 @@ typedef struct certificate_loop {
     int newer; /* number of ticks by which every reading may be newer than the scene file states, at
                   most the stated delay: with every smaller or equal number, vibrations decay and
                   the shape settles after fast jumps of the target */
-    certificate_target target; /* certificate on the structure at its target */
+    certificate_target target; /* certificate of the loop on the structure that is deformed to its
+                                  target */
     bool has_margins;
     double margin_gain; /* largest static response of the structure to voltages, relative to the
                            model, with which the loop is stable */

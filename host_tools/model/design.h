@@ -27,7 +27,8 @@ enum { DESIGN_FREE = SCENE_FREE };
 typedef enum limits_source { LIMITS_SCENE, LIMITS_GIVEN, LIMITS_NONE } limits_source;
 typedef struct common_limits {
     limits_source source;
-    double lower, upper; /* common limits for LIMITS_GIVEN, finite with lower <= upper (V) */
+    double lower, upper; /* common voltage limits of all amplifiers, used where LIMITS_GIVEN selects
+                            them; finite, lower <= upper (V) */
 } common_limits;
 
 /*

@@ -44,7 +44,7 @@ void equilibrium_close(equilibrium *equilibrium);
 /*
  * equilibrium_state_bytes returns the size of the solver's state in bytes, equilibrium_save copies
  * the state into a buffer, equilibrium_restore sets the solver to a saved state.
- *   state in/out  buffer of this size
+ *   state in/out  buffer of the size that equilibrium_state_bytes returns
  */
 size_t equilibrium_state_bytes(const equilibrium *equilibrium);
 void equilibrium_save(const equilibrium *equilibrium, void *state);

@@ -35,9 +35,10 @@ enum {
  * Identify vibration modes from a record of voltages and readings. Vibration modes that the noise
  * hides are left out.
  *   samples  in  voltages and readings, a line for each sample: steps of the voltages, each
- * followed by constant voltages for several periods of the lowest mode rate     in  samples a
- * second most     in  largest number of modes, from 1 to IDENTIFIED_MODES Returns 0, or -1 with
- * error filled; call identified_modes_free in either case.
+ *                followed by constant voltages for several periods of the lowest mode
+ *   rate     in  number of samples in a second
+ *   most     in  largest number of modes, from 1 to IDENTIFIED_MODES
+ * Returns 0, or -1 with error filled; call identified_modes_free in either case.
  */
 int identify_modes(identified_modes *result, const pokes *samples, double rate, int most,
                    char *error);

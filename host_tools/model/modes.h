@@ -34,10 +34,11 @@ typedef struct modes {
 } modes;
 
 /*
- * Compute the results of every alternative target shape on the structure that analysis->nonlinear
- * selects (1: nonlinear, 0: linear), after analysis_influence. The design's target is restored
- * afterwards.
- *   limit [limits] in  common voltage limits, as for voltages_optimum
+ * Compute the results of every alternative target shape, on the nonlinear structure where
+ * analysis->nonlinear is 1 and on the linear one where it is 0. The influence matrix of the
+ * analysis must be computed. The target of the design is restored afterwards.
+ *   limit [limits] in  pairs of voltage limits that all amplifiers share; the limits of each
+ *                      amplifier apply in addition
  * Returns 0, or -1 with error filled; call modes_free in either case.
  */
 int modes_run(modes *modes, analysis *analysis, const common_limits *limit, int limits,

@@ -16,7 +16,8 @@
 typedef struct unconstrained {
     const pzs_problem *problem; /* voltage problem, from which influence matrix, weights and
                                    reference voltages are read */
-    double regularisation;      /* regularisation that is contained in the factor (m2/V2) */
+    double regularisation;      /* regularisation weight with which the Cholesky factor was computed
+                                   (m2/V2) */
     int rank;          /* number of inputs whose influence columns are linearly independent */
     double *normal;    /* [inputs][inputs] normal matrix B'W^2 B of influence matrix B and weights W
                           (m2/V2) */

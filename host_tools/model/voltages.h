@@ -36,8 +36,9 @@ typedef struct voltages {
     int held, narrowed;    /* number of amplifiers that are held at one voltage; number of other
                               amplifiers whose voltage range is narrower than `limit` */
     double residual;       /* relative residual of the linear solver in the displacement */
-    double regularisation; /* regularisation parameter of voltages_regularised, relative to the mean
-                              diagonal entry of the Hessian; 0 for other methods */
+    double regularisation; /* regularisation parameter of regularised and then clipped least
+                              squares, relative to the mean diagonal entry of the Hessian; 0 for
+                              other methods */
     int active_limits, iterations; /* number of amplifiers at a voltage limit (amplifiers held at
                                       one voltage do not count), and number of iterations of the
                                       optimiser */
@@ -45,7 +46,7 @@ typedef struct voltages {
                         is an optimum within limits */
     int dependent;   /* number of amplifiers whose column of the influence matrix is a linear
                         combination of the columns of others (amplifiers held at one voltage do not
-                        count, regularisation is ignored); computed only by voltages_clipped,
+                        count, regularisation is ignored); computed for clipped least squares only,
                         otherwise 0 */
     int relinearised;  /* number of times that the influence matrix was computed again, each time
                           at the deformed shape reached until then */
@@ -54,17 +55,18 @@ typedef struct voltages {
 } voltages;
 
 /*
- * Voltages for the scene's target, to be called after analysis_influence. The argument `common`
- * selects which limits common to all amplifiers apply (design.h); in addition, the limits of each
- * amplifier always apply.
+ * Functions that compute voltages for the scene's target; the influence matrix of the analysis must
+ * be computed before. The argument `common` selects which limits common to all amplifiers apply
+ * (design.h); in addition, the limits of each amplifier always apply.
  *   voltages_optimum      optimum within the limits. On the nonlinear structure it is found by a
- *       Gauss-Newton method with the influence matrix at the last shape. The method starts from the
- *       linear optimum, or from the part of it that has an equilibrium, within a trust radius that
- *       shrinks where the error does not decrease.
+ *                         Gauss-Newton method with the influence matrix at the last shape. The
+ *                         method starts from the linear optimum, or from the part of it that has an
+ *                         equilibrium, within a trust radius that shrinks where the error does not
+ *                         decrease.
  *   voltages_linear       optimum of the linear model, with its shape on the selected structure
  *   voltages_clipped      least squares of the linear model without limits, then clipped
  *   voltages_regularised  regularised least squares of the linear model, then clipped, with the
- *       parameter that leaves the smallest error of the linear model
+ *                         parameter that leaves the smallest error of the linear model
  *   voltages_given        given voltages, unchanged
  * Each returns 0, or -1 with error filled.
  */

@@ -22,10 +22,10 @@ typedef struct wiring_test {
  * the scene file says. If the scene file gives no duration, the pulse lasts six periods of the
  * first vibration mode, where the natural frequencies are known. In any case it lasts long enough
  * for its height under the step limits of the amplifiers.
- *   analysis  in  analysis after design_control, and after certificate_make if the natural
- *       frequencies are to be used; must outlive the self-test
+ *   analysis  in  analysis whose voltage problem is computed, and whose certificate is computed if
+ *                 the pulse is to follow the natural frequencies; must outlive the self-test
  *   estimator in  estimator of the controller, which must outlive the self-test; NULL: every target
- *       node is measured
+ *                 node is measured
  * Returns whether memory was available; call wiring_test_close in either case.
  */
 bool wiring_test_open(wiring_test *test, const analysis *analysis, const estimator *estimator);
@@ -53,7 +53,7 @@ int wiring_test_tested(const wiring_test *test);
 void wiring_test_text(const wiring_test *test, const analysis *analysis, char text[SCENE_ERROR]);
 
 /*
- * List as text what the self-test cannot tell: amplifiers that it does not move, amplifiers that
+ * List as text what the self-test cannot detect: amplifiers that it does not move, amplifiers that
  * move no sensor, and amplifiers whose response the noise in the scene file may hide, with an
  * amplitude and a duration of the pulses that suffice. The text is empty where there is nothing to
  * list.

@@ -23,8 +23,9 @@
  * loop of the scene needs a vibration model. Otherwise, and for a loop that is certified already,
  * do nothing. A loop that does not settle after fast jumps of the target is not an error of this
  * function.
- *   analysis in/out  after certificate_make and simulate_tables; `certificate.loop` and the
- *       settings are filled
+ *   analysis in/out  in: analysis with the tables of its controller and with the vibration modes in
+ *                    its certificate; out: the loop in the certificate and the chosen settings are
+ *                    filled
  * Returns 0, or -1 with error filled.
  */
 int certify_loop(analysis *analysis, char *error);

@@ -6,11 +6,12 @@
  * Each row of a table in plant.c is one way in which a plant moves (plant_motion.h):
  *   quasi-static  every shape is the static equilibrium
  *   modal         vibration about the static equilibrium in the vibration modes of the undeformed
- *   state
- *       (inertia.h); modes that are left out follow without delay. The equilibrium may be that of a
- *       nonlinear structure, whose modes are then still those of the undeformed state: this is
- * valid as long as the deformation changes the natural frequencies only slightly nonlinear     all
- * degrees of freedom of the mesh move with their mass at large rotation (shell_motion.h)
+ *                 state (inertia.h); modes that are left out follow without delay. The equilibrium
+ *                 may be that of a nonlinear structure, whose modes are then still those of the
+ *                 undeformed state: this is valid as long as the deformation changes the natural
+ *                 frequencies only slightly
+ *   nonlinear     all degrees of freedom of the mesh move with their mass at large rotation
+ *                 (shell_motion.h)
  */
 #ifndef PLANT_H
 #define PLANT_H
@@ -38,9 +39,8 @@ typedef struct plant {
     int temperature;     /* index of the temperature change among the inputs, or -1 if the plant has
                             none */
     bool has_shape;      /* whether at least one shape of the plant has been computed */
-    bool is_at_rest;     /* true: plant_rest has just set the plant to rest, and no time has passed
-                            since */
-    long linear_solves;  /* number of linear solves of the nonlinear equilibrium solver so far */
+    bool is_at_rest; /* true: the plant has just been set to rest, and no time has passed since */
+    long linear_solves; /* number of linear solves of the nonlinear equilibrium solver so far */
     const struct plant_motion *motion; /* way in which the motion of the plant is computed:
                                           quasi-static, modal or nonlinear */
     bool has_inertia;
@@ -113,8 +113,8 @@ double plant_period(const plant *plant);
 int plant_shape(plant *plant, const double *voltage, double *shape, char *error);
 
 /*
- * Noise-free readings of the sensors of the scene's `estimate` section in the latest shape, to be
- * called after plant_shape.
+ * Compute the readings, without noise, of the sensors of the scene's `estimate` section in the
+ * latest shape, which plant_shape has computed.
  *   reading [sensors] out  reading of each sensor
  * Returns 0, or -1 with error filled.
  */

@@ -27,7 +27,8 @@ typedef struct plant_motion {
     int (*advance)(struct plant *plant, double seconds, char *error);
     /*
      * Compute the shape at this instant and, for a plant with inertia, the deviation of every
-     * output row from the static equilibrium. shape [targets] out  displacements
+     * output row from the static equilibrium.
+     *   shape [targets] out  displacements
      */
     int (*shape)(struct plant *plant, double *shape, char *error);
     /* Compute the values of all outputs in the latest shape, into the member `value`. */
@@ -49,9 +50,11 @@ extern const plant_motion plant_quasi_static, plant_modal, plant_nonlinear;
 int plant_input(const struct plant *plant, int load);
 
 /*
- * Results of the static equilibrium under the present inputs: displacements of the target rows
- * (controlled displacements) [targets]; values of all outputs, into the member `value`, after
- * plant_static_shape; displacement vector [free_dof], after plant_static_shape.
+ * Functions for the static equilibrium of a plant under its present inputs. plant_static_shape
+ * computes the equilibrium and the displacements of the target rows (controlled displacements) in
+ * it, shape [targets]. The other two functions use this equilibrium: plant_static_outputs stores
+ * the values of all outputs in the member `value`, and plant_static_displacement returns the
+ * displacement vector [free_dof].
  */
 int plant_static_shape(struct plant *plant, double *shape, char *error);
 int plant_static_outputs(struct plant *plant, char *error);

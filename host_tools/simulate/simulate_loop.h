@@ -47,8 +47,8 @@ typedef struct loop {
                                        */
     law_tables tables; /* tables of the simulation's own block for the voltages; unused where the
                           library's step block computes the voltages */
-    law compared; /* tables of the block that computes the voltages of LAW_CLAMP and LAW_REGULARISED
-                   */
+    law compared; /* control law for comparison with the library's controller: tables of its block
+                     that computes the voltages */
     pzs_loop controller; /* the library's control loop, in double precision */
     device board, twin; /* firmware on a board and its twin, the firmware's C code on this computer;
                            both replace the library's step block (the block that computes the
@@ -96,7 +96,8 @@ typedef struct loop {
     double *reading; /* [sensors] latest readings, with noise and faults */
     double *sensed;  /* [sensors] readings passed to the controller, delayed as the scene and its
                         events state */
-    bool has_failed_sensors; /* the self-test has already begun the sensor failures of tick 0 */
+    bool has_failed_sensors; /* true: sensor failures that the schedule places in tick 0 have begun
+                                already, because the self-test has run before */
     int history_ticks;       /* number of ticks whose readings are stored: the delay, plus
                                 the largest additional delay of an event, plus 1 */
     double *late_reading; /* [history_ticks][sensors] noise-free readings of the last ticks, which

@@ -83,7 +83,7 @@ typedef struct simulate_phase {
     int first, events; /* index of the first event of the scene with which the phase begins, and
                           number of such events */
     double optimum;    /* relative shape error of the best shape that the plant can reach with the
-                          stroke of its electrodes; NAN before simulate_optima */
+                          stroke of its electrodes; NAN until it is computed */
     simulate_course course[LAWS];
     double *target; /* [targets] wanted displacements at the end of the phase */
     double *load;   /* [loads + 1] load factors of the plant at the end of the phase; the last entry
@@ -130,23 +130,28 @@ typedef struct simulation {
                       plant */
     wiring_test pulses; /* test pulses of the fault detector of a damped loop; unused where the
                            scene asks for no detected faults */
-    wiring_test wiring; /* self-test before the schedule; unused where the scene has none */
-    pzs_selftest_verdict verdict; /* result of this self-test, if it did not pass */
-    char findings[SCENE_ERROR];   /* text of what this self-test has found; empty: it has passed
-                                     or has not ended */
-    damper unused_damper; /* empty tables of a vibration block, for the block list without that
-                             block */
-    struct loop_blocks *undamped_blocks; /* block list without a vibration block, for the control
-                                            laws for comparison */
+    wiring_test wiring; /* self-test of amplifiers, cables and sensors, which the controller makes
+                           before the first tick of the schedule; unused where the scene has none */
+    pzs_selftest_verdict verdict; /* result of the controller's self-test of amplifiers, cables and
+                                     sensors, if it did not pass */
+    char findings[SCENE_ERROR]; /* text of what the controller's self-test of amplifiers, cables and
+                                   sensors has found; empty: it has passed or has not ended */
+    damper unused_damper; /* empty tables of a vibration damper, for control laws that do not damp
+                             vibration */
+    struct loop_blocks *undamped_blocks; /* list of the blocks of a control tick that does not damp
+                                            vibration, for the control laws with which the
+                                            controller is compared */
     bool estimates;                      /* whether the shape is estimated from few sensors */
     bool feeds;                          /* whether known loads are fed forward to the voltages */
     bool quantises;   /* whether the amplifiers have a resolution or a dead band */
     double reference; /* weighted norm of the scene's target, the denominator of all relative errors
                        */
-    double compared_regularisation; /* regularisation that the control law LAW_REGULARISED adds to
-                                       the regularisation of the scene (m2/V2) */
-    double regularisation;     /* regularisation parameter of LAW_REGULARISED, relative to the mean
-                                  diagonal entry of the Hessian of the voltage problem */
+    double compared_regularisation; /* regularisation that regularised clipped least squares, a
+                                       control law for comparison, adds to the regularisation of the
+                                       scene (m2/V2) */
+    double regularisation;     /* regularisation parameter of regularised clipped least squares, a
+                                  control law for comparison, relative to the mean diagonal entry of
+                                  the Hessian of the voltage problem */
     const device_board *board; /* board that runs the controller; NULL: the controller runs on the
                                   host */
     char folder[DEVICE_PATH];  /* path of the temporary folder of the firmware */
@@ -158,18 +163,18 @@ typedef struct simulation {
 /*
  * Build the simulated structure and set up the phases of the simulation, each from one tick with
  * events to the next.
- *   nominal in  analysis of a scene with a simulate section, after analysis_influence; must outlive
- *       the simulation. Its option quasi_static leaves out the vibration model of the controller,
- *       and is set for a quasi-static plant
+ *   nominal in  analysis of a scene with a `simulate` section, whose influence matrix is computed;
+ *               must outlive the simulation. Its option quasi_static leaves out the vibration model
+ *               of the controller, and is set for a quasi-static plant
  * Returns 0, or -1 with error filled and the simulation empty.
  */
 int simulate_open(simulation *simulation, analysis *nominal, char *error);
 void simulate_close(simulation *simulation);
 
 /*
- * Prepare the tables of an analysis for the controller of its scene. Where the scene asks for it,
- * replace the influence matrix by the linearised influence of all inputs at the nonlinear optimum
- * of the nominal model; otherwise do nothing. Returns 0, or -1 with error filled.
+ * Prepare the influence matrix of an analysis for the controller of its scene. Where the scene asks
+ * for it, the influence matrix of the undeformed structure is replaced by that at the nonlinear
+ * optimum of the nominal model; otherwise nothing changes. Returns 0, or -1 with error filled.
  */
 int simulate_tables(analysis *nominal, char *error);
 
@@ -192,7 +197,8 @@ int simulate_run(simulation *simulation, simulate_law law, simulate_tick_callbac
 
 /*
  * Compute for each phase of the simulation (time between events of the scene) the best shape that
- * the voltages could reach; to be called after simulate_run. Returns 0, or -1 with error filled.
+ * the voltages could reach. The phases must have been simulated before. Returns 0, or -1 with error
+ * filled.
  */
 int simulate_optima(simulation *simulation, char *error);
 

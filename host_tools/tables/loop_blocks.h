@@ -42,20 +42,22 @@ typedef struct loop_blocks {
 typedef struct loop_bounds {
     struct {
         const pzs_block_type *type;
-        double most; /* instructions */
+        double most; /* upper bound of the instructions of a block of the loop in one tick */
     } block[PZS_BLOCK_LIMIT];
     int count;
-    double rest; /* instructions beside the blocks: restoring memory, checksums, last gate */
-    double all;  /* instructions of a tick in which the loop is in control, hence without the
-                    self-test */
+    double rest; /* upper bound of the instructions of one tick outside of the blocks: restoring
+                    memory, checksums, last check of the voltages */
+    double all;  /* upper bound of the instructions of one tick in which the loop is in control; the
+                    self-test, which runs before, does not count */
 } loop_bounds;
 
 /* Everything that a list of blocks refers to. A struct of this type must not be moved in memory. */
 typedef struct loop_parts {
     estimator estimator;
     damper damper;
-    wiring_test wiring; /* self-test */
-    wiring_test pulses; /* test pulses of the fault detector in a loop that damps vibration */
+    wiring_test wiring; /* tables of the self-test of amplifiers, cables and sensors */
+    wiring_test pulses; /* tables of the test pulses of the fault detector, in a loop that damps
+                           vibration */
     loop_blocks blocks;
 } loop_parts;
 

@@ -30,8 +30,8 @@ typedef struct block_counts {
                             change their direction, within one step limit */
     bool is_damped;      /* whether the list of blocks contains the block that damps vibration */
     bool detects_faults; /* whether the list of blocks contains the fault detector for electrodes */
-    bool moves_outside;  /* a block other than the control step may change the voltages, so that the
-                            prediction of the shape is made twice in a tick */
+    bool moves_outside;  /* whether a block other than the control step may change the voltages, so
+                            that the shape is predicted twice in a tick */
     uint64_t work_limit; /* limit of the optimiser's work in one tick (multiply-adds) */
 } block_counts;
 

@@ -34,7 +34,7 @@ typedef struct tables_size {
  * double precision [1]. The workspace is that of the control loop with all its blocks, of the model
  * and of the equilibrium solver, as far as the firmware contains them. The stack is that of the
  * library alone, which `make test` verifies.
- *   size in  filled by tables_write
+ *   size in  sizes of the tables, which tables_write has determined
  */
 typedef struct tables_memory {
     size_t work[2], stack[2];
@@ -44,10 +44,10 @@ tables_memory tables_need(const analysis *analysis, tables_image image, const ta
 /*
  * Write the tables of a firmware as a C header. A scene always gives identical bytes, because the
  * header contains no dates and no paths.
- *   analysis in   analysis whose influence matrix is computed; for a nonlinear image after
- *                 analysis_solve, and after
- *       analysis_influence where the scene has a target (without a target the tables contain no
- *       voltage problem)
+ *   analysis in   analysis of the scene, whose influence matrix is computed if the scene has a
+ *                 target (without a target the tables contain no voltage problem); for a firmware
+ *                 that computes nonlinear equilibria, the displacement of the scene must be
+ *                 computed before
  *   image    in   part of the library that the firmware uses: control, linear or nonlinear
  *   prefix   in   start of every name, a C identifier
  *   size     out  size of the tables

@@ -19,9 +19,9 @@ typedef struct json {
  * object, NULL for an element of an array. A number that is not finite is written as null.
  */
 void json_open(json *json, const char *key, char bracket);
-void json_open_line(json *json, const char *key, char bracket); /* begins an array or object that is
-                                                                   written on one line with all its
-                                                                   contents */
+void json_open_line(json *json, const char *key,
+                    char bracket); /* Begin an array or object of a JSON document that is written on
+                                      one line with all its contents. */
 void json_close(json *json, char bracket);
 void json_number(json *json, const char *key, double value);
 void json_bool(json *json, const char *key, int is_true);

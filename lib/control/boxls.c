@@ -63,18 +63,25 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-#define ROUNDS                                                                                     \
-    8u /* largest number of rounds (sequences of iterations, each followed by the gradient         \
-          computed from the Hessian) in one call of the optimiser */
-#define WORN                                                                                       \
-    2u /* number of pivot exchanges for each input after which a wrong prediction of the gradient  \
-          by the tableau leads to its recomputation */
-#define TOGETHER                                                                                   \
-    8u /* largest number of iterations in one round in which several inputs leave the active set   \
-          together */
-#define LEAST_TOGETHER                                                                             \
-    3u /* smallest number of inputs that leave the active set of the optimiser together; fewer     \
-          inputs leave it one after the other */
+/*
+ * Largest number of rounds (sequences of iterations, each followed by the gradient computed from
+ * the Hessian) in one call of the optimiser.
+ */
+#define ROUNDS 8u
+/*
+ * Number of pivot exchanges for each input after which the optimiser recomputes its pivoted Hessian
+ * (the tableau) if the tableau has predicted a wrong gradient.
+ */
+#define WORN 2u
+/*
+ * Largest number of iterations in one round in which several inputs leave the active set together.
+ */
+#define TOGETHER 8u
+/*
+ * Smallest number of inputs that leave the active set of the optimiser together; fewer inputs leave
+ * it one after the other.
+ */
+#define LEAST_TOGETHER 3u
 /*
  * A violation of the optimality (KKT) conditions below this multiple of its rounding-error bound
  * counts as zero.
@@ -533,9 +540,10 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
     } else if (to_limit && number_is_finite(first.part)) {
         optimiser->voltage[k] = down ? optimiser->lower[k] : optimiser->upper[k];
     } else {
-        optimiser->direction[k] = 0; /* at the minimum the gradient is zero; without a finite bound
-                                        or a curvature a decrease of the objective would be a
-                                        rounding error */
+        optimiser->direction[k] = 0; /* where the gradient with respect to input k is zero (at the
+                                        minimum), or neither a finite bound nor a curvature ends the
+                                        change, the gradient is set to exactly zero, so that input k
+                                        is not released again */
         if (!to_limit && pzs_tableau_independence(optimiser, k) > optimiser->pivot_floor)
             pzs_tableau_exchange(optimiser, k, row);
     }
@@ -634,9 +642,9 @@ static bool is_stationary(const pzs_optimiser *optimiser)
 }
 
 /*
- * Iterate, after a bound has blocked the whole step, until the tableau predicts no violation of the
- * optimality (KKT) conditions. Descent iterations change the free voltages until no bound ends the
- * change; then release iterations change active voltages that violate the conditions.
+ * Iterate, after a bound has blocked the whole step, until no voltage violates the optimality (KKT)
+ * conditions. Descent iterations change the free voltages until no bound ends the change; then
+ * release iterations change active voltages that violate the conditions.
  */
 static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 {
@@ -701,8 +709,9 @@ static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict mod
 
 /*
  * Make the whole step, which no bound blocks, as one iteration, and compare the predicted gradient
- * of two inputs with the Hessian. Returns false if the prediction is wrong; the voltages are then
- * unchanged, and the tableau no longer counts as verified.
+ * of two inputs with that computed from the Hessian. Returns false if the prediction is wrong; the
+ * voltages are then unchanged, and the tableau (pivoted Hessian), from which the prediction came,
+ * no longer counts as verified.
  */
 static bool take_direct_iteration(pzs_optimiser *optimiser)
 {
@@ -770,8 +779,8 @@ bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser)
 }
 
 /*
- * Return to the voltages and gradients at the start of the round of iterations. If the tableau had
- * only predicted this gradient, it is now computed from the Hessian.
+ * Return to the voltages and gradients at the start of the round of iterations. If the optimiser
+ * had only predicted the gradient there, without the Hessian, it is now computed from the Hessian.
  */
 static void undo_round(pzs_optimiser *optimiser)
 {
@@ -924,8 +933,8 @@ static bool is_stuck(const pzs_optimiser *optimiser, bool moves)
 }
 
 /*
- * Make one round of iterations with a complete tableau. Returns whether another round may lower the
- * objective.
+ * Make one round of iterations of the optimiser, whose tableau (pivoted Hessian) must be complete.
+ * Returns whether another round may lower the objective.
  */
 static bool make_round(pzs_optimiser *optimiser)
 {
@@ -951,8 +960,8 @@ static bool make_round(pzs_optimiser *optimiser)
 }
 
 /*
- * Complete the recomputation of the tableau if it is incomplete. Returns whether the work limit
- * then allows a round of iterations.
+ * Complete the tableau (pivoted Hessian) of the optimiser if its recomputation is unfinished.
+ * Returns whether the work limit then allows a round of iterations.
  */
 static bool may_make_round(pzs_optimiser *optimiser)
 {

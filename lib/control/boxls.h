@@ -19,9 +19,11 @@
  * of inputs rounded up to a multiple of PZS_TILE.
  */
 #define BOXLS_VECTORS (16u + PZS_PENDING)
-#define BOXLS_DEPENDENT                                                                            \
-    256 /* largest factor by which the threshold for linearly dependent inputs may rise above its  \
-           initial value, 4 inputs epsilon, with the machine epsilon */
+/*
+ * Largest factor by which the threshold for linearly dependent inputs may rise above its initial
+ * value, 4 inputs epsilon, with the machine epsilon.
+ */
+#define BOXLS_DEPENDENT 256
 
 /*
  * Set the pointers of the optimiser to its vectors, except the voltages, in the memory `work` of

@@ -46,8 +46,8 @@ uint32_t pzs_dual_predict_step(pzs_optimiser *optimiser, pzs_real rounding);
 
 /*
  * Iterate from the voltages after the predicted step until no voltage is outside its bounds and no
- * multiplier has the wrong sign, or until the work limit stops the iterations. The present voltages
- * become those reached, clamped to the bounds. Returns whether all iterations were made.
+ * multiplier has the wrong sign, or until the work limit stops the iterations. The voltages of the
+ * optimiser become those reached, clamped to the bounds. Returns whether all iterations were made.
  */
 bool pzs_dual_iterate(pzs_optimiser *optimiser, pzs_real rounding);
 

@@ -12,11 +12,19 @@
 #include "../core/product_wide.h"
 #include "../core/unrolled.h"
 
-#define BLOCK 4u /* number of rows and of columns in a block of the tableau */
-#define MANY 32u /* largest number of exchanges collected while the tableau is computed */
+/*
+ * Number of rows and of columns of the square blocks in which the optimiser's pivoted Hessian
+ * (tableau) is updated.
+ */
+#define BLOCK 4u
+/*
+ * Largest number of pivot exchanges that are collected, before they are applied together, while the
+ * optimiser's pivoted Hessian (tableau) is computed.
+ */
+#define MANY 32u
 #define BLOCK_WIDE                                                                                 \
-    PZS_BY_TILE(4u, 16u, 32u) /* number of columns of a wide block of the tableau                  \
-                               */
+    PZS_BY_TILE(4u, 16u, 32u) /* number of columns of the wide blocks in which the optimiser's     \
+                                 pivoted Hessian (tableau) is updated */
 
 pzs_real pzs_tableau_independence(const pzs_optimiser *optimiser, uint32_t k)
 {
@@ -53,10 +61,11 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending)
 }
 
 /*
- * With many inputs, collect more exchanges, in the memory of the dual method, which is not used
- * while the tableau is computed: the tableau is then read and written less often. The updates take
- * the place of one half of the factor, their copy in groups that of the other half, and the
- * exchanges that of the two vectors.
+ * For many inputs, let the optimiser collect more pivot exchanges before it applies them, so that
+ * its pivoted Hessian (tableau) is read and written less often while it is computed. The exchanges
+ * are stored in memory of the dual method, which is not in use meanwhile: their rank-one updates in
+ * the first half of its Cholesky factor, a copy of the updates in groups of columns in the second
+ * half, and their pivots in its two vectors.
  */
 static void collect_many(pzs_optimiser *optimiser)
 {
@@ -139,8 +148,9 @@ void pzs_tableau_exchange_side(pzs_optimiser *optimiser, uint32_t k, pzs_real *r
 }
 
 /*
- * Compute the rows and columns of the exchanged inputs in the tableau, and set these inputs to zero
- * in the collected rank-one updates, which are later applied to all other rows.
+ * Compute the rows and columns of the exchanged inputs in the tableau (the optimiser's pivoted
+ * Hessian), and set these inputs to zero in the collected rank-one updates, which are later applied
+ * to all other rows.
  */
 static void apply_to_exchanged(pzs_optimiser *optimiser)
 {
@@ -227,9 +237,10 @@ UPDATE_BLOCK(update_wide, lane, BLOCK, BLOCK_WIDE / IN_LANE)
 #endif
 
 /*
- * On a host with AVX2, copy the pending updates of a tableau that is being computed into groups of
- * WIDE_BLOCK columns, which pzs_wide_update reads without gaps. The groups follow the updates in
- * the memory of the dual method. Returns the first group, or NULL on another processor.
+ * On a host with the vector unit AVX2, copy the collected rank-one updates of the optimiser's
+ * pivoted Hessian (tableau) into groups of WIDE_BLOCK columns, which pzs_wide_update reads without
+ * gaps. The copy lies behind the updates, in memory of the dual method. Returns the first group, or
+ * NULL on another processor.
  */
 static const pzs_real *group_updates(const pzs_optimiser *optimiser)
 {
@@ -246,7 +257,10 @@ static const pzs_real *group_updates(const pzs_optimiser *optimiser)
     return groups;
 }
 
-/* Apply all pending updates to BLOCK rows and WIDE_BLOCK columns below the diagonal. */
+/*
+ * Apply all collected rank-one updates to a block of the tableau (the optimiser's pivoted Hessian)
+ * that lies below the diagonal, with BLOCK rows and WIDE_BLOCK columns.
+ */
 static void update_group(pzs_optimiser *optimiser, const pzs_real *groups, size_t i, size_t j)
 {
     const size_t count = optimiser->pending_count, within = i % WIDE_BLOCK;

@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The tableau of the voltage optimiser: one symmetric matrix that replaces the Hessian H. F is the
- * free set (inputs that may move together), A the active set (inputs that stay):
+ * free set (inputs whose voltages may change), A the active set (inputs whose voltages are kept).
+ * With H_FA for the rows of F and the columns of A in H, and so on, the tableau is
  *
  *   rows F:  -H_FF^-1        H_FF^-1 H_FA
  *   rows A:  H_AF H_FF^-1    H_AA - H_AF H_FF^-1 H_FA
  *
  * with the columns of F on the left and those of A on the right.
  *
- * An exchange moves one input between F and A by a symmetric rank-one update. Up to PZS_PENDING
- * exchanges are kept as vectors, rows are corrected for them when they are read, and all are
- * applied to the matrix together, which reads and writes it only once. The result has the bits of
- * applying them one by one.
+ * A pivot exchange moves one input between F and A by a symmetric rank-one update. Up to
+ * PZS_PENDING updates are stored as vectors before all of them are applied to the matrix together,
+ * which reads and writes it only once; a row that is read before is corrected for them. The result
+ * has the same bits as if the updates were applied one by one.
  *
  * One product of the tableau with the gradient of F gives the direction: on F the step to the
  * minimum over F, on A the change of the gradient by this step.
@@ -29,54 +30,59 @@
 pzs_real pzs_tableau_independence(const pzs_optimiser *optimiser, uint32_t k);
 
 /*
- * Read the pivots of all inputs from the diagonal of the tableau. All collected pivot exchanges
- * must have been applied to the tableau before.
+ * Read the pivots of all inputs from the diagonal of the tableau, the optimiser's pivoted Hessian.
+ * All collected pivot exchanges must have been applied to the tableau before.
  */
 void pzs_tableau_read_pivots(pzs_optimiser *optimiser);
 
 /*
- * Compute row k of the tableau, including the pivot exchanges that are collected but not yet
- * applied to the matrix. The width is the number of inputs rounded up to a multiple of PZS_TILE.
+ * Compute row k of the tableau (the optimiser's pivoted Hessian), including the pivot exchanges
+ * that are collected but not yet applied to the matrix. The width is the number of inputs rounded
+ * up to a multiple of PZS_TILE.
  *   row [width] out  row k of the tableau
  */
 void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
 
 /*
- * Make one pivot exchange in the tableau, which moves input k from the active set to the free set
- * (positive pivot) or back (negative pivot).
+ * Make one pivot exchange in the tableau (the optimiser's pivoted Hessian), which moves input k
+ * from the active set to the free set (positive pivot) or back (negative pivot).
  *   row [width] in/out  row k of the tableau before and after the exchange
  */
 void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
 
 /*
- * Make one pivot exchange in a tableau that holds inputs and limit rows (limits of weighted sums of
- * voltages).
- *   row  [width] in/out  row k of the tableau before and after the exchange
- *   side         in      1 for an input; -1 for a limit row, whose pivots have the opposite signs
+ * Make one pivot exchange in a tableau (pivoted Hessian) that has a row for each input and for each
+ * limit row (limit of a weighted sum of voltages).
+ *   row [width] in/out  row k of the tableau before and after the exchange
+ *   side        in      1 for an input; -1 for a limit row, whose pivots have the opposite signs
  */
 void pzs_tableau_exchange_side(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row,
                                pzs_real side);
 
-/* Apply the collected pivot exchanges to all entries of the tableau. */
+/*
+ * Apply the collected pivot exchanges to all entries of the tableau, the optimiser's pivoted
+ * Hessian.
+ */
 void pzs_tableau_apply(pzs_optimiser *optimiser);
 
 /*
- * Begin to recompute the tableau from the Hessian: all inputs become active, and those that were
- * free wait until pzs_tableau_rebuild exchanges them again.
+ * Begin to recompute the tableau (the optimiser's pivoted Hessian) from the Hessian: all inputs
+ * become active, and those that were free wait until pzs_tableau_rebuild exchanges them again.
  */
 void pzs_tableau_reset(pzs_optimiser *optimiser);
 
 /*
- * Collect up to PZS_PENDING exchanges from now on, with their updates in the array `pending`.
- *   pending [PZS_PENDING][width] in  memory of the updates
+ * Prepare the optimiser to collect up to PZS_PENDING pivot exchanges before it applies them to its
+ * tableau (pivoted Hessian).
+ *   pending [PZS_PENDING][width] in  memory for the rank-one updates of the exchanges
  */
 void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending);
 
 /*
- * Continue to recompute the tableau: move the inputs that were free before pzs_tableau_reset back
- * into the free set, the most independent first, as long as the work limit allows. Inputs that
- * depend linearly on the free ones stay active. Returns whether the tableau is complete.
- * next_voltage is used as work array.
+ * Continue to recompute the tableau (the optimiser's pivoted Hessian): move the inputs that were
+ * free before pzs_tableau_reset back into the free set, the most independent first, as long as the
+ * work limit allows. Inputs that depend linearly on the free ones stay active. Returns whether the
+ * tableau is complete. next_voltage is used as work array.
  */
 bool pzs_tableau_rebuild(pzs_optimiser *optimiser);
 

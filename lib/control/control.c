@@ -340,7 +340,9 @@ static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs
         missed = damp_target(optimiser, control, damping, missed);
     if (damping != NULL && control->state.is_paused)
         ignore_held_moves(optimiser, control);
-    control->state.is_paused = false; /* a block that pauses the loop says so after each step */
+    control->state.is_paused = false; /* While a fault detector measures a test pulse, it sets
+                                         is_paused after each step, so that a pause ends by itself
+                                         if the detector no longer runs. */
     const int32_t clash = start_step(optimiser, control);
     set_work_limits(optimiser, control, missed);
     int32_t where = -1;

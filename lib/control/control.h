@@ -5,9 +5,11 @@
 
 #include "pzs_control.h"
 
-#define CONTROL_READY                                                                              \
-    1u /* value of state.stage, by which other functions recognise a controller that was           \
-          initialised without an error */
+/*
+ * Value of state.stage, by which other functions recognise a controller that was initialised
+ * without an error.
+ */
+#define CONTROL_READY 1u
 
 /*
  * Return the checksum of the counts and arrays of a voltage problem, which its member crc must

@@ -53,16 +53,18 @@
  */
 #define OBSERVABLE PZS_R(0.75)
 #define TEST_MOVES 8u /* number of voltage changes in a test of an electrode */
-#define TEST_SHAPES                                                                                \
-    24u /* largest number of measured shapes in a test of an electrode, after which the test ends  \
-           even if not all its voltage changes were made */
-#define CLEARED_SHAPES                                                                             \
-    100u /* number of measured shapes for which an electrode that has passed a test is not tested  \
-            again */
+/*
+ * Largest number of measured shapes in a test of an electrode, after which the test ends even if
+ * not all its voltage changes were made.
+ */
+#define TEST_SHAPES 24u
+/* Number of measured shapes for which an electrode that has passed a test is not tested again. */
+#define CLEARED_SHAPES 100u
 #define NO_INPUT 0xFFFFu /* input number of a test signal that is not in use */
-#define MISSING_LIMIT                                                                              \
-    8u /* the fault detector works only while at most 1/MISSING_LIMIT of all outputs have no       \
-          measurement */
+/*
+ * The fault detector works only while at most 1/MISSING_LIMIT of all outputs have no measurement.
+ */
+#define MISSING_LIMIT 8u
 
 /*
  * Bits of state.missing, which has an entry for each output. NOT_MEASURED: the last shape has no

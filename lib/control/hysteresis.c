@@ -367,34 +367,36 @@ typedef struct effect_walk {
     const pzs_real *slope;  /* [SEGMENTS] slopes of the piecewise linear function, from the lowest
                                voltages to the highest (1) */
     const pzs_real *slack;  /* [plays] slack of each play, the half width of its backlash (V) */
-    const pzs_real *play;   /* [plays] position of each play, not multiplied by `sign` (V) */
+    const pzs_real *play;   /* [plays] position of each play, relative to the middle of the voltage
+                               range and not multiplied by `sign` (V) */
     const pzs_real *ahead;  /* [plays] weight of each play in the effect once its position is past
                                the middle of the voltage range, seen in the direction of the search
                                (1) */
     const pzs_real *behind; /* [plays] weight of each play in the effect as long as its position is
                                short of the middle of the voltage range, seen in the direction of
                                the search (1) */
-    pzs_real sign;          /* 1: the search runs upwards; -1: downwards */
+    pzs_real sign;  /* direction of the search along the characteristic of the electrode: 1 towards
+                       higher voltages, -1 towards lower ones */
     pzs_real knot;  /* distance from the middle of the voltage range at which the slope of the
-                       piecewise linear function changes (V) */
-    pzs_real place; /* present position of the search, relative to the middle of the voltage range
-                       (V) */
+                       piecewise linear part of the effect changes (V) */
+    pzs_real place; /* present position, relative to the middle of the voltage range, of the search
+                       along the characteristic of the electrode (V) */
     pzs_real gain;  /* slope of the effect as a function of the voltage, just ahead of the present
-                       position of the search (1) */
+                       position of the search along the characteristic of the electrode (1) */
     uint32_t plays;
     uint32_t moving; /* number of plays that have used up their slack and move with the voltage: the
                         first ones in the order of their slack */
     uint32_t crossed; /* number of moving plays whose position is past the middle of the voltage
                          range */
-    uint32_t knots;   /* number of changes of slope of the piecewise linear function that the search
-                         has passed */
+    uint32_t knots;   /* number of changes of slope of the piecewise linear part of the effect that
+                         the search along the characteristic of the electrode has passed */
 } effect_walk;
 
 #define NOWHERE PZS_R(HUGE_VAL)
 
 /*
- * Return the slope of the piecewise linear function in its segment k, the segments numbered in the
- * direction of the search.
+ * Return the slope of the piecewise linear part of an electrode's effect in its segment k (0 to 3);
+ * the segments are numbered in the direction in which a voltage is searched.
  */
 static pzs_real slope_of(const effect_walk *walk, uint32_t k)
 {
@@ -419,8 +421,8 @@ static effect_walk start_walk(const electrode_tables *electrode, const pzs_real 
 }
 
 /*
- * Return the position of the search at which the next play (element with backlash) has used up its
- * slack and begins to move (V).
+ * Return the position at which the next play (element with backlash) has used up its slack and
+ * begins to move, in the search for a voltage along the characteristic of an electrode (V).
  */
 static pzs_real next_move(const effect_walk *walk)
 {
@@ -429,8 +431,8 @@ static pzs_real next_move(const effect_walk *walk)
 }
 
 /*
- * Return the position of the search at which the next moving play (element with backlash) crosses
- * the middle of the voltage range (V).
+ * Return the position at which the next moving play (element with backlash) crosses the middle of
+ * the voltage range, in the search for a voltage along the characteristic of an electrode (V).
  */
 static pzs_real next_crossing(const effect_walk *walk)
 {
@@ -438,8 +440,8 @@ static pzs_real next_crossing(const effect_walk *walk)
 }
 
 /*
- * Return the position of the search at which the slope of the piecewise linear function changes
- * next (V).
+ * Return the position at which the slope of the piecewise linear part of the effect changes next,
+ * in the search for a voltage along the characteristic of an electrode (V).
  */
 static pzs_real next_knot(const effect_walk *walk)
 {
@@ -447,8 +449,9 @@ static pzs_real next_knot(const effect_walk *walk)
 }
 
 /*
- * Let the next play (element with backlash) move with the voltage, and add its weight to the slope
- * of the effect. The weight differs before and past the middle of the voltage range.
+ * Let the next play (element with backlash) move with the voltage that is searched, and add its
+ * weight to the slope of the effect. The weight differs before and past the middle of the voltage
+ * range.
  */
 static void move_play(effect_walk *walk)
 {
@@ -458,7 +461,10 @@ static void move_play(effect_walk *walk)
     walk->crossed = is_beyond ? walk->moving : walk->crossed;
 }
 
-/* Let the search pass the next change of slope of the piecewise linear function. */
+/*
+ * Let the search along the characteristic of an electrode pass the next change of slope of the
+ * piecewise linear part of the effect.
+ */
 static void pass_knot(effect_walk *walk)
 {
     walk->gain += slope_of(walk, walk->knots + 1u) - slope_of(walk, walk->knots);
@@ -466,8 +472,8 @@ static void pass_knot(effect_walk *walk)
 }
 
 /*
- * Let the search pass the nearest position at which the slope of the effect changes, and update the
- * slope.
+ * Let the search along the characteristic of an electrode pass the nearest position at which the
+ * slope of the effect changes, and update the slope.
  */
 static void pass_break(effect_walk *walk, pzs_real nearest)
 {
@@ -482,8 +488,9 @@ static void pass_break(effect_walk *walk, pzs_real nearest)
 }
 
 /*
- * Find the slope of the effect at the start of the search: pass all changes of slope that are not
- * ahead of the start, and let the plays move that have no slack left.
+ * Find the slope of the effect of an electrode at the voltage from which another voltage is
+ * searched: pass all changes of slope that are not ahead of this start, and let the plays (elements
+ * with backlash) move that have no slack left.
  */
 static void find_first_slope(effect_walk *walk)
 {

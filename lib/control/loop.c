@@ -336,8 +336,8 @@ static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
 }
 
 /*
- * Choose the table that the next slice check reads: the next table of the same block, or the first
- * table of the next block.
+ * Choose the constant table whose checksum the loop checks next: the next table of the same block,
+ * or the first table of the next block.
  */
 static void go_on(pzs_loop *loop, bool is_same_block)
 {

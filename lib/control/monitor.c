@@ -22,12 +22,16 @@
 #include "../core/guard.h"
 #include "../core/numbers.h"
 
-#define MARGIN                                                                                     \
-    4 /* factor of the deviation that changes of the target explain, in the threshold above which  \
-         the divergence monitor counts a tick as implausible */
-#define NOISE_MARGIN                                                                               \
-    6 /* factor of the RMS noise of the measured shape, in the threshold above which the           \
-         divergence monitor counts a tick as implausible */
+/*
+ * Factor of the deviation that changes of the target explain, in the threshold above which the
+ * divergence monitor counts a tick as implausible.
+ */
+#define MARGIN 4
+/*
+ * Factor of the RMS noise of the measured shape, in the threshold above which the divergence
+ * monitor counts a tick as implausible.
+ */
+#define NOISE_MARGIN 6
 /* Factor by which the deviation that changes of the target explain decays in each tick. */
 #define PEAK_FADING PZS_R(0.9)
 /*
@@ -35,8 +39,8 @@
  * in one tick, and decay rate of its sums over the last changes of the shape.
  */
 #define SLOW PZS_R(0.02)
-#define LEAST_ANSWER                                                                               \
-    PZS_R(0.1) /* smallest plausible ratio of measured to predicted changes of the shape */
+/* Smallest plausible ratio of measured to predicted changes of the shape. */
+#define LEAST_ANSWER PZS_R(0.1)
 /*
  * The divergence monitor judges the response of the structure only if the predicted changes of the
  * shape are large enough: the root of their exponentially decaying sum of squares must exceed this
@@ -104,8 +108,9 @@ static void store_shapes(pzs_monitor_state *monitor, const pzs_loop_signals *sig
 }
 
 /*
- * Start the monitor with the shapes of this tick.
- *   has_modes in  true: a vibration block computes the amplitude, and only the target is stored
+ * Start the divergence monitor with the shapes of this tick.
+ *   has_modes in  true: a vibration block computes the amplitude of the deviation, so only the
+ *                 target is stored
  */
 static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, bool has_modes)
 {
@@ -176,8 +181,9 @@ static pzs_real change_of_target(pzs_monitor_state *monitor, const pzs_loop_sign
 }
 
 /*
- * Update the amplitude, which the vibration block has computed, and the envelope. The other sums
- * are not needed where a vibration block computes the amplitude.
+ * Update two variables of the divergence monitor where the loop has a vibration block: the
+ * amplitude by which the structure deviates from the model, which the block has computed, and its
+ * envelope, the amplitude that changes of the target explain.
  */
 static void follow_modes(pzs_monitor_state *monitor, const pzs_supervision *tables,
                          const pzs_loop_signals *signals)

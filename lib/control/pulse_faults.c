@@ -37,37 +37,47 @@
 
 /* A reading that is larger than this counts as missing, so that no sum of squares overflows. */
 #define READING_LIMIT PZS_R(1e12)
-/* Regularisation of the lost voltages, relative to the mean diagonal of their matrix. */
+/*
+ * Regularisation in the least-squares estimate of the voltages that electrodes have lost, relative
+ * to the mean diagonal entry of its matrix.
+ */
 #define RIDGE PZS_R(1e-4)
 /*
- * Smallest part of the difference between two standstills of the target that the loss of a
- * suspected electrode explains.
+ * Smallest part of the difference between two standstills of the target that a lost voltage of one
+ * electrode must explain for this electrode to be suspected.
  */
 #define LEAST_SHARE PZS_R(0.2)
 /*
- * Smallest and largest loss of a suspected electrode, relative to the voltage or to the voltage
- * change that the electrode would lose if it were dead, stuck or reversed.
+ * Smallest and largest voltage that an electrode must seem to have lost to be suspected, relative
+ * to the voltage or to the voltage change that it would lose if it were dead, stuck or reversed.
  */
 #define LEAST_LOSS PZS_R(0.5)
 #define LARGEST_LOSS PZS_R(4)
-/* Smallest loss of a suspected electrode, relative to the height of its test pulse. */
+/*
+ * Smallest voltage that an electrode must seem to have lost to be suspected, relative to the height
+ * of its test pulse.
+ */
 #define NOTICED PZS_R(0.05)
 /*
- * Largest common loss of all electrodes, relative to their voltage changes. A structure whose gain
- * differs from the model causes such a loss.
+ * Largest part of their voltage changes that all electrodes may seem to have lost together. A
+ * structure whose gain differs from the model causes such a loss.
  */
 #define COMMON_LOSS PZS_R(0.5)
-/* A suspected electrode with at least this gain has passed its test. */
+/*
+ * Gain (response to a test pulse, divided by the modelled response) from which on a suspected
+ * electrode has passed its test.
+ */
 #define PASSED PZS_R(0.35)
 /*
- * A reference electrode, whose test pulse is compared with that of a suspected electrode, must have
- * at least this gain.
+ * Smallest gain (response to a test pulse, divided by the modelled response) of the reference
+ * electrode, a healthy one with which a suspected electrode is compared.
  */
 #define LEAST_REFERENCE PZS_R(0.4)
 /*
  * A suspected electrode is faulty if the gains of both its test pulses are smaller than SILENT
- * times the gain of the reference electrode. It is reversed if the first of these gains is below
- * the negative of REVERSED times the gain of the reference electrode.
+ * times the gain of the reference electrode, a healthy one. It is reversed if the first of these
+ * gains is below the negative of REVERSED times the gain of the reference electrode. A gain is a
+ * response divided by the modelled response.
  */
 #define SILENT PZS_R(0.5)
 #define REVERSED PZS_R(0.3)
@@ -78,36 +88,46 @@
  */
 #define DISTURBED PZS_R(0.25)
 /*
- * The evaluation of a test pulse expects that the gain of all other electrodes is 1; weight of this
- * expectation relative to the energy of the modelled response to the pulse.
+ * The evaluation of a test pulse expects that the gain of all other electrodes (response divided by
+ * modelled response) is 1. This is the weight of the expectation, relative to the energy of the
+ * modelled response to the pulse.
  */
 #define EXPECTED PZS_R(0.05)
-#define MOST_TRIES                                                                                 \
-    4u /* number of disturbed test pulses and of silent reference electrodes that end a proof */
+/*
+ * Number of unsuccessful test pulses after which the test of a suspected electrode ends without a
+ * result: disturbed ones, and those to which the reference electrode did not respond.
+ */
+#define MOST_TRIES 4u
 /*
  * Number of standstills of the target during which an electrode that has passed its test is not
  * suspected.
  */
 #define CLEARED_RESTS 32u
-#define NO_INPUT                                                                                   \
-    0xFFFFu /* input number where there is no suspected electrode or no reference electrode */
-#define MISSING_LIMIT                                                                              \
-    8u /* at most 1/MISSING_LIMIT of the sensors may give no reading during a standstill of the    \
-          target or a test pulse */
 /*
- * The target counts as unmoved while the energy of its change since it last moved (the sum over the
- * outputs of the squared weighted change) is below 1/STILL of the energy of the weakest test pulse.
+ * Input number that means: no electrode is suspected, or there is no healthy electrode with which a
+ * suspected one could be compared.
+ */
+#define NO_INPUT 0xFFFFu
+/*
+ * At most 1/MISSING_LIMIT of the sensors may give no reading during a standstill of the target or a
+ * test pulse.
+ */
+#define MISSING_LIMIT 8u
+/*
+ * The target counts as unmoved while the sum over the outputs of its squared weighted change is
+ * below 1/STILL of the same sum for the shape of the weakest test pulse.
  */
 #define STILL PZS_R(64)
 
 /*
- * Phases of the detector: waiting until the structure has settled, averaging while the target
- * stands still, first pulses of both electrodes under test, and measured test pulses.
+ * Phases of the fault detector: waiting until the structure has settled, averaging while the target
+ * stands still, a first pulse of the suspected and of the reference electrode that is not
+ * evaluated, and test pulses that are evaluated.
  */
 enum { SETTLING = 0, RESTING, CONDITIONING, PULSING };
 /*
- * Measured test pulses of a proof in their order: suspected electrode, reference electrode,
- * suspected electrode again.
+ * Test pulses that are evaluated before an electrode is found faulty, in their order: suspected
+ * electrode, reference electrode (a healthy one), suspected electrode again.
  */
 enum { FIRST_PULSE = 0, REFERENCE_PULSE, SECOND_PULSE };
 
@@ -126,7 +146,7 @@ static pzs_real *take_reals(pzs_real **next, size_t count)
     return taken;
 }
 
-/* Let the arrays of the detector point into its memory, behind its struct. */
+/* Set the pointers of the fault detector to its arrays, which follow the struct in memory. */
 static void lay_out(pzs_pulse_detector *detector, uint32_t inputs, uint32_t sensors,
                     uint32_t outputs)
 {
@@ -156,7 +176,10 @@ static void lay_out(pzs_pulse_detector *detector, uint32_t inputs, uint32_t sens
     detector->info.fault = state->fault;
 }
 
-/* Let the detector point to its tables, its controller and its arrays, and repair its indices. */
+/*
+ * Set the pointers of the fault detector to its tables, its controller and its arrays, and reset
+ * indices of electrodes that damaged memory has made invalid.
+ */
 static void place(pzs_pulse_detector *detector, const pzs_loop_signals *signals)
 {
     const pzs_selftest_tables *tables = signals->tables;
@@ -180,7 +203,7 @@ static void place(pzs_pulse_detector *detector, const pzs_loop_signals *signals)
 
 /*
  * Return the input of an electrode under test: number 0 is the suspected electrode, number 1 the
- * reference electrode.
+ * healthy one with which it is compared.
  */
 static uint32_t tested_input(const pzs_pulse_detector_state *state, uint32_t number)
 {
@@ -249,7 +272,8 @@ static void add_voltages(pzs_pulse_detector_state *state, const pzs_real *voltag
 
 /*
  * Add the present readings to their weighted sums over the present standstill of the target or test
- * pulse. tick in  tick of the standstill or pulse whose voltages the readings show
+ * pulse.
+ *   tick in  tick of the standstill or pulse whose voltages the readings show
  */
 static void add_readings(pzs_pulse_detector_state *state, uint32_t tick)
 {
@@ -264,8 +288,9 @@ static void add_readings(pzs_pulse_detector_state *state, uint32_t tick)
 }
 
 /*
- * Make one tick of a standstill of the target or of a test pulse. The readings show the voltages
- * that were set `delay` + 1 ticks ago. Returns whether the standstill or pulse has ended.
+ * Measure in one tick of a standstill of the target or of a test pulse: add the voltages, and the
+ * readings, which show the voltages that were set `delay` + 1 ticks ago, to their sums. Returns
+ * whether the standstill or pulse has ended.
  */
 static bool measure(pzs_pulse_detector_state *state, const pzs_real *voltage)
 {
@@ -311,7 +336,9 @@ static bool is_held(const pzs_control *control, uint32_t j)
     return !(control->state.lower[j] < control->state.upper[j]);
 }
 
-/* Hold electrode j at a voltage in the next tick (V). */
+/*
+ * Hold electrode j at a voltage in the next tick (V): both its voltage limits become this voltage.
+ */
 static void set_voltage(pzs_control *control, uint32_t j, pzs_real voltage)
 {
     control->state.lower[j] = voltage;
@@ -319,7 +346,10 @@ static void set_voltage(pzs_control *control, uint32_t j, pzs_real voltage)
     pzs_control_set_held(control, j, voltage);
 }
 
-/* Begin to hold the suspected electrode and the reference electrode at their present voltages. */
+/*
+ * Begin to hold the two electrodes under test, the suspected one and the healthy one with which it
+ * is compared, at their present voltages.
+ */
 static void take_electrodes(pzs_pulse_detector_state *state)
 {
     for (uint32_t k = 0; k < 2; k++) {
@@ -333,8 +363,9 @@ static void take_electrodes(pzs_pulse_detector_state *state)
 }
 
 /*
- * Return an electrode under test to the control step, unless the program has held or released it
- * meanwhile.
+ * Let the control step choose the voltage of an electrode under test again, unless the program has
+ * held or released the electrode meanwhile.
+ *   number in  0: suspected electrode; 1: healthy electrode with which it is compared
  */
 static void release_electrode(pzs_pulse_detector_state *state, uint32_t number)
 {
@@ -349,7 +380,7 @@ static void release_electrode(pzs_pulse_detector_state *state, uint32_t number)
     pzs_control_set_held(control, j, (pzs_real)NAN);
 }
 
-/* Return both electrodes under test to the control step. */
+/* Let the control step choose the voltages of both electrodes under test again. */
 static void release_electrodes(pzs_pulse_detector_state *state)
 {
     if (state->has_taken)
@@ -358,7 +389,10 @@ static void release_electrodes(pzs_pulse_detector_state *state)
     state->has_taken = false;
 }
 
-/* Whether the program has held or released an electrode under test. */
+/*
+ * Whether the program has held or released one of the electrodes under test, which the fault
+ * detector then leaves alone.
+ */
 static bool is_overridden(const pzs_pulse_detector_state *state)
 {
     const pzs_control *control = state->control;
@@ -371,7 +405,10 @@ static bool is_overridden(const pzs_pulse_detector_state *state)
     return false;
 }
 
-/* Return the height of the test pulse of input j (V), negative near the upper voltage limit. */
+/*
+ * Return the height of the test pulse of input j (V): negative if the voltage `start` before the
+ * pulse is nearer to the upper voltage limit than to the lower one.
+ */
 static pzs_real height_of(const pzs_pulse_detector_state *state, uint32_t j, pzs_real start)
 {
     const pzs_problem *problem = state->control->state.problem;
@@ -401,8 +438,8 @@ static void set_test_voltages(pzs_pulse_detector_state *state)
 /* ---- suspicion ------------------------------------------------------------ */
 
 /*
- * Turn the sums over a standstill of the target into mean voltages and mean readings; the mean
- * readings replace first_reading.
+ * Compute the mean voltages and mean readings of a standstill of the target from the weighted sums
+ * over it; the mean readings replace first_reading.
  */
 static void find_means(pzs_pulse_detector_state *state)
 {
@@ -414,7 +451,7 @@ static void find_means(pzs_pulse_detector_state *state)
 
 /*
  * Compute the difference between the last standstill of the target and an earlier one: the changes
- * of the voltages, and the changes of the readings that these do not explain.
+ * of the voltages, and the changes of the readings that the model does not explain by them.
  */
 static void compare_rests(pzs_pulse_detector_state *state)
 {
@@ -430,8 +467,10 @@ static void compare_rests(pzs_pulse_detector_state *state)
 }
 
 /*
- * Compute the lost voltages of all electrodes from the unexplained changes of the readings. Returns
- * the energy of the changes that no lost voltage explains, divided by the regularisation (V2).
+ * Estimate, by regularised least squares, the voltages that all electrodes have lost between two
+ * standstills of the target, from the changes of the readings that the model does not explain.
+ * Returns the energy of the changes that no lost voltage explains, divided by the regularisation
+ * (V2).
  */
 static pzs_real find_losses(pzs_pulse_detector_state *state)
 {
@@ -449,12 +488,12 @@ static pzs_real find_losses(pzs_pulse_detector_state *state)
 }
 
 /*
- * Sums, over the electrodes that are not held, of squared lost voltages, squared voltage changes,
- * and their products.
+ * Sums over the electrodes that are not held, from which the part that all electrodes have lost
+ * together is computed. A lost voltage is one that an electrode seems not to have received.
  */
 typedef struct loss_sums {
-    pzs_real losses, moves, both; /* squared lost voltages, squared voltage changes, products of
-                                     both (V2) */
+    pzs_real losses, moves, both; /* sums over electrodes of squared lost voltages, of squared
+                                     voltage changes, and of their products (V2) */
 } loss_sums;
 
 static loss_sums sum_losses(const pzs_pulse_detector_state *state)
@@ -471,8 +510,8 @@ static loss_sums sum_losses(const pzs_pulse_detector_state *state)
 }
 
 /*
- * Whether a lost voltage is plausible for an electrode that would lose `whole` if it were faulty
- * (V).
+ * Whether the voltage `loss` that an electrode seems to have lost has about the size and the sign
+ * of a fault in which the electrode loses the voltage `whole` (V).
  */
 static bool is_loss_of(pzs_real loss, pzs_real whole)
 {
@@ -481,10 +520,11 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
 }
 
 /*
- * Return the part of the difference between two standstills of the target that the lost voltage of
- * electrode j explains (0 to 1), or 0 where the loss is not that of a faulty electrode. sums in
- * sums over all electrodes that are not held rest in  energy of the readings that no lost voltage
- * explains (V2)
+ * Return the part (0 to 1) of the difference between two standstills of the target that the lost
+ * voltage of electrode j explains, or 0 where the loss is not that of a faulty electrode.
+ *   sums in  sums over all electrodes that are not held
+ *   rest in  energy of the readings that no lost voltage explains, divided by the regularisation
+ *            (V2)
  */
 static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, const loss_sums *sums,
                          pzs_real rest)
@@ -505,7 +545,9 @@ static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, cons
 
 /*
  * Return the electrode whose lost voltage explains the largest part of the difference between two
- * standstills of the target, or NO_INPUT if no electrode is suspected.
+ * standstills of the target, or NO_INPUT if no electrode is to be suspected of a fault.
+ *   rest in  energy of the readings that no lost voltage explains, divided by the regularisation
+ *            (V2)
  */
 static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real rest)
 {
@@ -525,10 +567,10 @@ static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real res
 }
 
 /*
- * Return the electrode whose test pulse is compared with that of the suspected electrode: the one
- * with the strongest pulse among the electrodes that seem to have followed their voltages, or else
- * among all. Returns NO_INPUT if there is none. but in  electrode that is not chosen; NO_INPUT:
- * none
+ * Return the healthy electrode with which the suspected one is compared: the one with the strongest
+ * test pulse among those that seem to have followed their voltages, or else among all. Returns
+ * NO_INPUT if there is none.
+ *   but in  electrode that must not be chosen; NO_INPUT: every electrode may be
  */
 static uint32_t find_reference(const pzs_pulse_detector_state *state, uint32_t but)
 {
@@ -552,8 +594,8 @@ static uint32_t find_reference(const pzs_pulse_detector_state *state, uint32_t b
 }
 
 /*
- * Whether the voltage of any electrode has changed by two test pulses or more since the earlier
- * standstill of the target.
+ * Whether the voltage of any electrode has changed by twice the height of its test pulse or more
+ * between the earlier and the last standstill of the target.
  */
 static bool has_moved(const pzs_pulse_detector_state *state)
 {
@@ -563,7 +605,10 @@ static bool has_moved(const pzs_pulse_detector_state *state)
     return false;
 }
 
-/* Take the last standstill of the target as the one with which later ones are compared. */
+/*
+ * Store the mean voltages and readings of the last standstill of the target, with which later
+ * standstills are compared.
+ */
 static void set_base(pzs_pulse_detector_state *state)
 {
     memcpy(state->base_voltage, state->rest_voltage,
@@ -576,14 +621,17 @@ static void set_base(pzs_pulse_detector_state *state)
 
 /* ---- proof ---------------------------------------------------------------- */
 
-/* Go to the first tick of a phase of the detector. */
+/* Start a phase of the fault detector, such as a standstill of the target or a test pulse. */
 static void begin(pzs_pulse_detector_state *state, uint32_t phase)
 {
     state->phase = (uint8_t)phase;
     state->position = 0;
 }
 
-/* End the proof, and return both electrodes under test to the control step. */
+/*
+ * End the test of a suspected electrode, and let the control step choose the voltages of both
+ * electrodes under test again.
+ */
 static void end_proof(pzs_pulse_detector_state *state)
 {
     release_electrodes(state);
@@ -592,7 +640,10 @@ static void end_proof(pzs_pulse_detector_state *state)
     begin(state, SETTLING);
 }
 
-/* End the proof of an electrode that is not faulty, or of which nothing could be proved. */
+/*
+ * End the test of a suspected electrode that is not faulty, or whose test gave no result. The
+ * electrode is not suspected during the next CLEARED_RESTS standstills of the target.
+ */
 static void clear_suspect(pzs_pulse_detector_state *state)
 {
     const uint32_t suspect = state->suspect;
@@ -602,8 +653,8 @@ static void clear_suspect(pzs_pulse_detector_state *state)
 }
 
 /*
- * Begin the proof of a suspected electrode with a first pulse of this electrode and of a reference
- * electrode.
+ * Begin to test a suspected electrode: choose the healthy electrode with which it is compared, and
+ * let both make a first pulse.
  */
 static void begin_proof(pzs_pulse_detector *detector, uint32_t suspect)
 {
@@ -621,19 +672,24 @@ static void begin_proof(pzs_pulse_detector *detector, uint32_t suspect)
     take_electrodes(state);
 }
 
-/* Sums over the sensors by which a test pulse of one electrode is evaluated (1). */
+/*
+ * Sums over the sensors by which the test pulse of one electrode is evaluated. A response is the
+ * weighted sum of the readings of a sensor over the pulse, times the scale of the sensor (1).
+ */
 typedef struct pulse_sums {
-    pzs_real own, others, both; /* squared modelled responses to the electrode under test and to all
-                                   other electrodes, and products of both */
-    pzs_real own_response, other_response; /* products of the measured response with the modelled
-                                              responses to the electrode under test and to all other
-                                              electrodes */
-    pzs_real response;                     /* squared measured responses */
+    pzs_real own, others, both; /* sums over the sensors of the squared modelled responses to the
+                                   electrode under test (own), of those to all other electrodes
+                                   (others), and of the products of the two responses (both) */
+    pzs_real own_response, other_response; /* sums over the sensors of the measured response times
+                                              the modelled response to the electrode under test
+                                              (own_response), and times that to all other electrodes
+                                              (other_response) */
+    pzs_real response; /* sum over the sensors of the squared measured responses */
 } pulse_sums;
 
 /*
- * Compare the weighted sums of the readings over the pulse of electrode j with those that the model
- * predicts from the voltage of this electrode and from the voltages of the others.
+ * Compare the weighted sums of the readings over the test pulse of electrode j with those that the
+ * model predicts from the voltage of electrode j and from the voltages of all other electrodes.
  */
 static pulse_sums compare_pulse(pzs_pulse_detector_state *state, uint32_t j)
 {
@@ -661,13 +717,15 @@ static pulse_sums compare_pulse(pzs_pulse_detector_state *state, uint32_t j)
 /* Result of one test pulse. */
 typedef struct pulse_response {
     pzs_real gain;    /* response of the electrode, divided by the modelled response (1) */
-    bool is_measured; /* false: the pulse was disturbed */
+    bool is_measured; /* false: other influences than the test pulse have changed the readings, so
+                         that the gain means nothing */
 } pulse_response;
 
 /*
- * Evaluate the pulse of electrode j. The measured response is fitted by the modelled responses to
- * this electrode and to all others, each with a gain; the gain of the others is expected to be 1,
- * so that it stays there if they have moved in the shape of this electrode alone.
+ * Evaluate the test pulse of electrode j. The measured response is fitted by two modelled
+ * responses, that to electrode j and that to all other electrodes, each times an unknown gain. The
+ * gain of the other electrodes is expected to be near 1, so that the fit stays unique if they have
+ * moved in the shape of electrode j.
  */
 static pulse_response evaluate_pulse(pzs_pulse_detector_state *state, uint32_t j)
 {
@@ -688,7 +746,10 @@ static pulse_response evaluate_pulse(pzs_pulse_detector_state *state, uint32_t j
     return result;
 }
 
-/* Hold a faulty electrode at its present voltage, which the prediction of the model contains. */
+/*
+ * Hold the suspected electrode, which is faulty, at its present voltage, for which the model goes
+ * on to predict the shape.
+ */
 static void hold_electrode(pzs_pulse_detector *detector, pzs_electrode_fault fault)
 {
     pzs_pulse_detector_state *state = &detector->state;
@@ -716,8 +777,10 @@ static pzs_electrode_fault fault_of(const pzs_pulse_detector_state *state)
 }
 
 /*
- * Continue after the test pulse of the reference electrode. Only if its gain is large does a small
- * gain of the suspected electrode mean anything.
+ * Continue the test of a suspected electrode after the test pulse of the reference electrode, a
+ * healthy one. If the reference electrode has hardly responded, so that a small response of the
+ * suspected one would mean nothing, another reference electrode is tried.
+ *   gain in  response of the reference electrode, divided by the modelled response (1)
  */
 static void judge_reference(pzs_pulse_detector_state *state, pzs_real gain)
 {
@@ -735,8 +798,9 @@ static void judge_reference(pzs_pulse_detector_state *state, pzs_real gain)
 }
 
 /*
- * Whether the suspected electrode is faulty according to both of its test pulses and to that of the
- * reference electrode. gain in  gain of its second test pulse (1)
+ * Whether the suspected electrode is faulty according to its two test pulses and to that of the
+ * reference electrode, a healthy one.
+ *   gain in  response to its second test pulse, divided by the modelled response (1)
  */
 static bool is_faulty(const pzs_pulse_detector_state *state, pzs_real gain)
 {
@@ -744,7 +808,10 @@ static bool is_faulty(const pzs_pulse_detector_state *state, pzs_real gain)
     return gain < least && state->first_gain < least;
 }
 
-/* Continue the proof after a test pulse. Returns the input that was found faulty, or NO_INPUT. */
+/*
+ * Evaluate a test pulse, and decide what follows: the next pulse, or the end of the test of the
+ * suspected electrode. Returns the input that was found faulty, or NO_INPUT.
+ */
 static uint32_t judge(pzs_pulse_detector *detector)
 {
     pzs_pulse_detector_state *state = &detector->state;
@@ -777,8 +844,8 @@ static uint32_t judge(pzs_pulse_detector *detector)
 /* ---- tick ----------------------------------------------------------------- */
 
 /*
- * Count the pauses of the electrodes that have passed a test, and observe electrodes again that the
- * program has released.
+ * After a standstill of the target, count down the time for which electrodes that have passed a
+ * test are not suspected, and observe electrodes again that the program has released.
  */
 static void update_states(pzs_pulse_detector_state *state)
 {
@@ -793,7 +860,10 @@ static void update_states(pzs_pulse_detector_state *state)
     }
 }
 
-/* Evaluate a standstill of the target, and begin the proof of an electrode that is suspected. */
+/*
+ * Evaluate a standstill of the target, and begin to test an electrode if its voltage seems to be
+ * lost.
+ */
 static void end_rest(pzs_pulse_detector *detector)
 {
     pzs_pulse_detector_state *state = &detector->state;
@@ -810,8 +880,9 @@ static void end_rest(pzs_pulse_detector *detector)
     const pzs_real rest = find_losses(state);
     const uint32_t suspect = find_suspect(state, rest);
     if (suspect == NO_INPUT) {
-        if (has_moved(state) || !number_is_finite(rest)) /* renews sums that damaged memory made
-                                                            infinite or NaN */
+        if (has_moved(state) || !number_is_finite(rest)) /* Sums that damaged memory has made
+                                                            infinite or NaN are replaced by those of
+                                                            the last standstill of the target. */
             set_base(state);
         return;
     }
@@ -822,8 +893,8 @@ static void end_rest(pzs_pulse_detector *detector)
 }
 
 /*
- * After the structure has settled, begin to average voltages and readings, or begin the test pulses
- * of a proof.
+ * After the structure has settled, begin to average voltages and readings over a standstill of the
+ * target, or begin the test pulses of an electrode that is suspected already.
  */
 static void end_settling(pzs_pulse_detector_state *state)
 {
@@ -844,7 +915,7 @@ static uint32_t settling_ticks(const pzs_pulse_detector_state *state)
 }
 
 /*
- * Make one tick of the present phase of the detector.
+ * Run one tick of the fault detector.
  *   voltage [inputs] in  voltages that act on the structure in this tick (V)
  * Returns the input that was found faulty, or NO_INPUT.
  */
@@ -867,8 +938,8 @@ static uint32_t run_phase(pzs_pulse_detector *detector, const pzs_real *voltage)
 }
 
 /*
- * Interrupt the present standstill of the target and the present test pulse, which are repeated
- * after the structure has settled again.
+ * Interrupt the present standstill of the target and the present test pulse, which begin again
+ * after the structure has settled.
  */
 static void interrupt(pzs_pulse_detector_state *state)
 {
@@ -885,8 +956,8 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Compute and factor the matrix from which the lost voltages follow. Returns whether the matrix is
- * regular.
+ * Compute and factor the matrix of the least-squares estimate of the voltages that electrodes have
+ * lost. Returns whether the matrix is regular.
  */
 static bool factor_matrix(pzs_pulse_detector_state *state)
 {
@@ -913,8 +984,9 @@ static bool factor_matrix(pzs_pulse_detector_state *state)
 }
 
 /*
- * Find the electrodes that cannot be tested, because they have no pulse or move no sensor, and the
- * energy of the weakest pulse in the shape.
+ * Find the electrodes that cannot be tested, because they have no test pulse or move no sensor. Of
+ * all other electrodes, find the smallest sum of the squared weighted output changes that a full
+ * test pulse causes.
  */
 static void find_unobservable(pzs_pulse_detector *detector)
 {
@@ -936,7 +1008,10 @@ static void find_unobservable(pzs_pulse_detector *detector)
     }
 }
 
-/* Initialise the block. Its memory holds the detector, followed by its arrays. */
+/*
+ * Initialise the fault detector as a block of the control loop. Its memory holds the detector,
+ * followed by its arrays.
+ */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
     pzs_pulse_detector *detector = self;
@@ -944,7 +1019,8 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     const pzs_status status = pzs_selftest_check(tables, signals, &signals->where);
     if (status != PZS_OK)
         return status;
-    if (problem->limit_rows != NULL) /* the pulse of a single input could violate a limit row */
+    if (problem->limit_rows != NULL) /* the test pulse of a single input could violate a limit row
+                                        (limit of a weighted sum of voltages) */
         return PZS_E_ARGUMENT;
     memset(detector, 0, block_bytes(tables, problem));
     detector->state.suspect = NO_INPUT;

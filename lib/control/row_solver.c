@@ -1,35 +1,39 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Optimiser for voltages inside bounds and limit rows (limit_rows.h): a primal active-set method
- * whose every iterate is feasible. It solves
+ * Optimiser for voltages inside bounds and limit rows, which are limits of weighted sums of
+ * voltages (limit_rows.h): a primal active-set method whose every iterate is feasible. It solves
  *
  *   minimise   (v - base)' H (v - base) / 2 + (r - t)' (v - base)
  *   subject to lower <= v <= upper,  row_lower <= A v <= row_upper
  *
- * for the voltages v, with Hessian H, base voltages, regularisation gradient r and target gradient
- * t as in boxls.h, and with the matrix A of the limit rows.
+ * for the voltages v. H is the Hessian, `base` are the voltages around which the gradient is
+ * computed, r is the gradient of the regularisation there, t that of the target, and A is the
+ * matrix of the limit rows.
  *
  * Quantities. A quantity is the voltage of an input or the sum of a limit row. A quantity is either
  * free, or active: kept at its bound (or, until the next release, between its bounds). An active
  * quantity has a multiplier: the derivative of the objective with respect to this quantity, if all
  * free voltages follow so that the objective is minimal.
  *
- * Tableau. The symmetric matrix K = [H, -A'; -A, 0] is pivoted on the free inputs and on the active
- * rows, with the exchanges of boxls_tableau.h. One row of the tableau states how all free
- * quantities and all multipliers respond to a change of one active quantity.
+ * Tableau. The tableau is the symmetric matrix K = [H, -A'; -A, 0] after a pivot exchange
+ * (boxls_tableau.h) for each free input and each active row. One row of the tableau states how all
+ * free quantities and all multipliers respond to a change of one active quantity.
  *
- * Round. A round begins with the gradient computed from H and with sums computed from A.
- *   descent  step to the minimum over the free quantities; a quantity that reaches a bound becomes
- *            active, and the descent continues.
- *   release  change an active quantity whose multiplier has the wrong sign until its multiplier is
- *            zero (the quantity is then free), or until it reaches its other bound. A free quantity
- *            that reaches a bound before becomes active, and the release continues. If this
- *            quantity depends linearly on the active ones, the released quantity becomes free at
- *            the same time.
- *   end      correct the active rows for rounding errors of the tableau. If a sum is outside its
- *            limits nevertheless, shorten the step of the round. A round that does not lower the
- *            objective is undone, but its active set is kept; after a second such round in a
- *            control step the tableau is computed anew.
+ * Round. A round is a sequence of iterations. At its start the gradient is computed from H and the
+ * sums of the limit rows from A. Then follow
+ *
+ *   descents    steps to the minimum over the free quantities; a quantity that reaches a bound
+ *               becomes active, and the descent continues;
+ *   releases    changes of an active quantity whose multiplier has the wrong sign, until its
+ *               multiplier is zero (the quantity is then free), or until it reaches its other
+ *               bound. A free quantity that reaches a bound before becomes active, and the release
+ *               continues. If this quantity depends linearly on the active ones, the released
+ *               quantity becomes free at the same time;
+ *   correction  of the active rows for rounding errors of the tableau. If a sum is outside its
+ *               limits nevertheless, the step of the round is shortened. A round that does not
+ *               lower the objective is undone, but its active set is kept; after a second such
+ *               round in a control step the tableau is computed anew.
+ *
  * Rounds are repeated until the multipliers prove the voltages optimal up to rounding errors.
  *
  * Termination. This is Keller's method for quadratic programs. Each release that changes voltages
@@ -41,8 +45,8 @@
  * always regular. As each round starts from the true gradient, a round is a proximal-point step:
  * the shift changes the iterates but not the optimum.
  *
- * Rounding. Limit rows are narrowed by their margin, so that a sum at a narrowed limit is inside
- * the true limit whatever its rounding error.
+ * Rounding. The optimiser narrows the limits of each row by a margin for rounding errors, so that a
+ * sum at a narrowed limit is inside the true limit.
  */
 #include <string.h>
 #include "limit_rows.h"
@@ -52,9 +56,14 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-/* Largest number of times that the tableau is computed anew in a control step. */
+/*
+ * Largest number of times that the optimiser for limit rows computes its pivoted matrix (tableau)
+ * anew in a control step.
+ */
 #define REBUILDS 3u
-/* Largest number of rounds in one call of the optimiser with limit rows. */
+/*
+ * Largest number of rounds (sequences of iterations) in one call of the optimiser for limit rows.
+ */
 #define ROUNDS 20u
 /*
  * A violation of the optimality (KKT) conditions counts as zero if it is below this multiple of its
@@ -67,8 +76,8 @@
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
- * Smallest diagonal entry that regularisation and the shift of the tableau together give the
- * Hessian, relative to the largest diagonal entry of the Hessian.
+ * Smallest diagonal entry that the Hessian, including regularisation and a shift of the whole
+ * diagonal by the optimiser, may have, relative to its largest diagonal entry.
  */
 #define LEAST_CURVATURE PZS_BY_BITS(PZS_R(3e-4), PZS_R(1e-9))
 /*
@@ -80,10 +89,10 @@
 /* A pivot counts as different from zero only if it exceeds this multiple of its rounding error. */
 #define CERTAIN PZS_BY_BITS(16, 64)
 /*
- * While one voltage or limit row is moved away from its bound (released), a free one may reach a
- * bound. If this one is linearly independent of the released one, it is kept at its bound and the
- * release goes on. It counts as independent if its own part of the pivot exceeds this fraction of
- * the part that the released one would add.
+ * While the optimiser moves one voltage or limit row (the first) away from its bound, another one
+ * (the second) may reach a bound. If the second is linearly independent of the first, it is kept at
+ * its bound, and the first moves on. The second counts as independent if the part of its pivot that
+ * does not come from the first exceeds this fraction of the part that does.
  */
 #define OWN_PART PZS_R(0.01)
 /*
@@ -92,22 +101,26 @@
  */
 #define GAP PZS_BY_BITS(PZS_R(1e-7), PZS_R(1e-11))
 /*
- * Fraction of target_energy, the scale of the objective, by which the objective may exceed a lower
- * bound of its minimum after a complete step to the minimum.
+ * Bound for a complete step to the minimum: the fraction of target_energy, the scale of the
+ * objective, by which the objective may then exceed a lower bound of its minimum.
  */
 #define LOOSE_GAP (100 * GAP)
 /*
- * An active limit row counts as at its bound if the distance is below this multiple of the margin
- * by which rows are narrowed against rounding errors. The next step moves the row to its bound.
+ * An active limit row counts as at its bound if its distance from the bound is below this multiple
+ * of the margin by which rows are narrowed against rounding errors. The next step then moves the
+ * row to its bound.
  */
 #define NEAR_BOUND PZS_BY_BITS(2, 64)
-/* Largest number of projections of the voltages on all limit rows at the end of a round. */
+/*
+ * Largest number of projections of the voltages on all limit rows at the end of a round of
+ * iterations.
+ */
 #define SWEEPS 4u
-/* Largest number of corrections of the active limit rows at the end of a round. */
+/* Largest number of corrections of the active limit rows at the end of a round of iterations. */
 #define CORRECTIONS 2u
 /*
- * The tableau is computed anew after this number of exchanges, multiplied by the number of inputs
- * and limit rows, because each exchange adds rounding errors.
+ * The optimiser computes its pivoted matrix (tableau) anew after this number of pivot exchanges,
+ * multiplied by the number of inputs and limit rows, because each exchange adds rounding errors.
  */
 #define WORN 64u
 
@@ -165,8 +178,8 @@ static bool affords(const rows_run *run, uint64_t cost)
 /* ---- tableau (pivoted KKT matrix) --------------------------------------- */
 
 /*
- * Return the number that the tableau adds to each diagonal entry of the Hessian (m2/V2), so that
- * the pivoted matrix is regular even if the Hessian is singular or zero.
+ * Return the number that the optimiser adds to each diagonal entry of the Hessian (m2/V2), so that
+ * its pivoted matrix is regular even if the Hessian is singular or zero.
  */
 static pzs_real shift_of(const rows_run *run)
 {
@@ -178,8 +191,8 @@ static pzs_real shift_of(const rows_run *run)
 }
 
 /*
- * Begin to compute the tableau anew from Hessian and limit rows. No quantity is pivoted yet; all
- * quantities that were pivoted before wait to be pivoted again.
+ * Begin to compute the tableau (pivoted matrix of the optimiser) anew from Hessian and limit rows.
+ * No voltage or limit row is pivoted yet; all that were pivoted before wait to be pivoted again.
  */
 static void reset_tableau(const rows_run *run)
 {
@@ -236,8 +249,8 @@ static pzs_real least_pivot(const rows_run *run)
 }
 
 /*
- * Make free quantity k (voltage or limit row) active, or active quantity k free, by an exchange in
- * the tableau. The response vector tableau->next_voltage is overwritten.
+ * Make free quantity k (voltage or limit row) active, or active quantity k free, by a pivot
+ * exchange in the tableau, the optimiser's matrix. The array tableau->next_voltage is overwritten.
  */
 static void exchange(const rows_run *run, uint32_t k)
 {
@@ -294,8 +307,8 @@ static uint32_t next_pivot(const rows_run *run, pzs_real stiffest)
 }
 
 /*
- * Continue to compute the tableau anew, as far as the work limit of the optimiser allows. Returns
- * whether the tableau is complete.
+ * Continue to compute the tableau (pivoted matrix of the optimiser) anew, as far as the work limit
+ * allows. Returns whether the tableau is complete.
  */
 static bool complete_tableau(const rows_run *run)
 {
@@ -795,9 +808,8 @@ static void descend_fully(const rows_run *run)
 }
 
 /*
- * Iterate until no multiplier in the tableau violates the optimality (KKT) conditions: first
- * descents to the minimum over the free voltages, then releases of voltages and limit rows from
- * their bounds.
+ * Iterate until no multiplier violates the optimality (KKT) conditions: first descents to the
+ * minimum over the free voltages, then releases of voltages and limit rows from their bounds.
  */
 static void iterate(const rows_run *run)
 {
@@ -820,8 +832,8 @@ static void iterate(const rows_run *run)
 /* ---- end of a round -------------------------------------------------------- */
 
 /*
- * Correct the free voltages so that each active limit row has exactly the sum at which it is kept.
- * Returns false if no row needed a correction.
+ * Correct the free voltages so that the sum of each active limit row is exactly the value at which
+ * the row is kept. Returns false if no row needed a correction.
  */
 static bool correct_rows(const rows_run *run)
 {
@@ -894,8 +906,8 @@ static void project_rows(const rows_run *run)
 }
 
 /*
- * Take the result of the iterations as the new voltages. They are corrected so that they obey all
- * bounds and limit rows without any rounding error.
+ * Take the result of the iterations as the new voltages of the controller. They are corrected so
+ * that they obey all bounds and limit rows without any rounding error.
  */
 static void take_voltages(const rows_run *run)
 {
@@ -914,7 +926,7 @@ static void take_voltages(const rows_run *run)
     pzs_boxls_true_gradient(optimiser);
 }
 
-/* Restore the voltages and gradients of the start of the round. */
+/* Restore the voltages and gradients at the start of the round of iterations. */
 static void undo_round(const rows_run *run)
 {
     pzs_optimiser *optimiser = run->optimiser;
@@ -927,8 +939,8 @@ static void undo_round(const rows_run *run)
 }
 
 /*
- * Begin to compute the tableau anew if work limit and number of computations in this control step
- * allow it. Returns whether they do.
+ * Begin to compute the tableau (pivoted matrix of the optimiser) anew, if the work limit and the
+ * number of earlier computations in this control step allow it. Returns whether they do.
  */
 static bool renew_tableau(const rows_run *run)
 {
@@ -961,9 +973,9 @@ static bool is_negligible(const rows_run *run)
 }
 
 /*
- * Whether the voltages are optimal at the start of a round: either the violation of the optimality
- * (KKT) conditions is below its rounding-error bound, or the objective exceeds a lower bound of its
- * minimum by at most GAP times target_energy, the scale of the objective.
+ * Whether the voltages are optimal at the start of a round of iterations: either the violation of
+ * the optimality (KKT) conditions is below its rounding-error bound, or the objective exceeds a
+ * lower bound of its minimum by at most GAP times target_energy, the scale of the objective.
  */
 static bool is_converged(const rows_run *run, bool is_whole)
 {
@@ -975,9 +987,9 @@ static bool is_converged(const rows_run *run, bool is_whole)
 }
 
 /*
- * Make one round of the optimiser with a complete tableau: compute the search direction, iterate,
- * and keep the new voltages if the objective has decreased. Returns whether another round may lower
- * the objective.
+ * Make one round of the optimiser, whose tableau (pivoted matrix) must be complete: compute the
+ * search direction, iterate, and keep the new voltages if the objective has decreased. Returns
+ * whether another round may lower the objective.
  */
 static bool make_round(const rows_run *run)
 {
@@ -1018,8 +1030,8 @@ static bool make_round(const rows_run *run)
 }
 
 /*
- * Compute the rest of the tableau if it is incomplete. Returns whether the work limit then allows
- * another round of the optimiser.
+ * Compute the rest of the tableau (pivoted matrix of the optimiser) if it is incomplete. Returns
+ * whether the work limit then allows another round of iterations.
  */
 static bool may_make_round(const rows_run *run)
 {

@@ -8,8 +8,8 @@
 
 #include "pzs_control_state.h"
 
-#define SCRUB_BYTES                                                                                \
-    64u /* size of a slice (bytes): tables of b bytes are checked once in b / SCRUB_BYTES ticks */
+/* Size of a slice (bytes): tables of b bytes are checked once in b / SCRUB_BYTES ticks. */
+#define SCRUB_BYTES 64u
 
 /* Describe an array of `count` reals, which may be absent (NULL), as a part of a checksum. */
 static inline pzs_table_part scrub_reals(const pzs_real *value, size_t count)

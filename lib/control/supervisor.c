@@ -99,9 +99,11 @@ static bool is_in_control(uint32_t mode)
 
 /* ---- ramps -------------------------------------------------------------- */
 
-#define MOST_TICKS                                                                                 \
-    4e9f /* largest number of ticks of a ramp that is counted; a ramp that would take more ticks   \
-            is treated as one that never ends */
+/*
+ * Largest number of ticks of a ramp that is counted; a ramp that would take more ticks is treated
+ * as one that never ends.
+ */
+#define MOST_TICKS 4e9f
 
 /*
  * Return the smallest number of ticks in which a voltage changes by `way` (V) if it may change by
@@ -213,8 +215,9 @@ static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *sign
     }
     core->remaining -= core->remaining > 0 ? 1u : 0u;
     pzs_control_moved(signals->control);
-    pzs_control_predict(signals->control); /* here, so that the first tick in control is not longer
-                                              than others */
+    pzs_control_predict(signals->control); /* The shape is predicted already during the ramp, so
+                                              that the first tick in which the loop is in control
+                                              does not take longer than others. */
 }
 
 /* ---- events ------------------------------------------------------------- */
@@ -244,8 +247,8 @@ static void process_event(pzs_supervisor *supervisor, pzs_supervisor_event event
     }
 }
 
-#define COMMAND_STEP                                                                               \
-    256u /* a command word is this number times a command counter, plus the command */
+/* A command word is this number times a command counter, plus the command. */
+#define COMMAND_STEP 256u
 
 /* Return the command word on which two of its three copies agree. */
 static uint32_t command_word(const pzs_supervisor *supervisor)

@@ -27,9 +27,9 @@ static inline polynomial load(const uint8_t *data)
 }
 
 /*
- * Return a polynomial moved over a distance, up to a multiple of the polynomial
- * of the CRC-32. factor in  remainders of the powers of x that belong to the
- * distance, for the lower and the upper half
+ * Multiply a polynomial by a power of x, up to a multiple of the polynomial of the CRC-32; this
+ * moves data over the distance (in bits) that is the exponent.
+ *   factor in  remainders of the powers of x for the lower and the upper half of the data
  */
 PCLMUL static inline polynomial move(polynomial value, polynomial factor)
 {
@@ -39,8 +39,10 @@ PCLMUL static inline polynomial move(polynomial value, polynomial factor)
 
 PCLMUL void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *data, size_t bytes)
 {
-    const polynomial over_block = {0x154442bd4, 0x1c6e41596}; /* distance of CRC_BLOCK bytes */
-    const polynomial over_rest = {0x1751997d0, 0x0ccaa009e};  /* distance of CRC_REST bytes */
+    const polynomial over_block = {0x154442bd4, 0x1c6e41596}; /* factor that moves data over
+                                                                 CRC_BLOCK bytes */
+    const polynomial over_rest = {0x1751997d0, 0x0ccaa009e}; /* factor that moves data over CRC_REST
+                                                                bytes */
     const polynomial start = {(long long)crc, 0};
     polynomial part[4];
     for (unsigned k = 0; k < 4u; k++)

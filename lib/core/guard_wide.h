@@ -8,8 +8,8 @@
 
 #include "pzs_base.h"
 
-#define CRC_BLOCK 64u /* bytes that the wide CRC-32 folds together */
-#define CRC_REST 16u  /* bytes to which it folds an array */
+#define CRC_BLOCK 64u /* number of bytes that one step of the wide CRC-32 processes */
+#define CRC_REST 16u  /* number of bytes to which the wide CRC-32 reduces an array */
 
 #if PZS_WIDE
 
@@ -17,9 +17,8 @@
 bool pzs_guard_has_fold(void);
 
 /*
- * Fold `bytes` bytes of data, a multiple of CRC_BLOCK and not zero, into
- * CRC_REST bytes. The CRC-32 of these bytes, begun with 0, is that of the data,
- * begun with crc.
+ * Reduce `bytes` bytes of data, a multiple of CRC_BLOCK and not zero, to CRC_REST bytes in `rest`.
+ * The CRC-32 of `rest`, begun with 0, is that of the data, begun with `crc`.
  */
 void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *data, size_t bytes);
 

@@ -287,8 +287,8 @@ void pzs_product_subtract_rows(pzs_real *restrict vector, const pzs_real *restri
     (((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])))
 
 /*
- * The wide loops of a host (product_wide.h) add the first entries of a long scalar product. Returns
- * how many; other sums over two vectors have no wide loops.
+ * On a host with wide vector loops (product_wide.h), add the first entries of a long scalar product
+ * to its partial sums. Returns the number of entries added, 0 on other processors.
  */
 static inline size_t add_wide(pzs_real sum[LANES], const pzs_real *left, const pzs_real *right,
                               size_t count)

@@ -7,9 +7,9 @@
 
 #define AVX2 __attribute__((target("avx2")))
 #define IN_VECTOR 4u /* number of reals in a vector register of the processor */
-#define VECTORS 8u   /* number of vector registers that hold sums */
+#define VECTORS 8u   /* number of vector registers in which sums of a matrix product are kept */
 #define SPREAD (IN_VECTOR * VECTORS)
-#define ROWS 8u /* number of matrix rows that are read together */
+#define ROWS 8u /* number of matrix rows that one loop of a matrix product reads together */
 
 typedef pzs_real wide_vector __attribute__((vector_size(IN_VECTOR * sizeof(pzs_real)),
                                             aligned(sizeof(pzs_real)), may_alias));

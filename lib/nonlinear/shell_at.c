@@ -35,8 +35,7 @@ static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D,
 
 /*
  * Rows of the array of nodal strains to which the seventh degree of freedom q contributes. The row
- * of the mean strain 12 is one of them because warp adds transverse shear to it. The lists in
- * rows_of_mode have the rows with q first, or in the same positions as this list.
+ * of the mean strain 12 is one of them because warp adds transverse shear to it.
  */
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
@@ -56,14 +55,13 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * A pair of stress rows (stiffness of a mode times nodal strains) of two modes that contribute to
- * the same stress. A node needs only the sum or the difference of a pair, so sum and difference
- * replace the pair. Which of them the node needs depends on the product of two signs of the strain
- * mode `mode`: the sign at the node, and the sign at the node to which the column belongs. In each
- * column the sum is stored in the first row if the sign of the column is negative, and else in the
- * second. The first row then serves all nodes of negative sign, and the second all nodes of
- * positive sign. In the columns of the seventh degree of freedom q only the first PAIRS_WITH_Q
- * pairs are replaced.
+ * A pair of stress rows (stiffness of a strain mode times nodal strains) of two strain modes that
+ * contribute to the same stress. A node needs only the sum or the difference of the pair, depending
+ * on two signs of the strain mode `mode`: its sign at the node, and its sign at the node to which a
+ * column belongs. Sum and difference therefore replace the pair: in the columns of negative sign
+ * the first row receives the sum, in the columns of positive sign the second row does. The first
+ * row then serves all nodes of negative sign, the second row all nodes of positive sign. In the
+ * columns of the seventh degree of freedom q only the first PAIRS_WITH_Q pairs are replaced.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
@@ -76,8 +74,9 @@ static const row_pair row_pairs[PAIRS] = {
 };
 
 /*
- * stress_row[p][k]: index of the stress row that contains stress k of node p after all pairs have
- * been combined. The stresses are in the order of the rows of the nodal strain array.
+ * stress_row[p][k]: index of the stress row (stiffness of a strain mode times nodal strains) that
+ * contains stress k of node p after the rows of the strain modes have been combined into rows of
+ * the nodes. The stresses are in the order of the rows of the nodal strain array.
  */
 static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
@@ -513,7 +512,8 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
 
 /*
  * Write the rows of one node, except the row of the seventh degree of freedom q, into the packed
- * tangent stiffness of an element. stress [ROWS + 1] in  stress rows of the node, followed by NULL
+ * tangent stiffness of an element.
+ *   stress [ROWS + 1] in  stress rows of the node, followed by NULL
  */
 static void write_node(const pzs_element_type *type, unsigned dof_per_node, int node,
                        pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
