@@ -106,7 +106,7 @@ static int write_arrays(const options *options, arrays *arrays)
 /* ---- results ---------------------------------------------------------- */
 
 /*
- * Append the coordinates of some nodes as an array.
+ * Append the coordinates of some nodes to the arrays that are written to files.
  *   node [count] in  node numbers; NULL: all nodes
  */
 static void add_places(arrays *arrays, const design *design, const char *name, const int *node,

@@ -564,8 +564,8 @@ static void print_narrower(const voltages *result, int amplifiers)
 
 /*
  * Print how many controlled displacements (target rows) lie on constrained dof and differ from the
- * wanted value; the shape error does not include them. Print also and the names of the free
- * functions (shapes that may be added to the target at no cost).
+ * wanted value, which the shape error does not include. Then print the names of the free functions
+ * (shapes that may be added to the target at no cost).
  */
 static void print_target_rows(const design *design, const voltages *result)
 {

@@ -5,7 +5,10 @@
 #include <string.h>
 #include "../model/tick_work.h"
 
-/* Compute upper bounds and instructions of the longest simulated tick from a list of blocks. */
+/*
+ * Compute upper bounds of the instructions of a control tick with a list of blocks: of any tick,
+ * and of the longest simulated one.
+ */
 static void find_bounds(work_report *report, const analysis *analysis, const loop_blocks *blocks)
 {
     const scene_control *control = &analysis->design.control;
@@ -36,7 +39,7 @@ void work_report_make(work_report *report, const analysis *analysis)
     loop_parts_close(&parts);
 }
 
-/* Print one row of the table: a name, and a number for each processor. */
+/* Print one row of the table of instructions: a name, and a number for each processor. */
 static void print_row(const char *name, const double value[LOOP_PROCESSORS])
 {
     printf("    %-28s", name);

@@ -26,7 +26,10 @@ static char *read_bytes(const char *path, size_t *count, char *error)
 {
     char message[NUMBER_ERROR];
     FILE *file = fopen(path, "rb");
-    /* A folder can be opened, but not read; its size is no size. */
+    /*
+     * Reading a first byte refuses folders, which can be opened like files but have no meaningful
+     * size.
+     */
     const bool is_readable = file && (fgetc(file) != EOF || !ferror(file));
     long size = -1;
     if (is_readable && fseek(file, 0, SEEK_END) == 0)

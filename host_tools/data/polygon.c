@@ -150,7 +150,8 @@ static double area_below(const side *one, const side *other, double base)
  * Return the area common to two polygons: the sum, over all pairs of a side of one and a side of
  * the other, of the area between the x axis and the lower of both sides where their ranges of x
  * overlap. The area of a pair counts as positive where both sides run in the same direction of x,
- * otherwise as negative. one, other  work  memory for the sides of each polygon
+ * otherwise as negative.
+ *   one, other out  work arrays for the sides of each polygon
  */
 static double sum_pairs(const double (*one_points)[2], size_t a_count, side *one,
                         const double (*b)[2], size_t b_count, side *other, double base)

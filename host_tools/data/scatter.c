@@ -164,8 +164,9 @@ static void search(const scatter *scatter, const double place[SCATTER_AXES], nei
         const search_range low = {{range.first, middle, axis}, across > 0 ? across * across : 0};
         const search_range high = {{middle + 1, range.end, axis}, across < 0 ? across * across : 0};
         offer(found, middle, square_distance(place, point));
-        stack[waiting++] = across > 0 ? low : high; /* The half of the range that is nearer to the
-                                                       place of interpolation is searched first. */
+        stack[waiting++] = across > 0 ? low : high; /* Of the two halves of a range of the k-d tree,
+                                                       the half that is nearer to the place of
+                                                       interpolation is searched first. */
         stack[waiting++] = across > 0 ? high : low;
     }
 }

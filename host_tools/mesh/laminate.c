@@ -80,8 +80,10 @@ static void turn_back(double transform[6][6], const double stress[6], double tur
  */
 static void piezo_column(const double constant[5], int poling, int axis, double column[6])
 {
-    static const int pair[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}}; /* Voigt index of the strain
-                                                                        of two axes */
+    static const int pair[3][3] = {{0, 5, 4}, {5, 1, 3}, {4, 3, 2}}; /* index, in the Voigt order 11
+                                                                        22 33 23 13 12, of the
+                                                                        strain that belongs to two
+                                                                        axes (0 to 2) */
     const int first = poling == 2 ? 0 : 2, second = 3 - poling - first;
     memset(column, 0, 6 * sizeof *column);
     if (axis == poling) {
@@ -131,8 +133,11 @@ static void build_electric(const scene_material *material, const scene_layer *la
     const bool has_fingers = layer->finger_distance > 0;
     const int axis = has_fingers ? poling : 2;
     const double distance = has_fingers ? layer->finger_distance : layer->thickness;
-    const double share = layer->thickness / distance; /* cross-section between the electrodes over
-                                                          the area of the surface */
+    const double share = layer->thickness / distance; /* area of the electrodes over area of the
+                                                         surface: 1 for electrodes on the faces of
+                                                         the layer; for interdigitated electrodes,
+                                                         which face each other across the layer,
+                                                         thickness over distance */
     field_stress(material, stiffness, poling, axis, stress);
     for (int i = 0; i < 6; i++)
         stress[i] *= (layer->poling < 0 ? -1 : 1) / distance;
@@ -152,8 +157,8 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
         return -1;
     turn(layer->angle, transform);
     for (int i = 0; i < 6; i++)
-        turn_back(transform, stiffness[i], half[i]); /* product of the ply's stiffness and the
-                                                        transform, computed row by row because the
+        turn_back(transform, stiffness[i], half[i]); /* product of stiffness and transform of the
+                                                        ply, computed row by row because the
                                                         stiffness is symmetric */
     for (int i = 0; i < 6; i++)
         for (int j = 0; j < 6; j++) {

@@ -23,10 +23,7 @@ typedef struct tilt_system {
 
 static const int neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
 
-/*
- * Natural coordinates xi2 and xi1 of the corners, which are the values of the strain modes 01 and
- * 10 there.
- */
+/* Natural coordinates xi2 and xi1 of the four corners of an element. */
 static const double xi2[4] = {-1, -1, 1, 1}, xi1[4] = {-1, 1, 1, -1};
 
 /*
@@ -78,9 +75,9 @@ static void fill_system(const pzs_element_type *type, tilt_system *equations)
 }
 
 /*
- * Divide every column of the matrix by its largest absolute entry, which is stored in scale [8],
- * because the columns differ in size: strains of bending contain the thickness, those of transverse
- * shear do not.
+ * Divide every column of the linear system for the warping correction by its largest absolute
+ * entry, which is stored in scale [8], because the columns differ in size: strains of bending
+ * contain the thickness, those of transverse shear do not.
  */
 static void scale_columns(tilt_system *equations, double scale[ROWS])
 {
@@ -101,8 +98,8 @@ static void swap(double *first, double *second)
 }
 
 /*
- * Find the largest entry of the matrix among the rows and columns with index `from` and above.
- * Returns its absolute value.
+ * Find the largest entry of the linear system for the warping correction among the rows and columns
+ * with index `from` and above. Returns its absolute value.
  */
 static double find_pivot(const tilt_system *equations, int from, int *row, int *column)
 {

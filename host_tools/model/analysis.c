@@ -238,8 +238,8 @@ int analysis_outputs(const analysis *analysis, int k)
     const scene_output *output = &analysis->design.output[k];
     if (output->electric != ELECTRIC_NONE)
         return output->count;
-    return places > 0 ? places : 1; /* force and number of nodes of the whole contact: one value
-                                       each, although they belong to no node */
+    return places > 0 ? places : 1; /* an output without places, such as the total contact force or
+                                       the number of nodes in contact, has one value */
 }
 
 int analysis_output_node(const analysis *analysis, int k, int i)
@@ -553,8 +553,9 @@ double analysis_stiffening(analysis *analysis)
     double *value = calloc(design->structure.input.count + 1u, sizeof *value),
            *charge = calloc(tables->count + 1u, sizeof *charge);
     double work = (double)NAN, released = 0;
-    const pzs_model kept = analysis->model; /* The linear solves below overwrite data in the model,
-                                               which are restored from this copy. */
+    const pzs_model kept = analysis->model; /* The linear solves of this function overwrite data in
+                                               the model, which are restored from `kept` at its end.
+                                             */
     if (value && charge && !analysis->is_nonlinear && tables->count > 0 &&
         pzs_electrode_open_count(tables) > 0 && design->loads > 0) {
         work = work_of_loads(analysis, value);

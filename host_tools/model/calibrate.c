@@ -132,8 +132,9 @@ static int rank_of(const spectrum *spectrum)
 }
 
 /*
- * Compute 1/(eigenvalue + ratio) for all eigenvalues of the calibration; the result is 0 where the
- * eigenvalue is negligible and the ratio is 0.
+ * Compute 1/(eigenvalue + ratio) for the eigenvalues of V V', where V holds the voltages of all
+ * measured shapes and `ratio` is that of the variances of noise and model error. The result is 0
+ * where the eigenvalue is negligible and the ratio is 0.
  */
 static void invert(spectrum *spectrum, double ratio)
 {

@@ -10,9 +10,11 @@
 
 enum { ITERATIONS = 8, ROUNDS = 6 };
 
-static const double step = 1e-4, settled = 1e-5; /* changes of the logarithm of a material factor:
-                                                    `step` of the finite differences, and `settled`,
-                                                    below which the iteration ends */
+static const double step = 1e-4, settled = 1e-5; /* Constants of the fit of factors for material
+                                                    constants: change of the logarithm of a factor
+                                                    in a finite difference (step), and largest
+                                                    change of any logarithm in an iteration after
+                                                    which the fit has converged (settled). */
 
 /* ---- model ------------------------------------------------------------ */
 
@@ -105,8 +107,8 @@ typedef struct fit {
     double *influence; /* [outputs][actuators] influence matrix of the scene after one material
                           factor was changed by a small step, for finite differences */
     double *normal; /* [factors][factors] matrix of the normal equations for the material factors */
-    double *change; /* [factors] right-hand side of the normal equations, then change of the
-                       logarithms */
+    double *change; /* [factors] right-hand side of the normal equations, replaced by the change of
+                       the logarithm of each material factor */
 } fit;
 
 static int fit_open(fit *fit, const calibration_model *model, const pokes *pokes)
@@ -140,8 +142,8 @@ static double squares_of(const pokes *pokes)
 }
 
 /*
- * Compute the derivatives of the predicted shapes by the logarithms of the factors, by finite
- * differences. Returns 0, or -1 with error filled.
+ * Compute the derivatives of the predicted shapes by the logarithms of the material factors, by
+ * finite differences. Returns 0, or -1 with error filled.
  */
 static int differentiate(fit *fit, calibration_model *model, const scene *nominal,
                          const pokes *pokes, char *error)

@@ -48,8 +48,9 @@ double design_depolarising_voltage(const scene *scene, const scene_drive *drive)
     if (field <= 0 || drive->factor == 0 || !is_along)
         return (double)INFINITY;
     /*
-     * The field -factor V / distance of the electrodes opposes a poling along its axis when factor
-     * times voltage V is positive.
+     * At the voltage V on the actuator, the field in a patch is -factor V / (distance of its
+     * electrodes), where `factor` is that of the patches in the actuator. The field opposes a
+     * positive poling where factor times V is positive.
      */
     const double distance = layer->finger_distance > 0 ? layer->finger_distance : layer->thickness;
     const double most = field * distance / fabs(drive->factor);

@@ -50,7 +50,8 @@ typedef struct fit {
     size_t plays, unknowns, rows;
     double middle, half_range; /* middle and half width of the voltage range (V) */
     double lowest, highest;    /* lowest and highest measured position of the sweep */
-    double unit; /* range of the positions over range of the voltages, the unit of the unknowns */
+    double unit; /* range of the positions divided by the range of the voltages, by which the
+                    unknowns are scaled (unit of the position per V) */
     double slack[SCENE_PLAYS]; /* slack of each play operator, an element with backlash (V) */
     double *matrix; /* [rows][unknowns] matrix of the least-squares problem for the hysteresis model
                      */

@@ -22,7 +22,8 @@ enum {
     LEAST_ROWS = 40,    /* smallest number of delayed samples of all channels together in the signal
                            subspace */
     LEAST_SAMPLES = 40, /* smallest number of samples of an interval of constant voltages */
-    SWEEPS = 12,        /* number of sweeps of Jacobi's method for eigenvalues */
+    SWEEPS = 12, /* number of sweeps of Jacobi's method, which computes the eigenvalues of the
+                    covariance of the signals */
     SUBSPACE_ROUNDS = 20,
     ROOT_ROUNDS = 100,
     REFINEMENTS = 30,
@@ -46,8 +47,8 @@ static const double two_pi = 6.283185307179586, largest_damping = 0.3;
 static const double significant = 10, largest_error = 0.01;
 
 typedef struct interval {
-    size_t first, count; /* number of the first sample of an interval of constant voltages, and
-                            number of its samples */
+    size_t first, count; /* index of the first sample of an interval of constant voltages, and
+                            number of samples in the interval */
 } interval;
 
 /* State of an identification of vibration modes. */
@@ -58,15 +59,17 @@ typedef struct fit {
     size_t blocks; /* number of delayed samples of each channel (weighted sum of the readings) in
                       the signal subspace */
     interval *interval; /* [intervals] intervals of constant voltages */
-    double *mixer; /* [channels][outputs] orthonormal weights of the outputs, a row for each channel
-                    */
-    double *signal; /* [channels][samples] signal of each channel, without the mean of each interval
-                       of constant voltages (unit of the readings) */
-    double *function, *slope; /* work arrays: [BASIS + PARAMETERS][longest] orthonormal functions of
-                                 an interval, then derivatives of a signal by each parameter; [2
-                                 PARAMETERS][longest] derivatives of the cosine and the sine of each
-                                 mode by its parameters */
-    double *column;           /* [longest] work vector for one signal of an interval */
+    double *mixer;      /* [channels][outputs] orthonormal weights of the outputs in each channel, a
+                           weighted sum of the readings */
+    double *signal; /* [channels][samples] signal of each channel (weighted sum of the readings),
+                       without its mean in each interval of constant voltages (unit of the readings)
+                     */
+    double *function, *slope; /* function [BASIS + PARAMETERS][longest]: orthonormal functions of an
+                                 interval of constant voltages, followed by derivatives of a signal
+                                 with respect to frequencies and damping ratios; slope [2
+                                 PARAMETERS][longest]: derivatives of cosine and sine of each mode
+                                 with respect to its frequency and damping ratio */
+    double *column; /* [longest] work vector for one signal in an interval of constant voltages */
     int modes;
     double frequency[IDENTIFIED_MODES]; /* angular frequencies of the present estimates of the modes
                                            (rad/s) */
@@ -115,9 +118,11 @@ static void list_intervals(fit *fit)
 }
 
 /*
- * Mean of a value over an interval with Hann's weights, in which vibration of several periods
- * cancels out. value  in  address of the first sample of the value stride in  distance between
- * samples in the array
+ * Mean of a value over an interval of constant voltages with Hann's weights, by which a vibration
+ * of several periods cancels out.
+ *   value  in  address of the first sample of the value
+ *   count  in  number of samples
+ *   stride in  distance between samples in the array
  */
 static double quiet_mean(const double *value, size_t count, size_t stride)
 {
@@ -132,7 +137,7 @@ static double quiet_mean(const double *value, size_t count, size_t stride)
 
 /*
  * Compute the readings of one output without their mean in each interval of constant voltages.
- *   value [samples] out  (unit of the readings)
+ *   value [samples] out  readings minus means (unit of the readings)
  */
 static void centred(const fit *fit, size_t output, double *value)
 {
@@ -147,8 +152,8 @@ static void centred(const fit *fit, size_t output, double *value)
 }
 
 /*
- * Make one row of the weights of the channels orthogonal to all rows before it, and normalise it to
- * length 1.
+ * Make the weights of one channel (weighted sum of the readings) orthogonal to those of all
+ * channels before it, and scale them to length 1.
  */
 static void orthonormalise(const fit *fit, size_t row)
 {
@@ -164,9 +169,9 @@ static void orthonormalise(const fit *fit, size_t row)
 }
 
 /*
- * Compute the signals of all channels.
+ * Compute the signals of all channels, which are weighted sums of the readings.
  *   reading [outputs][samples] in  readings without their mean in each interval of constant
- * voltages
+ *                                  voltages
  */
 static void mix(fit *fit, const double *reading)
 {
@@ -179,8 +184,8 @@ static void mix(fit *fit, const double *reading)
 }
 
 /*
- * Choose the weights of the channels so that their signals have the largest energy, by subspace
- * iteration, and compute the signals. Returns whether memory sufficed.
+ * Choose the weights of the channels (weighted sums of the readings) so that their signals have the
+ * largest energy, by subspace iteration, and compute the signals. Returns whether memory sufficed.
  */
 static bool choose_channels(fit *fit)
 {
@@ -211,10 +216,11 @@ static bool choose_channels(fit *fit)
 /* ---- decaying sinusoids ---------------------------------------------------- */
 
 /*
- * Compute orthonormal functions that span a constant, and cosine and sine of each mode, over an
- * interval of constant voltages. triangle [BASIS][BASIS] out  function k before it is made
- * orthonormal (the constant, then cosine and sine of each mode) is the sum over j <= k of
- * triangle[j][k] times orthonormal function j
+ * Compute orthonormal functions that span a constant and the decaying cosine and sine of each mode
+ * over an interval of constant voltages.
+ *   triangle [BASIS][BASIS] out  function k before it is made orthonormal (the constant, then
+ *                                cosine and sine of each mode) is the sum over j <= k of
+ *                                triangle[j][k] times orthonormal function j
  */
 static void fill_functions(const fit *fit, const interval *interval, double triangle[BASIS][BASIS])
 {
@@ -248,11 +254,13 @@ static void fill_functions(const fit *fit, const interval *interval, double tria
 }
 
 /*
- * Fit a constant, and cosine and sine of each mode, to a signal in an interval by least squares.
- *   triangle    [BASIS][BASIS] in   from fill_functions
- *   signal      [count]     in/out  the signal; afterwards the part of it that the fit leaves
- *   coefficient [BASIS]        out  coefficients of the constant, and of cosine and sine of each
- * mode
+ * Fit a constant, and the decaying cosine and sine of each mode, to a signal in an interval of
+ * constant voltages by least squares.
+ *   triangle [BASIS][BASIS] in      cosines and sines in the orthonormal functions, as
+ *                                   fill_functions has written them
+ *   signal [count]          in/out  the signal, replaced by the part of it that the fit leaves
+ *   coefficient [BASIS]     out     coefficients of the constant, and of cosine and sine of each
+ *                                   mode
  */
 static void fit_signal(const fit *fit, size_t count, double triangle[BASIS][BASIS], double *signal,
                        double coefficient[BASIS])
@@ -271,10 +279,10 @@ static void fit_signal(const fit *fit, size_t count, double triangle[BASIS][BASI
 }
 
 /*
- * Compute the derivatives of cosine and sine of each mode by its angular frequency and by its
- * damping ratio, without their parts along the orthonormal functions of the interval. Rows 4 k to 4
- * k + 3 of fit->slope are, for mode k: cosine and sine by the frequency, cosine and sine by the
- * damping ratio.
+ * Compute the derivatives of the decaying cosine and sine of each mode with respect to its angular
+ * frequency and its damping ratio, without their parts along the orthonormal functions of the
+ * interval of constant voltages. Rows 4 k to 4 k + 3 of fit->slope belong to mode k: cosine and
+ * sine by the frequency, cosine and sine by the damping ratio.
  */
 static void fill_slopes(const fit *fit, const interval *interval)
 {
@@ -307,16 +315,17 @@ static void fill_slopes(const fit *fit, const interval *interval)
  */
 typedef struct normal {
     double matrix[PARAMETERS * PARAMETERS], right[PARAMETERS];
-    double squares; /* sum of the squares of what the fitted modes leave of all signals (squared
-                       unit of the readings) */
+    double squares; /* sum of the squares of the parts of all signals that the fitted modes do not
+                       explain (squared unit of the readings) */
     double energy[IDENTIFIED_MODES]; /* sum of the squares of the part of each mode in all signals
                                         (squared unit of the readings) */
     size_t values; /* number of samples of all signals minus number of fitted coefficients */
 } normal;
 
 /*
- * Add one signal of an interval of constant voltages to the normal equations of a refinement step.
- *   left        [count] in  part of the signal that the fit leaves
+ * Add one signal in an interval of constant voltages to the normal equations of a step that refines
+ * frequencies and damping ratios.
+ *   left [count]        in  part of the signal that the fit leaves
  *   coefficient [BASIS] in  coefficients of the constant, and of cosine and sine of each mode
  */
 static void add_signal(const fit *fit, size_t count, const double *left,
@@ -341,8 +350,8 @@ static void add_signal(const fit *fit, size_t count, const double *left,
 }
 
 /*
- * Add the energy of each mode in one signal of an interval, computed from the coefficients of its
- * cosine and sine.
+ * Add the energy of each mode in one signal in an interval of constant voltages, computed from the
+ * coefficients of the cosine and sine of the mode.
  */
 static void add_energy(const fit *fit, size_t count, const double coefficient[BASIS],
                        normal *normal)
@@ -388,8 +397,9 @@ static void assemble(const fit *fit, bool with_slopes, normal *normal)
 }
 
 /*
- * Change frequencies and damping ratios by a step of the refinement, within the range that modes
- * can have. inverse [PARAMETERS][PARAMETERS] in  inverse of the matrix of the normal equations
+ * Change frequencies and damping ratios by a step of their refinement, within the range that
+ * vibration modes can have.
+ *   inverse [PARAMETERS][PARAMETERS] in  inverse of the matrix of the normal equations
  */
 static void take_step(fit *fit, const normal *normal, const double *inverse)
 {
@@ -442,9 +452,10 @@ static double refine(fit *fit, int rounds)
 /* ---- first estimates --------------------------------------------------------- */
 
 /*
- * Covariance of the signals of all channels and of the same signals delayed by 1 to blocks - 1
- * times the lag. lag                 in   delay (samples) matrix [size][size] out  covariance, with
- * size = channels times blocks
+ * Compute the covariance of the signals of all channels (weighted sums of the readings), each also
+ * delayed by 1 to blocks - 1 times the lag.
+ *   lag                 in   delay (samples)
+ *   matrix [size][size] out  covariance, with size = channels times blocks
  */
 static void fill_covariance(const fit *fit, size_t lag, double *matrix)
 {
@@ -469,7 +480,10 @@ static void fill_covariance(const fit *fit, size_t lag, double *matrix)
             matrix[column * size + row] = matrix[row * size + column];
 }
 
-/* Index of the largest diagonal entry of a square matrix that is not taken yet. */
+/*
+ * Index of the largest diagonal entry of a square matrix among the entries that are not yet marked
+ * as taken.
+ */
 static size_t next_largest(const double *matrix, size_t size, const bool *is_taken)
 {
     size_t best = size;
@@ -480,11 +494,13 @@ static size_t next_largest(const double *matrix, size_t size, const bool *is_tak
 }
 
 /*
- * Compute the matrix that shifts the signal subspace by one lag: the least-squares solution X of U
- * X = V, where the columns of U are the dominant eigenvectors of the covariance without their last
- * block of rows, and those of V the same without the first block. matrix [size][size]   in/work
- * covariance of the delayed signals vector [size][size]   work     eigenvectors of the covariance
- *   shift  [ROOTS][ROOTS] out      the matrix X
+ * Compute the matrix X that delays the signals by one lag within the signal subspace (the space of
+ * the dominant eigenvectors of their covariance). X is the least-squares solution of U X = V, where
+ * the columns of U are these eigenvectors without the rows of the last delay, and those of V are
+ * they without the rows of the first delay.
+ *   matrix [size][size]  in/out  covariance of the delayed signals, overwritten
+ *   vector [size][size]  out     work array: eigenvectors of the covariance
+ *   shift [ROOTS][ROOTS] out     the matrix X
  * Returns the dimension of the subspace, or 0 where X is not determined.
  */
 static size_t shift_matrix(const fit *fit, double *matrix, double *vector, double *shift,
@@ -557,8 +573,9 @@ static double complex inverse_trace(const double *matrix, size_t rank, double co
 
 /*
  * Compute the eigenvalues of a matrix by the method of Aberth and Ehrlich, which improves all
- * estimates together and keeps any two of them apart. matrix [rank][ROOTS] in   the matrix root
- * [rank]        out  eigenvalues
+ * estimates together and keeps any two of them apart.
+ *   matrix [rank][ROOTS] in   the matrix
+ *   root [rank]          out  eigenvalues
  */
 static void find_roots(const double *matrix, size_t rank, double complex *root)
 {
@@ -582,9 +599,9 @@ static void find_roots(const double *matrix, size_t rank, double complex *root)
 }
 
 /*
- * Convert eigenvalues of the shift matrix into frequencies and damping ratios, and keep those that
- * vibration modes can have, at most IDENTIFIED_MODES. lag in  delay by which the matrix shifts the
- * signals (samples)
+ * Convert the eigenvalues of the matrix that delays the signals by one lag into frequencies and
+ * damping ratios, and keep those that vibration modes can have, at most IDENTIFIED_MODES.
+ *   lag in  delay by the matrix (samples)
  */
 static void take_roots(fit *fit, const double complex *root, size_t rank, size_t lag)
 {
@@ -658,9 +675,9 @@ static bool estimate(fit *fit, int most)
 /* ---- result -------------------------------------------------------------------- */
 
 /*
- * Remove modes that the noise hides, and refine the others again.
+ * Remove modes that the noise hides, and refine frequencies and damping ratios of the others again.
  *   inverse [PARAMETERS][PARAMETERS] out  inverse of the matrix of the normal equations after the
- * last refinement
+ *                                         last refinement
  */
 static void keep_significant(fit *fit, normal *normal, double *inverse)
 {
@@ -697,9 +714,9 @@ static void sort_modes(fit *fit)
 }
 
 /*
- * Fit the readings of every output, and store the coefficients of cosine and sine of every mode in
- * every interval of constant voltages. part [modes][outputs][2 intervals] out  coefficients (unit
- * of the readings)
+ * Fit the readings of every output, and store the coefficients of the decaying cosine and sine of
+ * every mode in every interval of constant voltages.
+ *   part [modes][outputs][2 intervals] out  coefficients (unit of the readings)
  */
 static void fill_parts(const fit *fit, double *part)
 {
@@ -721,18 +738,20 @@ static void fill_parts(const fit *fit, double *part)
 }
 
 /*
- * Compute the shape of a mode: the vector over the outputs along which the coefficients of the mode
- * have the largest energy, by power iteration, scaled to a root mean square of 1. part
- * [outputs][columns] in    coefficients of cosine and sine of the mode in all intervals along
- * [columns]          work shape [outputs]          out   shape of the mode (1)
+ * Compute the shape of a mode by power iteration: the vector over the outputs along which the
+ * coefficients of the mode have the largest energy, scaled to a root mean square of 1.
+ *   part [outputs][columns] in   coefficients of the decaying cosine and sine of the mode in all
+ *                                intervals of constant voltages
+ *   along [columns]         out  work array
+ *   shape [outputs]         out  shape of the mode (1)
  */
 static void find_shape(const double *part, size_t outputs, size_t columns, double *along,
                        double *shape)
 {
     for (size_t k = 0; k < columns; k++)
         along[k] = 0;
-    for (size_t i = 0; i < outputs; i++) /* The iteration starts from the coefficients of the output
-                                            that moves most. */
+    for (size_t i = 0; i < outputs; i++) /* The power iteration starts from the coefficients of the
+                                            output that the mode moves most. */
         if (pzs_linalg_inner(part + i * columns, part + i * columns, (uint32_t)columns) >
             pzs_linalg_inner(along, along, (uint32_t)columns))
             memcpy(along, part + i * columns, columns * sizeof *along);

@@ -28,7 +28,10 @@ static bool is_strong(const scene *scene, const scene_material *material)
     return plausible_si(scene, constant, &piezo_unit) > strongest_polymer;
 }
 
-/* Depolarisation field of a material, if the material is as strong as ceramics or weaker. */
+/*
+ * Measure the depolarisation field of a material: if wants_strong is true only of materials as
+ * strong as piezoelectric ceramics, otherwise only of weaker ones.
+ */
 static int measure_limit_of(const subject *of, int k, bool wants_strong, measured *found)
 {
     const scene *scene = of->scene;
@@ -62,8 +65,8 @@ int measure_ceramic_field_limit(const subject *of, int k, measured *found)
 }
 
 /*
- * Applied voltage of an actuator (V) that is the largest multiple of the given voltage, which is
- * not 0; a voltage of the opposite sign counts as a negative multiple.
+ * Return, of all applied voltages of an actuator, the one that is the largest multiple of a given
+ * voltage (V), which is not 0; a voltage of the opposite sign is a negative multiple.
  */
 static double worst_voltage(const scene_actuator *actuator, double voltage)
 {
@@ -98,7 +101,10 @@ int measure_depolarisation(const subject *of, int k, measured *found)
 
 /* ---- strengths -------------------------------------------------------- */
 
-/* Strengths of a material: under tension and compression along 1 and 2, and under shear. */
+/*
+ * Number of strengths of a material: under tension and under compression along its axes 1 and 2,
+ * and under shear in the plane of both axes.
+ */
 enum { STRENGTHS = 5 };
 
 /*

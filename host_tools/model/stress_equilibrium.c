@@ -213,9 +213,10 @@ static void integrate(const stress_field *field, int element, const double *rate
 }
 
 /*
- * Compute the transverse shear stresses, scaled as in the type `profile`, that are in equilibrium
- * with a given gradient of the in-plane stresses and vanish at the inner face of the package of
- * layers.
+ * Compute the transverse shear stresses s_13 and s_23 that are in equilibrium with a given gradient
+ * of the in-plane stresses and vanish at the inner face of the package of layers. The result is
+ * multiplied by c_1^2 c_2 and c_2^2 c_1, where c_a is a length along the principal direction a at
+ * the height of the stress relative to the reference surface.
  */
 static void balance(const stress_field *field, const stencil *stencil, gradient slope, profile out)
 {

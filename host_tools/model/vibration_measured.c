@@ -73,10 +73,11 @@ static int make_basis(const scene_influence *measured, double *basis, double *tr
 
 /*
  * Compute the static modal coordinates per volt of one amplifier: the least-squares fit of all mode
- * shapes to its column of the influence matrix. basis    [modes][outputs] in    orthonormal basis
- * of the mode shapes, from make_basis triangle [modes][modes]   in    the mode shapes in this basis
- *   column   [outputs]        work  column of the influence matrix
- *   fitted   [modes]          out   static modal coordinates per volt
+ * shapes to its column of the influence matrix.
+ *   basis [modes][outputs]  in   orthonormal basis of the mode shapes
+ *   triangle [modes][modes] in   coefficients of the mode shapes in this basis, from make_basis
+ *   column [outputs]        out  work array: column of the influence matrix
+ *   fitted [modes]          out  static modal coordinates per volt
  */
 static void fit_column(const design *design, size_t amplifier, const double *basis,
                        const double *triangle, double *column, double *fitted)

@@ -98,10 +98,9 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
     for (int k = 0; k < problem->inputs; k++)
         result->narrowed += problem->lower[k] != problem->upper[k] &&
                             (problem->lower[k] > lowest || problem->upper[k] < highest);
-    result->limit[0] = fmin(lowest, highest); /* If every amplifier is held at one voltage, `lowest`
-                                                 is still +infinity and `highest` -infinity; fmin
-                                                 and fmax exchange them, so that the range is
-                                                 infinite. */
+    result->limit[0] = fmin(lowest, highest); /* If every amplifier is held at one voltage, no limit
+                                                 was found and lowest > highest; fmin and fmax then
+                                                 make the range of voltages infinite. */
     result->limit[1] = fmax(lowest, highest);
 }
 

@@ -229,7 +229,10 @@ int wiring_test_tested(const wiring_test *test)
     return tested;
 }
 
-/* Append the lowest and the highest pulse, and whether the voltage limits have cut a pulse. */
+/*
+ * Append to the description of a self-test the heights of its lowest and its highest test pulse,
+ * and whether the voltage limits have cut a pulse.
+ */
 static void append_heights(const wiring_test *test, double amplitude, char text[SCENE_ERROR])
 {
     double lowest = HUGE_VAL, highest = 0;
@@ -279,7 +282,10 @@ static double sufficient_height(const wiring_test *test, const double *direct, s
     return modelled > 0 ? sqrt(energy_margin * PZS_SELFTEST_JUDGED * noise / modelled) : HUGE_VAL;
 }
 
-/* Reason why the self-test cannot judge an amplifier, with its words. */
+/*
+ * Reason why the self-test cannot judge an amplifier: it makes no test pulse, moves no sensor, or
+ * noise hides its response.
+ */
 typedef enum doubt { DOUBT_NONE, DOUBT_UNTESTED, DOUBT_UNMOVED, DOUBT_HIDDEN, DOUBTS } doubt;
 
 static doubt doubt_about(const wiring_test *test, const double *direct, size_t amplifier)
@@ -293,7 +299,10 @@ static doubt doubt_about(const wiring_test *test, const double *direct, size_t a
     return height < least ? DOUBT_HIDDEN : DOUBT_NONE;
 }
 
-/* Append the changes that suffice where noise hides the response of some amplifiers. */
+/*
+ * Append to the remarks on a self-test which amplitude and which duration of the test pulses
+ * suffice for the amplifiers whose response noise hides.
+ */
 static void append_cure(const wiring_test *test, const design *design, const double *direct,
                         char text[SCENE_ERROR])
 {

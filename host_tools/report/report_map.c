@@ -190,7 +190,10 @@ static text_room room_of(const electrode *electrode)
 /* Style class of the outline that marks a voltage, for each value of shell_mark. */
 static const char *const mark_style[] = {"patch", "limit", "beyond"};
 
-/* Begin the group of an amplifier, with a title that says its voltage. */
+/*
+ * Begin an SVG group for the drawing of an amplifier, with a title that states name and voltage of
+ * the amplifier.
+ */
 static void begin_amplifier(FILE *file, const design *design, const shell_voltage_set *set,
                             int amplifier)
 {
@@ -200,9 +203,9 @@ static void begin_amplifier(FILE *file, const design *design, const shell_voltag
 }
 
 /*
- * Write the voltage of an amplifier in the largest font that fits into its space, and end the group
- * of the amplifier. A voltage at a limit is written in any case, all other voltages only if its
- * font is large enough to be read.
+ * Write the voltage of an amplifier in the largest font that fits into its space, and end the SVG
+ * group of the amplifier. A voltage at a limit is written in any case, all other voltages only if
+ * the font is large enough to be read.
  */
 static void end_amplifier(FILE *file, const shell_voltage_set *set, int amplifier,
                           const text_room *room)

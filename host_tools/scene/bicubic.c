@@ -70,7 +70,10 @@ static cell_point find_cell(const bicubic *function, const double place[2])
     return found;
 }
 
-/* Return the number of the coefficient of product `term` (0 to 15) in a cell. */
+/*
+ * Return the index, among all coefficients of the spline function, of the coefficient of one of the
+ * 16 products of B-splines that differ from zero in a cell (`term` is 0 to 15).
+ */
 static uint32_t row_of(const bicubic *function, const int cell[2], int term)
 {
     return (uint32_t)((cell[1] + term / ORDER) * (function->cells[0] + ORDER - 1) + cell[0] +
@@ -193,7 +196,10 @@ static int open_equations(const bicubic *function, pzs_envelope *equations, uint
     return 0;
 }
 
-/* Solve for the coefficients. Returns 0, or -1 if the points determine no function. */
+/*
+ * Solve the normal equations for the coefficients of the spline function. Returns 0, or -1 if the
+ * points determine no function.
+ */
 static int solve(bicubic *function, size_t count, const double (*point)[3], uint32_t rows)
 {
     pzs_envelope equations;
@@ -254,7 +260,10 @@ static bool are_on_line(const bicubic *function, size_t count, const double (*po
     return !(square[0] * square[1] - product * product > narrow * square[0] * square[1]);
 }
 
-/* Set the numbers of cells: those that are given, or cells that are about square. */
+/*
+ * Set the numbers of cells of the spline function along x and y: the given ones, or numbers with
+ * which the cells are about square.
+ */
 static void choose_cells(bicubic *function, const int cells[2])
 {
     const double wanted = (double)function->points / points_of_cell,

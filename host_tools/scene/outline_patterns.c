@@ -24,9 +24,9 @@ static void point_on_circle(const double centre[2], double radius, double angle,
 }
 
 /*
- * Write the corners of an arc around a centre.
- *   angle [2] in   directions of its first and last corner (radians), in either order
- *   point     out  [sides + 1]
+ * Write the corners of a polygon that approximates an arc around a centre.
+ *   angle [2]         in   directions of the first and the last corner (rad), in either order
+ *   point [sides + 1] out  corners
  */
 static void write_arc(const double centre[2], double radius, const double angle[2], size_t sides,
                       double (*point)[2])

@@ -73,7 +73,7 @@ static double *read_numbers(reader *reader, int node, int count, const char *wha
 /*
  * Remove the displacements of ignored outputs from a mode shape.
  *   shape [outputs of the file] in/out  displacement of each output of the matrix; afterwards those
- * of the outputs that the scene uses come first
+ *                                       of the outputs that the scene uses come first
  */
 static void drop_ignored(const scene_influence *influence, double *shape)
 {

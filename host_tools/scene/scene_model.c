@@ -81,7 +81,8 @@ static int read_poling(reader *reader, int node, void *to, const void *rule)
     (void)rule;
     for (int axis = 1; text && axis <= 3; axis++)
         if (text[0] == '-' && text[1] == '0' + axis && text[2] == 0) {
-            *(int *)to = -axis; /* an array of choices cannot express a negative value */
+            *(int *)to = -axis; /* negative polings are read here, because read_choice returns no
+                                   negative values */
             return 0;
         }
     return read_choice(reader, node, to, polings);

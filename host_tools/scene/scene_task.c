@@ -220,8 +220,8 @@ int read_actuators(reader *reader, int node, void *to, const void *rule)
 static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
 
 /*
- * In the row of the key `drives`, the rule `circuits` is no array of choices; a rule that is not
- * NULL tells read_drives that the patches belong to a sensor.
+ * The key `drives` of a sensor has the rule `circuits`, which is not read as an array of choices: a
+ * rule that is not NULL tells the function read_drives that the patches belong to a sensor.
  */
 static const field sensor_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,
@@ -511,7 +511,10 @@ static const choice heights[] = {{"inner", 0}, {"middle", 1}, {"outer", 2}, {NUL
 static const form strain_form = {.type = FORM_WORD, .words = strains};
 static const form stress_form = {.type = FORM_WORD, .words = stresses};
 
-/* Read an output of a strain or stress; the rule is the array of its components. */
+/*
+ * Read the component of an output that is a strain or a stress.
+ *   rule in  array of the names of components, of strains or of stresses
+ */
 static int read_recovered(reader *reader, int node, void *to, const void *rule)
 {
     output_text *text = to;

@@ -87,9 +87,11 @@ typedef struct trial {
     storm_rig at_target; /* simulated structure that vibrates about the equilibrium at its target
                             shape */
     deformed deformed;
-    bool has_target;             /* true where `at_target` and `deformed` are prepared */
-    char no_target[SCENE_ERROR]; /* why storms about the target cannot be run, where the scene's
-                                    kinematics is not linear */
+    bool has_target; /* true where the structure was linearised about the equilibrium at its target,
+                        so that `at_target` and `deformed` may be used */
+    char no_target[SCENE_ERROR]; /* why the loop cannot be simulated on the structure about the
+                                    equilibrium at its target, where the scene's kinematics is not
+                                    linear */
 } trial;
 
 /* ---- tables ----------------------------------------------------------- */
@@ -522,9 +524,10 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
     *is_stable = false;
     if (retable(trial, &options, error) < 0)
         return -1;
-    for (int i = 0; i < PLANTS;
-         i += 1 + (i == 0) * 2) { /* Structures 0, 3 and 4: the model, and the structures with the
-                                     largest static response and lower or higher frequencies. */
+    for (int i = 0; i < PLANTS; i += 1 + (i == 0) * 2) { /* Structures with the numbers 0, 3 and 4:
+                                                            the model, and two with the largest
+                                                            static response, one with lower and one
+                                                            with higher frequencies. */
         storm_result result;
         const storm_plant plant = {
             .gain = storm_gain[i], .frequency = storm_frequency[i], .step_limit = 0.25, .seed = 1};

@@ -222,8 +222,8 @@ static int launch(device *child, const char *folder)
                                               NULL};
     const char *const program[] = {image, NULL};
     snprintf(image, sizeof image, "%s/firmware/%s-loop", folder, child->board->name);
-    signal(SIGPIPE, SIG_IGN); /* Without this call, writing to a firmware that has ended would end
-                                 this program; now it returns an error. */
+    signal(SIGPIPE, SIG_IGN); /* SIGPIPE is ignored, so that writing to a firmware that has ended
+                                 returns an error instead of ending this program. */
     return child->process =
                program_begin(child->board->machine ? qemu : program, &child->to, &child->from);
 }

@@ -402,7 +402,8 @@ static double offset_of(const storm *storm, size_t row)
     return storm->rig->offset && !is_free ? storm->rig->offset[row] : 0;
 }
 
-/* Compute the static shape of the simulated structure under voltages, into the member best_shape.
+/*
+ * Compute the static shape of the simulated structure under voltages, into the member best_shape.
  */
 static void compute_rest(storm *storm, const double *voltage)
 {
@@ -595,7 +596,8 @@ static pzs_status choose_voltages(storm *storm)
 }
 
 /*
- * Run one tick: measure, compute voltages, let the interval pass. Returns the status of the loop.
+ * Run one tick of a simulated control loop: take readings, compute voltages, let the interval pass.
+ * Returns the status of the loop.
  */
 static pzs_status run_tick(storm *storm)
 {

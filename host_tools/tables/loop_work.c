@@ -167,7 +167,11 @@ double loop_work_detector(const block_counts *of, const loop_processor *on)
            on->other * 8 * (outputs * inputs * inputs / 16 + inputs * inputs * inputs / 6);
 }
 
-/* The longest tick is the last one of a pause of the target, which compares the mean readings. */
+/*
+ * Upper bound of the instructions of the fault detector of a loop that damps vibration. In its
+ * longest tick, the last one of a standstill of the target, it compares the mean readings with
+ * those of an earlier standstill.
+ */
 double loop_work_pulse_detector(const block_counts *of, const loop_processor *on)
 {
     return 3 * product(on, of->readings, of->inputs) + 2 * product(on, of->inputs, of->inputs) +
