@@ -193,6 +193,12 @@ const char *pzs_status_text(pzs_status status);
 #define PZS_CONSTRAINED 0xFFFFu
 
 /*
+ * Entry of the table pzs_structure.node_turn for a node whose mean displacements act along the axes
+ * of its triad.
+ */
+#define PZS_UNTURNED 0xFFFFu
+
+/*
  * Sparse matrix over the free degrees of freedom, row by row: one row for each input (a force
  * vector) or for each output (coefficients of the displacement).
  */

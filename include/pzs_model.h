@@ -99,6 +99,15 @@ typedef struct pzs_structure {
                         freedom (1); count 0: no springs */
     const pzs_real *spring_stiffness; /* [spring.count] stiffness of each spring (N/m), at least 0
                                        */
+    /*
+     * Rotated axes at the nodes of oblique supports: the first three degrees of freedom of such a
+     * node are its mean displacements along other axes than those of its triad.
+     */
+    uint16_t turns;            /* number of rotations */
+    const uint16_t *node_turn; /* [nodes] index of each node's rotation, or PZS_UNTURNED; not read
+                                  where `turns` is 0 */
+    const pzs_real (*turn)[3][3]; /* [turns] components, in the triad of the node, of the unit
+                                     vectors (rows) along which its mean displacements act */
 } pzs_structure;
 
 /*

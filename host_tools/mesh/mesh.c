@@ -700,7 +700,8 @@ static int build_numbers(mesh *mesh, char *error)
     if (!node || !values)
         scene_fault(scene->line[0].at, error, "%d nodes do not fit into memory; use fewer elements",
                     mesh->nodes);
-    else if (apply_supports(mesh, node, values, error) == 0) {
+    else if (apply_supports(mesh, node, values, error) == 0 &&
+             mesh_hold_oblique(mesh, values, node, error) == 0) {
         number_dof(mesh);
         if (mesh->free_dof == 0)
             scene_fault(scene->at_surface, error,
@@ -834,6 +835,8 @@ void mesh_free(mesh *mesh)
     free(mesh->place);
     free(mesh->stiffness);
     free(mesh->node_dof);
+    free(mesh->node_turn);
+    free(mesh->turn);
     free(mesh->first_column);
     free(mesh->prescribed_dof);
     free(mesh->prescribed_value);

@@ -64,8 +64,14 @@ typedef struct mesh {
     laminate_place *place;  /* [types] plies, curvatures and size of each element type */
     double *stiffness; /* [types][packed] element stiffness matrices, lower triangles packed by rows
                         */
-    uint16_t *node_dof; /* [nodes][dof_per_node] index of each dof of a node among the free dof, or
-                           PZS_CONSTRAINED */
+    uint16_t *node_dof;  /* [nodes][dof_per_node] index of each dof of a node among the free dof, or
+                            PZS_CONSTRAINED */
+    int turns;           /* number of nodes at oblique supports, whose mean displacements act along
+                            other axes than those of their triads */
+    uint16_t *node_turn; /* [nodes] index of each node in `turn`, or PZS_UNTURNED; NULL: no node is
+                            turned */
+    double (*turn)[3][3];   /* [turns] components, in the triad of the node, of the unit vectors
+                               (rows) along which its mean displacements act */
     uint16_t *first_column; /* [free_dof] column of the first stored entry in each row of the factor
                                of the stiffness matrix */
     int prescribed_count;   /* number of free dof whose displacement is prescribed */
@@ -105,6 +111,25 @@ void mesh_begin(mesh *mesh, const scene *scene);
  * error filled.
  */
 int mesh_turn_axes(mesh *mesh, char *error);
+
+/*
+ * Constrain the mean displacements that oblique supports hold, in directions that are no axes of
+ * the triads of their nodes, and give these nodes rotated axes. To be called before the dof are
+ * numbered, when all other supports have marked the dof that they constrain in node_dof.
+ *   values [nodes][dof_per_node] in   prescribed displacement of each dof, NAN where none is
+ *                                     prescribed
+ *   node   [nodes]               out  work array
+ * Returns 0, or -1 with error filled if the directions at a node contradict each other.
+ */
+int mesh_hold_oblique(mesh *mesh, const double *values, int *node, char *error);
+
+/*
+ * Convert three components at a node between its triad and the axes along which its mean
+ * displacements act. Both functions change only nodes at oblique supports.
+ *   mean [3] in/out  mean displacement, force, or weights of the mean displacements
+ */
+void mesh_turn_to_dof(const mesh *mesh, int node, double mean[3]);
+void mesh_turn_to_triad(const mesh *mesh, int node, double mean[3]);
 
 /*
  * Build the springs of a mesh whose dof are numbered and whose element types are built, and widen

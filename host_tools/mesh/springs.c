@@ -95,11 +95,14 @@ static void add_node(const spring_builder *builder, int node, double factor, con
 {
     const surface_point *point = &builder->mesh->point[node];
     const double height = face_height(builder->mesh, builder->item->face);
+    double mean[3];
     for (int axis = 0; axis < 3; axis++) {
-        const double part = factor * vector_dot(point->triad[axis], vector);
-        add_entry(builder->mesh, node, axis, part, row);
-        add_entry(builder->mesh, node, 3 + axis, height * part, row);
+        mean[axis] = factor * vector_dot(point->triad[axis], vector);
+        add_entry(builder->mesh, node, 3 + axis, height * mean[axis], row);
     }
+    mesh_turn_to_dof(builder->mesh, node, mean);
+    for (int axis = 0; axis < 3; axis++)
+        add_entry(builder->mesh, node, axis, mean[axis], row);
 }
 
 int springs_rotation(const surface_point *point, const scene_direction *axis, double weight[7])

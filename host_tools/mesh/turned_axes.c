@@ -52,7 +52,8 @@ static int check_node(const mesh *mesh, const scene_support *support, int node,
 {
     const surface_point *point = &mesh->point[node];
     double across[3];
-    const bool has_direction = vector_length(support->direction) > 0;
+    const bool has_direction =
+        vector_length(support->direction) > 0 && !(support->fix & FIX_OBLIQUE);
     vector_cross(support->direction, point->triad[2], across);
     const double length = vector_length(across);
     const bool is_equal =
@@ -75,7 +76,7 @@ static int turn_all(mesh *mesh, unsigned char *turned, int *node, char *error)
 {
     for (int k = 0; k < mesh->scene->supports; k++) {
         const scene_support *support = &mesh->scene->support[k];
-        if (vector_length(support->direction) <= 0)
+        if (vector_length(support->direction) <= 0 || support->fix & FIX_OBLIQUE)
             continue;
         const int count = mesh_select(mesh, &support->where, node);
         for (int i = 0; i < count; i++) {

@@ -100,6 +100,7 @@ double design_displacement(const mesh *mesh, const double *displacement, int nod
 {
     double weight[7], sum = 0;
     design_output_weights(mesh, node, component, face, weight);
+    mesh_turn_to_dof(mesh, node, weight);
     for (unsigned k = 0; k < mesh->dof_per_node; k++) {
         const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + k];
         if (dof != PZS_CONSTRAINED)
@@ -504,6 +505,9 @@ static void fill_structure(design *design, const row_builder *columns, const row
     rows_of(columns, &structure->input);
     rows_of(rows, &structure->output);
     fill_springs(&mesh->springs, structure);
+    structure->turns = (uint16_t)mesh->turns;
+    structure->node_turn = mesh->node_turn;
+    structure->turn = (const double(*)[3][3])mesh->turn;
     structure->crc = pzs_structure_crc(structure);
 }
 

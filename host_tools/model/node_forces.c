@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Displacements and forces at nodes as weighted sums over the dof of the nodes (node_forces.h). */
 #include "node_forces.h"
+#include <string.h>
 #include "../../lib/model/shell.h"
 
 void node_direction(const surface_point *point, scene_component component, double unit[3])
@@ -29,10 +30,13 @@ void node_face_weights(const mesh *mesh, scene_face face, const double direction
 
 void node_add(const mesh *mesh, int node, double factor, const double *weight, double *dense)
 {
+    double turned[7];
+    memcpy(turned, weight, mesh->dof_per_node * sizeof *turned);
+    mesh_turn_to_dof(mesh, node, turned);
     for (unsigned i = 0; i < mesh->dof_per_node; i++) {
         const uint16_t dof = mesh->node_dof[(size_t)node * mesh->dof_per_node + i];
         if (dof != PZS_CONSTRAINED)
-            dense[dof] += factor * weight[i];
+            dense[dof] += factor * turned[i];
     }
 }
 

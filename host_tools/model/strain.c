@@ -109,16 +109,16 @@ double strain_of_output(const mesh *mesh, const scene_output *output, int elemen
 static void add_element(const mesh *mesh, const scene_output *output, int element, double factor,
                         double *dense)
 {
-    double strain[10], unit[SHELL_MAX] = {0};
     for (unsigned k = 0; k < 4 * mesh->dof_per_node; k++) {
-        const uint16_t dof =
-            mesh->node_dof[mesh->element[element][k / mesh->dof_per_node] * mesh->dof_per_node +
-                           k % mesh->dof_per_node];
+        const unsigned corner = k / mesh->dof_per_node;
+        const uint16_t node = mesh->element[element][corner],
+                       dof = mesh->node_dof[node * mesh->dof_per_node + k % mesh->dof_per_node];
+        double strain[10], unit[SHELL_MAX] = {0};
         if (dof == PZS_CONSTRAINED)
             continue;
         unit[k] = 1;
+        mesh_turn_to_triad(mesh, node, unit + corner * mesh->dof_per_node);
         strain_of_element(mesh, element, unit, false, strain);
-        unit[k] = 0;
         dense[dof] += factor * strain_of_output(mesh, output, element, strain);
     }
 }

@@ -108,7 +108,9 @@ static void gather(const mesh *mesh, int element, const double *displacement, do
         const uint16_t *dof =
             mesh->node_dof + (size_t)mesh->element[element][corner] * mesh->dof_per_node;
         for (unsigned i = 0; i < mesh->dof_per_node; i++)
-            *local++ = dof[i] == PZS_CONSTRAINED ? 0 : displacement[dof[i]];
+            local[i] = dof[i] == PZS_CONSTRAINED ? 0 : displacement[dof[i]];
+        mesh_turn_to_triad(mesh, mesh->element[element][corner], local);
+        local += mesh->dof_per_node;
     }
 }
 

@@ -60,8 +60,11 @@ static void free_mechanics(scene *scene)
 {
     for (int i = 0; i < scene->springs; i++)
         free(scene->spring[i].point);
-    for (int i = 0; i < scene->supports; i++)
+    for (int i = 0; i < scene->supports; i++) {
         expr_free(scene->support[i].value);
+        for (int axis = 0; axis < 3; axis++)
+            expr_free(scene->support[i].formula[axis]);
+    }
     for (int i = 0; i < scene->loads; i++) {
         expr_free(scene->load[i].value);
         expr_free(scene->load[i].outer);

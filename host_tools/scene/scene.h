@@ -334,13 +334,21 @@ typedef struct scene_actuator {
  */
 enum { FIX_SIMPLE = 128, FIX_SYMMETRIC = 256, FIX_X = 512, FIX_Y = 1024, FIX_Z = 2048 };
 
+/*
+ * Bits of an oblique support, which holds the mean displacement along a direction in space, or the
+ * two mean displacements across this direction.
+ */
+enum { FIX_ALONG = 4096, FIX_ACROSS = 8192, FIX_OBLIQUE = FIX_ALONG | FIX_ACROSS };
+
 typedef struct scene_support {
     scene_where where;
     double direction[3]; /* unit vector whose projection on the surface is axis e1 of the support's
-                            nodes, on a mesh from a file; zero vector: not given */
+                            nodes, or the direction of an oblique support; zero vector: not given */
+    expr *formula[3]; /* components of the direction of an oblique support as formulas of the place
+                         of the node; NULL: the direction is given by numbers */
     unsigned fix; /* bit i set: dof i of the support's nodes is prescribed, in the order means of u1
                      u2 u3, differences of u1 u2 u3, middle surface; higher bits are FIX_SIMPLE to
-                     FIX_Z */
+                     FIX_ACROSS */
     expr *value;  /* formula of the prescribed displacement at full load (length unit of the scene
                      file); NULL: 0 */
     unsigned move; /* bit i set: the prescribed dof i takes the value of the support; the other

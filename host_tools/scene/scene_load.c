@@ -33,6 +33,8 @@ static const choice fixes[] = {{"clamped", U1 | U2 | U3},
                                {"cone", MEAN_1 | MEAN_2 | MEAN_3},
                                {"vee", MEAN_1 | MEAN_3},
                                {"flat", MEAN_3},
+                               {"along", FIX_ALONG},
+                               {"across", FIX_ACROSS},
                                {"u1", U1},
                                {"u2", U2},
                                {"u3", U3},
@@ -96,7 +98,7 @@ static bool is_single(int fix)
     int found = 0;
     for (int i = 0; i < 3; i++)
         found += ((unsigned)fix & of[i]) != 0;
-    return found == 1 && !((unsigned)fix & (FIX_SIMPLE | FIX_SYMMETRIC | GLOBAL));
+    return found == 1 && !((unsigned)fix & (FIX_SIMPLE | FIX_SYMMETRIC | GLOBAL | FIX_OBLIQUE));
 }
 
 static int read_fix_word(reader *reader, int node, scene_support *support)
@@ -134,34 +136,69 @@ static const form fix_words_form = {.type = FORM_LIST, .item = &fix_word_form};
 static const form *const fix_forms[] = {&fix_word_form, &fix_words_form, NULL};
 static const form fix_form = {.type = FORM_ANY, .any = fix_forms};
 
+/* Return whether the three entries of a list are numbers. */
+static bool is_numbers(const reader *reader, int node)
+{
+    for (int i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
+        const char *text = node_text(reader, i);
+        char *end = NULL;
+        if (!text || (strtod(text, &end), *end != '\0'))
+            return false;
+    }
+    return true;
+}
+
 /*
- * Read the direction of axis e1 at the nodes of a support. Such a direction is an error with the
- * published element formulation. Returns 0, or -1 after an error message about the scene.
+ * Read a direction that varies from node to node: a list of three formulas of the place of the
+ * node. Returns 0, or -1 after an error message about the scene.
+ */
+static int read_formulas(reader *reader, int node, scene_support *support)
+{
+    int axis = 0;
+    if (reader->t->node[node].kind != TREE_LIST || reader->t->node[node].count != 3)
+        return read_unit(reader, node, support->direction, NULL);
+    for (int i = reader->t->node[node].first; i; i = reader->t->node[i].next)
+        if (read_expr(reader, i, &support->formula[axis++], NULL) != 0)
+            return -1;
+    return 0;
+}
+
+/*
+ * Read the direction of a support: axis e1 at its nodes, or the direction of an oblique support.
+ * Such a direction is an error with the published element formulation. Returns 0, or -1 after an
+ * error message about the scene.
  */
 static int read_direction_of(reader *reader, int node, void *to, const void *rule)
 {
     scene_support *support = to;
     if (reader->s->element.cartesian)
-        return read_unit(reader, node, support->direction, rule);
+        return is_numbers(reader, node) ? read_unit(reader, node, support->direction, rule)
+                                        : read_formulas(reader, node, support);
     return tree_fault_at(reader->t, reader->t->node[node].key_at,
                          "'direction' needs element: improved; remove it");
 }
 
+static const form support_direction_form = {
+    .type = FORM_LIST, .item = &formula_form, .least = 3, .most = 3};
+
 static const field support_fields[] = {
     PLACE(offsetof(scene_support, where)),
-    {"direction", read_direction_of, .of = OF_NUMBER, .form = &triple_form,
+    {"direction", read_direction_of, .of = OF_NUMBER, .form = &support_direction_form,
      .help = "Vector [x, y, z] whose projection on the surface is e1 of the nodes, so that u1 acts "
-             "along it; default what the support needs, or theta1."},
+             "along it; default what the support needs, or theta1. With along and across: the "
+             "direction itself, of any length; its components may be formulas."},
     {"value", read_place_function, offsetof(scene_support, value), .of = OF_SUPPORT,
      .form = &place_function_form,
      .help = "Prescribed displacement at full load, instead of 0; needs kinematics: nonlinear. u1, "
              "u2, u3 move both faces alike; words for several displacements have no value."},
     {"fix", read_fix, .required = 1, .form = &fix_form,
-     .help = "clamped: all displacements; simple: along the edge and u3 (a diaphragm); symmetric: "
-             "across the edge; or displacements by name, where u1 alone means mean and difference "
-             "of both faces, and u3M is the dof of the middle surface. Mesh from a file: also x, y "
-             "and z. Points on a ball: cone holds three mean displacements, vee those along u3 and "
-             "u1 (the direction across its groove), flat that along u3."},
+     .help =
+         "clamped: all displacements; simple: along the edge and u3 (a diaphragm); symmetric: "
+         "across the edge; or displacements by name, where u1 alone means mean and difference "
+         "of both faces, and u3M is the dof of the middle surface. Mesh from a file: also x, y "
+         "and z. Points on a ball: cone holds three mean displacements, vee those along u3 and "
+         "u1 (the direction across its groove), flat that along u3. along: the mean displacement "
+         "along any direction in space; across: both mean displacements normal to it."},
     {.key = NULL}};
 
 static const form_case support_cases[] = {{"edge|at|set fix", NULL}, {NULL, NULL}};
@@ -169,13 +206,39 @@ static const form support_form = {
     .type = FORM_MAP, .fields = support_fields, .cases = support_cases};
 const form supports_form = {.type = FORM_LIST, .item = &support_form};
 
+/*
+ * Check that an oblique support has a direction, which no other word of its list needs, and that
+ * formulas belong to an oblique support. Returns 0, or -1 after an error message about the scene.
+ */
+static int check_oblique(reader *reader, int node, const scene_support *support)
+{
+    const bool is_oblique = support->fix & FIX_OBLIQUE;
+    const bool has_direction =
+        support->formula[0] || support->direction[0] * support->direction[0] +
+                                       support->direction[1] * support->direction[1] +
+                                       support->direction[2] * support->direction[2] >
+                                   0;
+    if (support->formula[0] && !is_oblique)
+        return tree_fault(reader->t, node,
+                          "formulas as direction need fix: along, or fix: across; write numbers");
+    if (is_oblique && !has_direction)
+        return tree_fault(reader->t, node,
+                          "'along' and 'across' need a direction; add direction: [x, y, z]");
+    if (is_oblique && support->fix & (FIX_SIMPLE | FIX_SYMMETRIC | GLOBAL))
+        return tree_fault(reader->t, node,
+                          "'along' and 'across' do not share a direction with another word; make "
+                          "that word an item of its own");
+    return 0;
+}
+
 static int read_support(reader *reader, int node, void *item)
 {
     scene_support *support = item;
     support->at = node_at(reader, node);
-    return read_map(reader, node, support_fields, support) != 0
-               ? -1
-               : require_place(reader, node, &support->where);
+    if (read_map(reader, node, support_fields, support) != 0 ||
+        check_oblique(reader, node, support) != 0)
+        return -1;
+    return require_place(reader, node, &support->where);
 }
 
 int read_supports(reader *reader, int node, void *to, const void *rule)
@@ -481,7 +544,7 @@ static const field load_fields[] = {
      .help = "Temperature above that of the stress-free shape: one number, or {inner, outer}, "
              "linear between the faces."},
     DIRECTIONS(read_direction, OF_LOAD, &place_function_form, "Force (per length, per area)"),
-    {"about", read_about, .of = OF_NUMBER, .form = &direction_form,
+    {"about", read_about, .of = OF_NUMBER, .form = &support_direction_form,
      .help = "Axis of a moment at a point, in the surface: u1, u2, x, y, z or [x, y, z]."},
     {"moment", read_moment, .of = OF_MOMENT, .form = &place_function_form,
      .help = "Moment about the axis: two opposite forces on the faces, which keep their "

@@ -247,7 +247,8 @@ static int hold_global(triads *triads, const scene_support *support, size_t node
     if (fabs(triads->mesh->director[node][own]) > nearly)
         return scene_fault(support->at, triads->error,
                            "at node %lld of the mesh file %c is neither in the surface nor along "
-                           "the director; fix [x, y, z], or u3",
+                           "the director; fix [x, y, z], or u3, or the mean displacement alone: "
+                           "along",
                            label(triads, node), "xyz"[own]);
     return hold(triads, support, node, direction, held == 1 ? ALONG_1 : ALONG_2 | ALONG_3);
 }
@@ -258,7 +259,8 @@ static int hold_global(triads *triads, const scene_support *support, size_t node
  */
 static int hold_listed(triads *triads, const scene_support *support, size_t node, unsigned bits)
 {
-    if (vector_dot(support->direction, support->direction) > 0)
+    const bool is_oblique = support->fix & FIX_OBLIQUE;
+    if (!is_oblique && vector_dot(support->direction, support->direction) > 0)
         return hold(triads, support, node, support->direction, bits);
     if (exchanged(bits) != bits)
         return scene_fault(support->at, triads->error,

@@ -169,6 +169,19 @@ static void write_mesh(emitter *emitter, const mesh *mesh, bool is_compact)
     write_element_types(emitter, mesh);
 }
 
+/* Write the rotated axes of the nodes at oblique supports; without such nodes nothing is written.
+ */
+static void write_turns(emitter *emitter, const mesh *mesh)
+{
+    static const int size[2] = {3, 3};
+    if (mesh->turns == 0)
+        return;
+    emit_shorts(emitter, "node_turn", mesh->node_turn, (size_t)mesh->nodes,
+                "rotation of the mean displacements of each node, or PZS_UNTURNED");
+    emit_blocks(emitter, "turn", mesh->turn[0][0], (size_t)mesh->turns, size, 2,
+                "axes of the mean displacements of each rotation in the triad of its node");
+}
+
 /* Write the C struct of the structure (pzs_structure), after its arrays. */
 static void write_structure_struct(const emitter *emitter, const pzs_structure *structure)
 {
@@ -185,9 +198,13 @@ static void write_structure_struct(const emitter *emitter, const pzs_structure *
     name_rows(emitter, "output", structure->output.count);
     name_rows(emitter, "spring", structure->spring.count);
     if (structure->spring.count > 0)
-        fprintf(emitter->file, "    %s_spring_stiffness\n", prefix);
+        fprintf(emitter->file, "    %s_spring_stiffness,\n", prefix);
     else
-        fputs("    NULL\n", emitter->file);
+        fputs("    NULL,\n", emitter->file);
+    if (structure->turns > 0)
+        fprintf(emitter->file, "    %u, %s_node_turn, %s_turn\n", structure->turns, prefix, prefix);
+    else
+        fputs("    0, NULL, NULL\n", emitter->file);
     fputs("};\n\n", emitter->file);
 }
 
@@ -211,6 +228,7 @@ static void write_structure(emitter *emitter, const analysis *analysis, tables_i
     if (structure.spring.count > 0)
         emit_reals(emitter, "spring_stiffness", structure.spring_stiffness, structure.spring.count,
                    "stiffness of each spring (N/m)");
+    write_turns(emitter, mesh);
     fprintf(emitter->file,
             "#define %s_FREE_DOF %d\n"
             "#define %s_MODEL_BYTES PZS_MODEL_BYTES(%d, PZS_BY_TILE(%zu, %zu, %zu))\n",

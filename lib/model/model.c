@@ -44,7 +44,9 @@ static bool structure_complete(const pzs_structure *structure)
            structure->element_type && structure->node_dof && structure->first_column &&
            (structure->stiffness || structure->type) && rows_complete(&structure->input) &&
            rows_complete(&structure->output) && rows_complete(&structure->spring) &&
-           (structure->spring.count == 0 || structure->spring_stiffness);
+           (structure->spring.count == 0 || structure->spring_stiffness) &&
+           structure->turns <= structure->nodes &&
+           (structure->turns == 0 || (structure->node_turn && structure->turn));
 }
 
 /*
@@ -86,6 +88,16 @@ static bool element_in_envelope(const pzs_structure *structure, const uint16_t n
     return true;
 }
 
+/* Whether the index of every node's rotation is below the number of rotations. */
+static bool turns_in_range(const pzs_structure *structure)
+{
+    for (uint32_t node = 0; structure->turns > 0 && node < structure->nodes; node++)
+        if (structure->node_turn[node] != PZS_UNTURNED &&
+            structure->node_turn[node] >= structure->turns)
+            return false;
+    return true;
+}
+
 /*
  * Whether every index in the tables of a structure is in range. This is checked in addition to the
  * checksum, which shows only that the tables have not changed since they were generated.
@@ -111,7 +123,7 @@ static bool indices_in_range(const pzs_structure *structure)
     return rows_in_range(&structure->input, structure->free_dof) &&
            rows_in_range(&structure->output, structure->free_dof) &&
            rows_in_range(&structure->spring, structure->free_dof) &&
-           pzs_springs_in_range(structure);
+           pzs_springs_in_range(structure) && turns_in_range(structure);
 }
 
 pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void *work,
@@ -172,6 +184,39 @@ static const uint16_t *node_dofs(const pzs_model *model, uint16_t node)
     return model->state.structure->node_dof + (size_t)node * model->state.structure->dof_per_node;
 }
 
+const pzs_real (*pzs_model_turn(const pzs_structure *structure, uint16_t node))[3]
+{
+    if (structure->turns == 0 || structure->node_turn[node] == PZS_UNTURNED)
+        return NULL;
+    return structure->turn[structure->node_turn[node]];
+}
+
+/* Whether a rotation converts into the components in the triad, or from them. */
+typedef enum turn_way { OUT_OF_TRIAD, INTO_TRIAD } turn_way;
+
+/*
+ * Convert the mean displacements of some nodes, or the forces on them, between the components in
+ * the triads of the nodes and those along the axes of their degrees of freedom. Only nodes at
+ * oblique supports change.
+ *   gathered [count dof_per_node] in/out  degrees of freedom of the nodes
+ */
+static void turn_nodes(const pzs_structure *structure, const uint16_t *node, unsigned count,
+                       turn_way way, pzs_real *gathered)
+{
+    for (unsigned at = 0; at < count && structure->turns > 0; at++) {
+        const pzs_real(*turn)[3] = pzs_model_turn(structure, node[at]);
+        pzs_real *own = gathered + (size_t)at * structure->dof_per_node;
+        if (!turn)
+            continue;
+        const pzs_real before[3] = {own[0], own[1], own[2]};
+        for (int i = 0; i < 3; i++) {
+            own[i] = 0;
+            for (int j = 0; j < 3; j++)
+                own[i] += before[j] * (way == INTO_TRIAD ? turn[j][i] : turn[i][j]);
+        }
+    }
+}
+
 pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element)
 {
     return model->state.stiffness_factor
@@ -214,14 +259,51 @@ static unsigned free_places(const pzs_model *model, const uint16_t *node, unsign
     return found;
 }
 
+static bool has_turned_node(const pzs_structure *structure, const uint16_t *node, unsigned count)
+{
+    bool found = false;
+    for (unsigned at = 0; at < count; at++)
+        found |= pzs_model_turn(structure, node[at]) != NULL;
+    return found;
+}
+
+/*
+ * Compute one row of a symmetric matrix over the degrees of freedom of some nodes from the matrix
+ * over the components in the triads of these nodes.
+ *   entry [SHELL_PACKED(count dof_per_node)] in   packed lower triangle of the matrix in the triads
+ *   i                                        in   index of the row
+ *   row   [count dof_per_node]               out  row along the axes of the degrees of freedom
+ */
+static void turned_row(const pzs_structure *structure, const uint16_t *node, unsigned count,
+                       const pzs_real *entry, unsigned i, pzs_real *row)
+{
+    const unsigned dof_per_node = structure->dof_per_node, first = i - i % dof_per_node;
+    pzs_real unit[SHELL_MAX] = {0};
+    unit[i] = 1;
+    turn_nodes(structure, node, count, INTO_TRIAD, unit);
+    for (unsigned j = 0; j < count * dof_per_node; j++) {
+        row[j] = 0;
+        for (unsigned k = first; k < first + dof_per_node; k++)
+            row[j] += unit[k] * entry[k > j ? SHELL_PACKED(k) + j : SHELL_PACKED(j) + k];
+    }
+    turn_nodes(structure, node, count, OUT_OF_TRIAD, row);
+}
+
 void pzs_model_add_matrix(pzs_model *model, const uint16_t *node, unsigned count, pzs_real factor,
                           const pzs_real *entry)
 {
     add_place place[SHELL_MAX];
+    pzs_real turned[SHELL_MAX];
+    const pzs_structure *structure = model->state.structure;
     const unsigned found = free_places(model, node, count, place);
+    const bool is_turned = structure->turns > 0 && has_turned_node(structure, node, count);
     pzs_real *value = model->state.stiffness.value;
     for (const add_place *row_place = place; row_place < place + found; row_place++) {
         const pzs_real *row = entry + SHELL_PACKED((unsigned)row_place->local);
+        if (is_turned) {
+            turned_row(structure, node, count, entry, row_place->local, turned);
+            row = turned;
+        }
         for (const add_place *column_place = place; column_place <= row_place; column_place++)
             value[row_place->dof > column_place->dof ? row_place->base + column_place->step
                                                      : column_place->base + row_place->step] +=
@@ -256,7 +338,9 @@ static void add_computed_matrix(pzs_model *model, uint32_t element)
         if (row == PZS_CONSTRAINED)
             continue;
         force[i] = 1;
+        turn_nodes(structure, structure->element[element], SHELL_NODES, INTO_TRIAD, force);
         pzs_shell_force(type, structure->dof_per_node, force, force);
+        turn_nodes(structure, structure->element[element], SHELL_NODES, OUT_OF_TRIAD, force);
         for (unsigned j = 0; j <= i; j++) {
             const uint16_t column = element_dof(model, element, j);
             if (column == PZS_CONSTRAINED)
@@ -368,22 +452,30 @@ pzs_status pzs_factor(pzs_model *model)
 void pzs_model_gather(const pzs_model *model, const uint16_t *node, unsigned count,
                       const pzs_real *vector, pzs_real *gathered)
 {
+    const unsigned dof_per_node = model->state.structure->dof_per_node;
+    pzs_real *next = gathered;
     for (unsigned at = 0; at < count; at++)
-        for (unsigned i = 0; i < model->state.structure->dof_per_node; i++) {
+        for (unsigned i = 0; i < dof_per_node; i++) {
             const uint16_t dof = unconstrained_dof(model, node_dofs(model, node[at])[i]);
-            *gathered++ = dof == PZS_CONSTRAINED ? 0 : vector[dof];
+            *next++ = dof == PZS_CONSTRAINED ? 0 : vector[dof];
         }
+    turn_nodes(model->state.structure, node, count, INTO_TRIAD, gathered);
 }
 
 void pzs_model_scatter(const pzs_model *model, const uint16_t *node, unsigned count,
                        pzs_real factor, const pzs_real *gathered, pzs_real *vector)
 {
-    for (unsigned at = 0; at < count; at++)
-        for (unsigned i = 0; i < model->state.structure->dof_per_node; i++, gathered++) {
+    const unsigned dof_per_node = model->state.structure->dof_per_node;
+    for (unsigned at = 0; at < count; at++) {
+        pzs_real own[SHELL_MAX / SHELL_NODES];
+        memcpy(own, gathered + (size_t)at * dof_per_node, dof_per_node * sizeof *own);
+        turn_nodes(model->state.structure, node + at, 1, OUT_OF_TRIAD, own);
+        for (unsigned i = 0; i < dof_per_node; i++) {
             const uint16_t dof = unconstrained_dof(model, node_dofs(model, node[at])[i]);
             if (dof != PZS_CONSTRAINED)
-                vector[dof] += factor * *gathered;
+                vector[dof] += factor * own[i];
         }
+    }
 }
 
 /*

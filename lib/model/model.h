@@ -30,6 +30,12 @@ bool pzs_structure_rows_fit(const pzs_structure *structure);
 pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element);
 
 /*
+ * Return the rotation of a node at an oblique support, whose rows are the components in the triad
+ * of the node of the axes of its mean displacements, or NULL where these are the axes of the triad.
+ */
+const pzs_real (*pzs_model_turn(const pzs_structure *structure, uint16_t node))[3];
+
+/*
  * Add a symmetric matrix, whose rows are the degrees of freedom of `count` nodes, times a factor,
  * to the stiffness matrix of the model.
  *   entry [SHELL_PACKED(count dof_per_node)] in  packed lower triangle of the symmetric matrix

@@ -25,8 +25,12 @@ uint32_t pzs_structure_crc(const pzs_structure *structure)
     crc = pzs_guard_rows_crc(crc, &structure->input, structure->free_dof);
     crc = pzs_guard_rows_crc(crc, &structure->output, structure->free_dof);
     crc = pzs_guard_rows_crc(crc, &structure->spring, structure->free_dof);
-    return ~pzs_guard_array_crc(crc, structure->spring_stiffness, structure->spring.count,
-                                sizeof *structure->spring_stiffness);
+    crc = pzs_guard_array_crc(crc, structure->spring_stiffness, structure->spring.count,
+                              sizeof *structure->spring_stiffness);
+    crc =
+        pzs_guard_array_crc(crc, structure->node_turn, structure->turns > 0 ? structure->nodes : 0,
+                            sizeof *structure->node_turn);
+    return ~pzs_guard_array_crc(crc, structure->turn, structure->turns, sizeof *structure->turn);
 }
 
 bool pzs_structure_rows_fit(const pzs_structure *structure)

@@ -499,16 +499,31 @@ static bool is_fixed(const pzs_solver *solver, uint16_t dof)
 }
 
 /*
+ * Compute the unit vector in space along which degree of freedom k (0 to 5) of a node acts: an axis
+ * of the node's triad, or of its rotated axes at an oblique support.
+ */
+static void axis_of_dof(const pzs_structure *structure, const pzs_real triad[3][3], uint16_t node,
+                        int k, pzs_real unit[3])
+{
+    const pzs_real(*turn)[3] = k < 3 ? pzs_model_turn(structure, node) : NULL;
+    for (int i = 0; i < 3; i++)
+        unit[i] =
+            turn ? turn[k][0] * triad[0][i] + turn[k][1] * triad[1][i] + turn[k][2] * triad[2][i]
+                 : triad[k % 3][i];
+}
+
+/*
  * Add one constrained degree of freedom to a Gram matrix [6][6], the sum of r' r over the rows r
  * [6] of all constrained degrees of freedom. A row r holds the displacements that the six rigid
  * motions of the shell (three translations, and three rotations times the size of the mesh) cause
  * in degree of freedom k (0 to 5) of a node.
  */
-static void add_support(const pzs_contact *contact, pzs_real height, uint16_t node, int k,
-                        pzs_real gram[6][6])
+static void add_support(const pzs_contact *contact, const pzs_solver *solver, pzs_real height,
+                        uint16_t node, int k, pzs_real gram[6][6])
 {
-    const pzs_real(*triad)[3] = contact->state.face->triad[node], *unit = triad[k % 3];
-    pzs_real arm[3], row[6];
+    const pzs_real(*triad)[3] = contact->state.face->triad[node];
+    pzs_real unit[3], arm[3], row[6];
+    axis_of_dof(solver->state.model->state.structure, triad, node, k, unit);
     for (int i = 0; i < 3; i++)
         arm[i] = k < 3 ? (contact->state.face->place[node][i] - height * triad[2][i] -
                           contact->state.face->place[0][i]) /
@@ -536,7 +551,7 @@ static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)
         for (int k = 0; k < 6; k++)
             if (is_fixed(solver,
                          structure->node_dof[(size_t)node * structure->dof_per_node + (size_t)k]))
-                add_support(contact, face_height(contact, solver), node, k, gram);
+                add_support(contact, solver, face_height(contact, solver), node, k, gram);
     for (int i = 0; i < 6; i++)
         least[i] = (pzs_real)1e-6 + 16 * PZS_EPSILON * gram[i][i];
     for (int pivot = 0; pivot < 6; pivot++) {

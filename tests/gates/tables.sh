@@ -126,6 +126,9 @@ done
 same 'springs and stacks' tests/rigs/scenes/spring-plate.yaml --set kinematics=nonlinear --set 'springs=[{at: nodes, along: z, stiffness: 1e6, per: area},
     {at: nodes, along: [1, 1, 0], stiffness: 1e6, per: area}, {at: nodes, along: [1, -1, 0], stiffness: 1e6, per: area}]' --set 'actuators=[{name: s,
     stacks: {points: [[0.3, 0.3], [0.8, 0.1]], along: z, stiffness: 1e6, stroke: 1e-6}, applied: 50}]'
+same 'oblique supports' tests/rigs/scenes/spring-plate.yaml --set kinematics=nonlinear --set 'loads=[{face: middle, z: 1e5}]' --set 'supports=[{edge:
+    theta1-, fix: along, direction: [1, 2, 2]}, {edge: theta1+, fix: across, direction: [1, 0.3, -0.2]}, {at: {theta1: 0, theta2: 0},
+    fix: flat}]'
 same 'open electrodes' bimorph-sensor --set kinematics=nonlinear
 same 'electrodes of any outline, one of them open' tests/rigs/scenes/outline-plate.yaml --set kinematics=nonlinear --set 'patches=[{name: up,
     layer: upper, outlines: [{circle: {centre: [0.2, 0.15], radius: 0.1}}, {inside: x - 0.33}]}, {name: low, layer: lower, outlines: [{polygon: [[0.03,

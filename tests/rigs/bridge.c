@@ -54,6 +54,9 @@ static int fill(bridge *tables, inside *in, char *error)
     tables->output = rows_of(&design->structure.output);
     tables->spring = rows_of(&design->structure.spring);
     tables->spring_stiffness = mesh->springs.stiffness;
+    tables->turns = mesh->turns;
+    tables->node_turn = mesh->node_turn;
+    tables->turn = mesh->turns > 0 ? mesh->turn[0][0] : NULL;
     tables->electrodes = design->electrodes.count;
     tables->electrode_input = design->electrodes.input;
     tables->electrode_open = design->electrodes.open;

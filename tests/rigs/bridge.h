@@ -28,9 +28,13 @@ typedef struct bridge {
     size_t type_reals;                     /* number of reals of one element type */
     bridge_rows input, output, spring;
     const double *spring_stiffness; /* [springs] spring stiffness (N/m) */
-    const double *influence; /* [outputs][inputs] influence matrix from refined solutions (m/V);
-                                NULL without a target */
-    const double *target;    /* [targets] target shape (m) */
+    int turns;                 /* number of nodes at oblique supports, whose mean displacements act
+                                  along rotated axes */
+    const uint16_t *node_turn; /* [nodes] index of each node's rotation, or PZS_UNTURNED */
+    const double *turn;        /* [turns][3][3] rotations (1) */
+    const double *influence;   /* [outputs][inputs] influence matrix from refined solutions (m/V);
+                                  NULL without a target */
+    const double *target;      /* [targets] target shape (m) */
     double *displacement; /* [dof] displacement under the loads of the scene, refined in double (m
                              and 1) */
     const double *full_input; /* [inputs] loads and voltages of the scene; this member and the

@@ -39,6 +39,7 @@ enum {
     ROUNDED_OUTPUT,
     ROUNDED_SPRING,
     ROUNDED_SPRING_STIFFNESS,
+    ROUNDED_TURN,
     ROUNDED_ARRAYS
 };
 
@@ -68,6 +69,10 @@ static inline void round_structure(const bridge *tables, pzs_structure *structur
     owned[ROUNDED_SPRING_STIFFNESS] =
         rounded(tables->spring_stiffness, (size_t)tables->spring.count);
     structure->spring_stiffness = owned[ROUNDED_SPRING_STIFFNESS];
+    owned[ROUNDED_TURN] = rounded(tables->turn, 9 * (size_t)tables->turns);
+    structure->turns = (uint16_t)tables->turns;
+    structure->node_turn = tables->node_turn;
+    structure->turn = (const pzs_real(*)[3][3])(const void *)owned[ROUNDED_TURN];
     structure->crc = pzs_structure_crc(structure);
 }
 

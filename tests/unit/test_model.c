@@ -351,6 +351,34 @@ static void test_springs(void **state)
 }
 
 /*
+ * Law: a device computes the displacement on oblique supports as the host does, in either
+ * precision, with stiffness matrices from the tables and with computed ones.
+ */
+static void test_oblique_supports(void **state)
+{
+    (void)state;
+    static const char *const oblique[] = {
+        "supports=[{edge: theta1-, fix: along, direction: [1, 2, 2]}, {edge: theta1+, fix: across, "
+        "direction: [1, 0.3, -0.2]}, {at: {theta1: 0, theta2: 0}, fix: [cone, u2 difference]}]",
+        "loads=[{point: {theta1: 0.5, theta2: 0.5}, z: -10}]"};
+    for (int compact = 0; compact < 2; compact++) {
+        device d;
+        device_open(&d, "tests/rigs/scenes/spring-plate.yaml", oblique, 2);
+        assert_int_equal(d.structure.turns, 9);
+        if (compact)
+            d.structure.stiffness = NULL;
+        d.structure.crc = pzs_structure_crc(&d.structure);
+        assert_int_equal(start(&d), PZS_OK);
+        assert_int_equal(pzs_solve(&d.model, d.amount, d.u), PZS_OK);
+        const double error = solution_error(&d);
+        print_message("  plate on oblique supports: %.1e from the host, condition %.1e\n", error,
+                      (double)d.model.info.condition);
+        assert_true(error < 64 * EPS);
+        device_close(&d);
+    }
+}
+
+/*
  * Law: a stiffness that is negative or not a number, and a spring outside the envelope, are refused
  * where the checksum is right, and any change where it is not.
  */
@@ -584,6 +612,7 @@ int main(void)
         cmocka_unit_test(test_stiffness_factor),
         cmocka_unit_test(test_held_unknown),
         cmocka_unit_test(test_springs),
+        cmocka_unit_test(test_oblique_supports),
         cmocka_unit_test(test_bad_springs),
         cmocka_unit_test(test_misuse),
         cmocka_unit_test(test_load_on_held_unknown),
