@@ -206,9 +206,10 @@ typedef struct pzs_rows {
     uint16_t count;        /* number of rows of the sparse matrix */
     const uint32_t *start; /* [count + 1] index of the first entry of each of the `count` rows; the
                               last element is the number of entries */
-    const uint16_t *dof; /* [number of entries] column of each entry: the index of a free degree of
-                            freedom */
-    const pzs_real *value; /* [number of entries] numerical value of each entry */
+    const uint16_t *dof; /* [number of entries] column of each entry of the sparse matrix: the index
+                            of a free degree of freedom */
+    const pzs_real *value; /* [number of entries] numerical value of each entry of the sparse matrix
+                            */
 } pzs_rows;
 
 /*
@@ -217,12 +218,13 @@ typedef struct pzs_rows {
  */
 typedef struct pzs_envelope {
     uint32_t n;            /* number n of matrix rows */
-    const uint16_t *first; /* [n] column of the first stored entry of each row */
+    const uint16_t *first; /* [n] column of the first stored entry in each row of the matrix */
     uint32_t *start;       /* [panels + 1] index in `value` at which each panel (a group of PZS_TILE
                               matrix rows) starts; the last element is the number of stored
                               entries */
-    pzs_real *value;   /* [number of stored entries] stored entries of the matrix, panel by panel */
-    pzs_real *inverse; /* [n] reciprocals of the n pivots, after the factorisation */
+    pzs_real *value;   /* [number of stored entries] stored entries of the matrix, panel by panel
+                          (PZS_TILE rows each) */
+    pzs_real *inverse; /* [n] reciprocals of the n pivots of the matrix, after its factorisation */
 } pzs_envelope;
 
 /*

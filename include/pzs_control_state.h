@@ -18,7 +18,7 @@ struct pzs_block;
 
 /*
  * Number of pivot exchanges (moves of an input between the free and the active set) that the
- * optimiser collects before it applies them together to its matrix, the tableau.
+ * optimiser collects before it applies them together to its matrix, the tableau (pivoted Hessian).
  */
 #define PZS_PENDING PZS_BY_TILE(4u, 32u, 32u)
 
@@ -60,9 +60,9 @@ typedef struct pzs_exchange {
     pzs_real sign;  /* sign of the pivot of the exchange, the diagonal entry before the exchange: +1
                        or -1 */
     pzs_real scale; /* 1 / square root of the absolute value of the pivot; negative if the exchange
-                       belongs to a limit row */
-    pzs_real pivot; /* diagonal entry of the tableau that belongs to the exchanged input, after the
-                       exchange */
+                       belongs to a limit row (limit of a sum of voltages) */
+    pzs_real pivot; /* diagonal entry of the tableau (pivoted Hessian) that belongs to the exchanged
+                       input, after the exchange */
 } pzs_exchange;
 
 /*
@@ -77,28 +77,29 @@ typedef struct pzs_optimiser {
     uint32_t iterations;
     uint64_t work, work_limit; /* number of multiply-adds that the optimiser has used in this
                                   voltage step, and the largest number that it may use */
-    pzs_real *hessian;         /* [inputs][width >= inputs] Hessian H of the objective (m2/V2) */
+    pzs_real *hessian; /* [inputs][width >= inputs] Hessian H of the objective that the optimiser
+                          minimises (m2/V2) */
     pzs_real *tableau; /* [inputs][width >= inputs] tableau: the Hessian after one pivot exchange
                           for each input of the free set, without the exchanges that are still in
                           `pending` */
-    pzs_real *pivot;   /* [width >= inputs] diagonal of the tableau, with the exchanges in
-                          `pending` */
-    pzs_real *pending; /* [PZS_PENDING][width >= inputs] rank-one updates of the tableau: one vector
-                          for each pivot exchange that is collected but not yet applied to the
-                          tableau */
+    pzs_real *pivot;   /* [width >= inputs] diagonal of the tableau (pivoted Hessian), with the
+                          exchanges in `pending` */
+    pzs_real *pending; /* [PZS_PENDING][width >= inputs] rank-one updates of the tableau (pivoted
+                          Hessian): one vector for each pivot exchange that is collected but not yet
+                          applied to the tableau */
     pzs_exchange *exchange; /* [pending_most] pivot exchanges whose updates `pending` holds: the
                                array `collected`, or memory of the dual method while the tableau
-                               is computed */
-    pzs_real *waiting;      /* [width >= inputs] 1 for an input that is to join the free set again
-                               while the tableau is recomputed, else 0 */
+                               (pivoted Hessian) is computed */
+    pzs_real *waiting; /* [width >= inputs] 1 for an input that is to join the free set again while
+                          the tableau (pivoted Hessian) is recomputed, else 0 */
     pzs_real *factor;  /* [inputs (inputs + 1) / 2] dual method: Cholesky factor of the inverse of
                           the Hessian restricted to the active set, lower triangle row by row */
     pzs_real *side;    /* [inputs] dual method: bound at which an active input stays, -1 for the
                           lower and +1 for the upper one */
     uint16_t *order;   /* [inputs] dual method: input to which each row of `factor` belongs */
-    pzs_real *voltage; /* [width >= inputs] present voltages (V) */
-    pzs_real *lower, *upper; /* [width >= inputs] lower and upper bounds of the voltages in this
-                                step (V) */
+    pzs_real *voltage; /* [width >= inputs] present voltages of the optimiser (V) */
+    pzs_real *lower, *upper; /* [width >= inputs] lower and upper bounds of the voltages in the
+                                present voltage step (V) */
     pzs_real *free_set; /* [width >= inputs] 1 for an input of the free set, 0 for one of the active
                            set; real numbers, because vector loops multiply by them */
     pzs_real *base;     /* [width >= inputs] base voltages, around which the gradient of the
@@ -112,7 +113,7 @@ typedef struct pzs_optimiser {
     pzs_real *model_gradient;  /* [width >= inputs] Hessian times (voltages - base voltages) plus
                                   regularisation_gradient (m2/V); after a round of iterations
                                   computed from the Hessian, after a single full step that no bound
-                                  blocks predicted by the tableau */
+                                  blocks predicted by the tableau (pivoted Hessian) */
     pzs_real *gradient;        /* [width >= inputs] model_gradient - target_gradient: half the
                                   gradient of the objective with respect to the voltages (m2/V) */
     pzs_real *direction; /* [width >= inputs] for an input of the free set its search direction (V);
@@ -156,28 +157,29 @@ typedef struct pzs_optimiser {
     uint32_t active_count;  /* number of inputs in the active set, whose voltages are kept constant
                              */
     uint32_t checked_next;  /* index of the next input for which the gradient is computed exactly to
-                               verify the tableau */
+                               verify the tableau (pivoted Hessian) */
     uint32_t pending_count; /* number of pivot exchanges collected but not yet applied to the
-                               tableau */
+                               tableau (pivoted Hessian) */
     uint32_t pending_most;  /* largest number of pivot exchanges that are collected before they are
-                               applied to the tableau */
+                               applied to the tableau (pivoted Hessian) */
     uint32_t exchanges; /* number of pivot exchanges (moves of an input between free and active set)
-                           since the tableau was last computed from the Hessian */
-    uint32_t rebuilds;  /* number of times that the tableau was computed anew from the Hessian in
-                           this voltage step */
+                           since the tableau (pivoted Hessian) was last computed from the Hessian */
+    uint32_t rebuilds;  /* number of times that the tableau (pivoted Hessian) was computed anew from
+                           the Hessian in this voltage step */
     pzs_exchange collected[PZS_PENDING];
-    bool is_rebuilding; /* whether the tableau is incomplete, because some inputs that are to join
-                           the free set again are not yet exchanged */
-    bool is_predicted; /* whether model_gradient was predicted by the tableau, not computed from the
-                          Hessian; during a round of iterations: whether it was predicted at the
-                          start of the round */
+    bool is_rebuilding; /* whether the tableau (pivoted Hessian) is incomplete, because some inputs
+                           that are to join the free set again are not yet exchanged */
+    bool is_predicted; /* whether model_gradient was predicted by the tableau (pivoted Hessian), not
+                          computed from the Hessian; during a round of iterations: whether it was
+                          predicted at the start of the round */
     bool is_cut;   /* whether the last voltage step stopped at its work limit before the optimum */
-    bool is_fresh; /* whether the tableau has been computed anew from the Hessian since the last
-                      round of iterations that ended at the optimum */
-    bool is_verified; /* whether the last round of iterations with the present tableau ended at the
-                         optimum */
-    bool is_dual;     /* whether the tableau is the negative inverse of the whole Hessian and is not
-                         exchanged, because the dual method handles the active set */
+    bool is_fresh; /* whether the tableau (pivoted Hessian) has been computed anew from the Hessian
+                      since the last round of iterations that ended at the optimum */
+    bool is_verified; /* whether the last round of iterations with the present tableau (pivoted
+                         Hessian) ended at the optimum */
+    bool is_dual;     /* whether the tableau (pivoted Hessian) is the negative inverse of the whole
+                         Hessian and is not exchanged, because the dual method handles the active
+                         set */
     bool is_optimal;
 } pzs_optimiser;
 
@@ -187,29 +189,32 @@ typedef struct pzs_optimiser {
  * length `width`, a multiple of PZS_TILE.
  */
 typedef struct pzs_row_solver {
-    pzs_optimiser extended; /* state of the optimiser (tableau, active set and vectors) for inputs
-                               and limit rows together */
-    pzs_real *margin;       /* [width >= inputs + rows] for a limit row the distance by which the
-                               optimiser narrows the row, so that its sum is inside its limits
-                               despite rounding errors; for an input the largest of these
-                               distances (V) */
-    pzs_real predicted_decrease; /* decrease of half the objective that the tableau predicts for the
-                                    complete step along the search direction (m2) */
+    pzs_optimiser extended; /* state of the optimiser (pivoted matrix, active set and vectors) for
+                               the inputs together with the limit rows, which are limits of sums of
+                               voltages */
+    pzs_real *margin; /* [width >= inputs + rows] for a limit row (limit of a sum of voltages) the
+                         distance by which the optimiser narrows the row, so that its sum is inside
+                         its limits despite rounding errors; for an input the largest of these
+                         distances (V) */
+    pzs_real predicted_decrease; /* decrease of half the objective that the optimiser's pivoted
+                                    matrix predicts for the complete step along the search direction
+                                    (m2) */
     pzs_real gap; /* upper bound of the distance of half the objective from its minimum, valid if no
                      Lagrange multiplier has the wrong sign (m2) */
     pzs_real last_violation; /* violation of the optimality (KKT) conditions at the start of the
                                 last round of iterations (m2/V) */
-    pzs_real largest_size;   /* largest absolute pivot among the free voltages and limit rows (those
-                                not kept at a bound) since the tableau was last computed anew
-                                (V2/m2); the rounding errors of the tableau are estimated from it */
+    pzs_real largest_size;   /* largest absolute pivot among the free voltages and sums of voltages,
+                                those not kept at a bound, since the optimiser's pivoted matrix was
+                                last computed anew (V2/m2); the rounding errors of this matrix are
+                                estimated from it */
     pzs_real least_rounding; /* rounding-error bound of the violation of the optimality (KKT)
                                 conditions at the start of the voltage step (m2/V); 0: not yet
                                 computed */
     uint32_t failures; /* number of rounds of iterations in this voltage step that did not lower the
                           objective */
     bool is_least_index; /* whether the last iteration has left all voltages unchanged; the next
-                            iteration then frees the input or limit row with the smallest index,
-                            which excludes cycles */
+                            iteration then frees the input or limit row (limit of a sum of voltages)
+                            with the smallest index, which excludes cycles */
 } pzs_row_solver;
 
 /*
@@ -229,7 +234,8 @@ typedef struct pzs_table_part {
  * reads one slice of the tables, and after the last slice the checksum of the whole is compared.
  */
 typedef struct pzs_scrub {
-    uint32_t position; /* offset of the next slice from the start of the tables (bytes) */
+    uint32_t position; /* offset of the next slice to be checked from the start of the constant
+                          tables (bytes) */
     uint32_t crc; /* running checksum of the slices of constant tables read since the start of the
                      tables */
     bool has_failed; /* whether the last complete check of the constant tables found a wrong
@@ -256,7 +262,7 @@ typedef struct pzs_control_state {
     pzs_real *held[3];   /* [inputs] voltage at which pzs_hold keeps an input (V); NaN: the input is
                             not held. Three copies are stored, so that two outvote a damaged
                             third */
-    pzs_real *voltage;   /* [inputs] present voltages (V) */
+    pzs_real *voltage;   /* [inputs] present voltages of the controller (V) */
     pzs_real *predicted; /* [outputs] shape predicted for the present voltages (m) */
     pzs_real *disturbance; /* [outputs] measured shape minus predicted shape (m) */
     pzs_real *measured;    /* [outputs] measured shape of the last tick (m) */
@@ -299,7 +305,7 @@ typedef struct pzs_control_state {
  * shape responds.
  */
 typedef struct pzs_test_signal {
-    uint16_t input;         /* index of the input under test; 0xFFFF: no test */
+    uint16_t input;         /* index of the input whose electrode is tested; 0xFFFF: no test */
     uint8_t shapes, moves;  /* number of measured shapes and number of voltage changes in this test
                                of an electrode so far */
     bool is_upper, is_dead; /* is_upper: whether the upper of the two test voltages is applied now;
@@ -643,7 +649,7 @@ typedef struct pzs_calibration_state {
                         counts as zero (V) */
     pzs_real *last[3];  /* [inputs] three copies of the test voltages of a calibration, so that two
                            outvote a damaged third (V) */
-    uint32_t limit_sum; /* checksum of the voltage limits and the step limits */
+    uint32_t limit_sum; /* checksum of the voltage limits and the step limits of a calibration */
     uint32_t pattern;   /* number of the present test pattern of a calibration, from 0 */
     uint32_t rest;      /* number of ticks for which the test voltages of a calibration have been
                            constant */
@@ -679,7 +685,8 @@ typedef struct pzs_loop_state {
     pzs_scrub problem_scrub, influence_scrub;
     pzs_scrub block_scrub; /* check of the tables of all blocks except the step block against their
                               checksums, slice by slice, one table after the other */
-    uint16_t scrubbed_block;  /* index in the list of the block whose tables are being checked */
+    uint16_t scrubbed_block;  /* index, in the list of blocks of the loop, of the block whose tables
+                                 are being checked */
     uint16_t scrubbed_number; /* number of the table that is being checked, among the tables of its
                                  block of the loop */
     uint32_t missed; /* number of ticks missed since the last tick, as announced by pzs_loop_skip */

@@ -305,7 +305,8 @@ typedef struct pzs_estimator {
 pzs_status pzs_estimator_seal(pzs_estimator *tables);
 
 typedef struct pzs_estimate_info {
-    int32_t where; /* index of the reading to which the last status refers, or -1 */
+    int32_t where; /* index of the reading to which the last status of the shape estimator refers,
+                      or -1 */
 } pzs_estimate_info;
 
 typedef struct pzs_estimate {
@@ -355,7 +356,8 @@ typedef struct pzs_reading_delay {
     uint32_t crc; /* checksum of the following members of the tables of late readings and of their
                      arrays, computed by pzs_reading_delay_seal */
     uint16_t inputs, sensors;
-    uint16_t delay;         /* age of the readings (ticks), at most PZS_DELAY_LIMIT */
+    uint16_t delay;         /* age of the sensor readings when a tick uses them (ticks), at most
+                               PZS_DELAY_LIMIT */
     const pzs_real *direct; /* [sensors][inputs] reading of each sensor per volt on each input (V/V,
                                C/V or m/V); NULL: the sensors are the outputs, and the influence
                                matrix is used */
@@ -625,7 +627,8 @@ typedef struct pzs_damper_info {
     pzs_real deviation;
     pzs_real innovation; /* RMS of reading minus predicted reading over the sensors in the last tick
                             (m) */
-    int32_t where;       /* index of the reading to which the last status refers, or -1 */
+    int32_t where; /* index of the reading to which the last status of the vibration damper refers,
+                      or -1 */
 } pzs_damper_info;
 
 typedef struct pzs_damper {
@@ -701,10 +704,11 @@ typedef struct pzs_governor {
 /* Memory of the governor block, which slows a moving target down. */
 typedef struct pzs_governor_state {
     const pzs_governor *tables;
-    pzs_control *control; /* controller of the loop, which chooses the voltages */
+    pzs_control *control; /* controller of the loop, which computes the voltages of each tick */
     pzs_control optimum;  /* second controller, which finds the static optimum within the limits for
                              the target */
-    pzs_real *reference;  /* [inputs] voltages on their way to the static optimum (V) */
+    pzs_real *reference;  /* [inputs] voltages that the governor moves gradually to the static
+                             optimum (V) */
     pzs_real *ahead;  /* [inputs] optimum - `reference` - (move of `reference` in this tick) / share
                          (V). The shape of these voltages is subtracted from the target; a tick that
                          damps vibration goes only the part `share` of its way, and thus makes the
@@ -807,7 +811,10 @@ extern const pzs_block_type pzs_feed_forward_block;
 #define PZS_PLAY_LIMIT 32u
 /* Largest number of creep terms in the hysteresis model of an electrode. */
 #define PZS_CREEP_LIMIT 8u
-/* Smallest slope of the piecewise linear part of an electrode's effect (1). */
+/*
+ * Smallest slope of the piecewise linear part of the effect of an electrode, which is the voltage
+ * that would act alike without hysteresis (1).
+ */
 #define PZS_LEAST_SLOPE PZS_R(0.001)
 
 typedef struct pzs_hysteresis {
@@ -822,19 +829,20 @@ typedef struct pzs_hysteresis {
     uint16_t plays, creeps;
     const pzs_real *middle;     /* [sets] middle of the voltage range of an electrode (V) */
     const pzs_real *half_range; /* [sets] half of the voltage range of an electrode (V) */
-    const pzs_real *offset;     /* [sets] effect of an electrode in the middle of its voltage range
-                                   while its plays and creep terms are at 0 (V) */
-    const pzs_real *slope;      /* [sets][4] slopes of the piecewise linear part of an electrode's
-                                   effect, from the lowest quarter of the voltage range to the
-                                   highest, at least PZS_LEAST_SLOPE (1) */
+    const pzs_real *offset;     /* [sets] effect of an electrode (voltage without hysteresis) in the
+                                   middle of its voltage range while its plays (elements with
+                                   backlash) and creep terms are at 0 (V) */
+    const pzs_real *slope; /* [sets][4] slopes of the piecewise linear part of an electrode's effect
+                              (voltage without hysteresis), from the lowest quarter of the voltage
+                              range to the highest, at least PZS_LEAST_SLOPE (1) */
     const pzs_real *slack; /* [sets][plays] slack of each play (element with backlash), half the
                               width of its backlash, above 0 and ascending (V) */
     const pzs_real *above; /* [sets][plays] weight of the position of each play (element with
-                              backlash) in the effect of an electrode while the position is
-                              positive, at least 0 (1) */
+                              backlash) in the effect of an electrode (voltage without hysteresis)
+                              while the position is positive, at least 0 (1) */
     const pzs_real *below; /* [sets][plays] weight of the position of each play (element with
-                              backlash) in the effect of an electrode while the position is
-                              negative, at least 0 (1) */
+                              backlash) in the effect of an electrode (voltage without hysteresis)
+                              while the position is negative, at least 0 (1) */
     const pzs_real *creep; /* [sets][creeps] final value of each creep term per volt on the
                               electrode, at least 0 (1) */
     const pzs_real *creep_rate; /* [creeps] part (0 to 1) of the way to its final value by which
@@ -873,10 +881,10 @@ typedef struct pzs_compensator {
  * wrong memory is forgotten after the next large change of voltage.
  *
  * Memory of the effect block, returned by pzs_loop_find: pzs_compensator. Errors of its
- * initialisation: PZS_E_ARGUMENT (also for tables of other sizes, and for a problem with limit
- * rows, which limit voltages and not effects), PZS_E_FORMAT, PZS_E_CRC, PZS_E_STAGE (no inverse
- * block in the list), PZS_E_LIMITS (input info.where has an infinite voltage limit, or parameters
- * outside the ranges that pzs_hysteresis states).
+ * initialisation: PZS_E_ARGUMENT (also for tables of other sizes, and for a problem with limit rows
+ * (limits of sums of voltages), which limit voltages and not effects), PZS_E_FORMAT, PZS_E_CRC,
+ * PZS_E_STAGE (no inverse block in the list), PZS_E_LIMITS (input info.where has an infinite
+ * voltage limit, or parameters outside the ranges that pzs_hysteresis states).
  */
 extern const pzs_block_type pzs_effect_block, pzs_inverse_block;
 #define PZS_EFFECT_BLOCK_BYTES(inputs, plays, creeps)                                              \
@@ -930,16 +938,18 @@ extern const pzs_block_type pzs_amplifier_block;
  * whose static shape changes slowly, the detector finds nothing; pzs_pulse_detector_block is for
  * such loops.
  */
-#define PZS_DELAY_LIMIT 16 /* largest delay of the measurements that the blocks accept (ticks) */
+#define PZS_DELAY_LIMIT                                                                            \
+    16 /* Largest delay of the measured shapes or readings that the blocks of a loop accept        \
+          (ticks). */
 
 typedef enum pzs_electrode_state {
     PZS_ELECTRODE_OBSERVED = 0,
     PZS_ELECTRODE_TESTED,  /* state: the fault detector applies a test signal to the electrode */
     PZS_ELECTRODE_CLEARED, /* state: the electrode has passed a test, and is not suspected during
                               the next measured shapes */
-    PZS_ELECTRODE_UNOBSERVABLE, /* state: the electrode cannot be tested, because its effect on the
-                                   shape is zero, or a combination of the effects of other
-                                   electrodes */
+    PZS_ELECTRODE_UNOBSERVABLE, /* state: the electrode cannot be tested, because the shape does not
+                                   depend on its voltage, or as on a combination of the voltages of
+                                   other electrodes */
     PZS_ELECTRODE_HELD /* state: the electrode was found faulty, and its voltage is kept constant
                           until pzs_release */
 } pzs_electrode_state;
@@ -957,9 +967,10 @@ typedef struct pzs_fault_detector_settings {
 /* Results of the fault detector that a program may read. */
 typedef struct pzs_fault_detector_info {
     const uint8_t *electrode; /* [inputs] state of each electrode, a value of pzs_electrode_state */
-    int32_t where;            /* index of the input to which the last status refers, or -1 */
-    uint16_t found;           /* number of faulty electrodes detected since the initialisation */
-    uint16_t unobservable;    /* number of electrodes whose faults cannot be observed */
+    int32_t where;  /* index of the input to which the last status of the fault detector refers, or
+                       -1 */
+    uint16_t found; /* number of faulty electrodes detected since the initialisation */
+    uint16_t unobservable; /* number of electrodes whose faults cannot be observed */
 } pzs_fault_detector_info;
 
 typedef struct pzs_fault_detector {
@@ -985,8 +996,8 @@ typedef struct pzs_fault_detector {
  * be corrected for the delay: the shape measured `delay` ticks ago, plus the shape predicted for
  * the present voltages, minus the shape predicted for the voltages at the time of the measurement.
  * In both predictions an electrode that is held has the voltage at which it is held. Errors:
- * PZS_E_ARGUMENT (also for a problem with limit rows, which a test signal could violate),
- * PZS_E_STAGE, PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_NONFINITE.
+ * PZS_E_ARGUMENT (also for a problem with limit rows (limits of sums of voltages), which a test
+ * signal could violate), PZS_E_STAGE, PZS_E_WORKSPACE (info.where = bytes needed), PZS_E_NONFINITE.
  */
 pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *control,
                                    uint16_t delay, void *work, size_t bytes);
@@ -1003,7 +1014,7 @@ pzs_status pzs_fault_detector_tick(pzs_fault_detector *detector, const pzs_real 
 
 /* Tables of the block for the detection of faulty electrodes. */
 typedef struct pzs_fault_detection {
-    uint16_t delay;     /* delay of the measurements (ticks), at most PZS_DELAY_LIMIT */
+    uint16_t delay;     /* delay of the measured shapes (ticks), at most PZS_DELAY_LIMIT */
     pzs_real amplitude; /* amplitude of the test signals (V), at most half the step limit; 0: the
                            default of pzs_fault_detector_settings */
 } pzs_fault_detection;
@@ -1087,7 +1098,8 @@ typedef struct pzs_selftest_tables {
     uint32_t crc; /* checksum of the following members of the self-test tables and of their arrays,
                      computed by pzs_selftest_seal */
     uint16_t inputs, sensors;
-    uint16_t delay;         /* age of the readings (ticks), at most PZS_DELAY_LIMIT */
+    uint16_t delay;         /* age of the sensor readings when a tick uses them (ticks), at most
+                               PZS_DELAY_LIMIT */
     uint16_t pulse_ticks;   /* duration of a test pulse (ticks), at least PZS_LEAST_PULSE_TICKS */
     const pzs_real *direct; /* [sensors][inputs] static reading of each sensor per volt on each
                                input; NULL: the sensors are the outputs, and the static readings
@@ -1221,9 +1233,9 @@ extern const pzs_block_type pzs_selftest_block;
  */
 typedef enum pzs_electrode_fault {
     PZS_FAULT_NONE = 0,
-    PZS_FAULT_DEAD,    /* the electrode has lost its voltage */
-    PZS_FAULT_STUCK,   /* the electrode has kept a voltage that it does not leave */
-    PZS_FAULT_REVERSED /* the electrode responds with the wrong sign */
+    PZS_FAULT_DEAD,    /* fault: the electrode has lost its voltage */
+    PZS_FAULT_STUCK,   /* fault: the electrode keeps a voltage, whatever its amplifier does */
+    PZS_FAULT_REVERSED /* fault: the electrode responds with the wrong sign */
 } pzs_electrode_fault;
 
 /* Results of the fault detector of a damped loop that a program may read. */

@@ -78,8 +78,8 @@ typedef struct pzs_structure {
      */
     uint16_t dof_per_node;
     uint16_t free_dof;
-    const uint16_t (*element)[4]; /* [elements] node indices of each element, in the order of its
-                                     corners */
+    const uint16_t (*element)[4]; /* [elements] indices of the nodes at the corners of each element,
+                                     in the order of the corners */
     const uint16_t *element_type; /* [elements] index of the element type of each element */
     const uint16_t *node_dof;     /* [nodes][dof_per_node] index of each degree of freedom of a node
                                      among the free degrees of freedom, or PZS_CONSTRAINED */
@@ -133,14 +133,16 @@ typedef struct pzs_model_info {
                                 types */
     int32_t where;        /* index to which the last status refers, for example of a free degree of
                              freedom, or -1 */
-    uint16_t refinements; /* number of refinement iterations in the last solve */
+    uint16_t refinements; /* number of iterations that refined the last solution of the linear
+                             equations */
     uint16_t negative_pivots; /* number of negative pivots in the last factorisation of the
                                  stiffness matrix */
 } pzs_model_info;
 
 typedef struct pzs_model_state {
     const pzs_structure *structure;
-    pzs_envelope stiffness; /* scaled stiffness matrix; after pzs_factor its factors */
+    pzs_envelope stiffness; /* scaled stiffness matrix of the model; after pzs_factor the factors of
+                               this matrix */
     pzs_real *scale; /* [free_dof] powers of two that scale the diagonal of the stiffness matrix to
                         about one */
     pzs_real *work;  /* [6][free_dof] work array of six vectors */
@@ -269,7 +271,7 @@ typedef struct pzs_electric_state {
     const pzs_electrodes *tables;
     pzs_real *sensitivity; /* [count][inputs] charge of each electrode per unit of each input while
                               all voltages are prescribed (C/V, C/K or C/N) */
-    pzs_real *value;       /* [inputs] work array with an entry for each input */
+    pzs_real *value;       /* [inputs] work array with an entry for each input of the structure */
     pzs_envelope open;     /* L D L^T factors of a matrix with a row and a column for each open
                               electrode: charge of the electrode in the row per volt on the
                               electrode in the column (C/V) */

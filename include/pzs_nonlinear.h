@@ -124,10 +124,12 @@ typedef struct pzs_solver_info {
 typedef struct pzs_solver_state {
     pzs_model *model;
     const pzs_nonlinear *tables;
-    pzs_solver_option *option;  /* first option (such as a contact) in the linked list of options
-                                   attached to the solver, or NULL */
-    pzs_real *displacement;     /* [free_dof] present displacement (m and 1) */
-    pzs_real *input_value;      /* [inputs] present input values */
+    pzs_solver_option *option; /* first option (such as a contact) in the linked list of options
+                                  attached to the solver, or NULL */
+    pzs_real *displacement; /* [free_dof] present displacement of the equilibrium solver (m and 1)
+                             */
+    pzs_real *input_value;  /* [inputs] present input values of the equilibrium solver, such as
+                               voltages */
     pzs_real (*resultant)[22];  /* [elements] stress resultants of each element (N m): extrapolated
                                    during the iteration, those of the displacement after convergence
                                  */
@@ -416,7 +418,7 @@ typedef struct pzs_contact_info {
     const pzs_real *pressure; /* [nodes] contact pressure per undeformed area (N/m2), 0 without
                                  contact */
     pzs_real force[3];        /* resultant force of the contact pressure on the shell (N) */
-    uint16_t nodes;           /* number of nodes in contact with the body */
+    uint16_t nodes;           /* number of nodes in contact with the rigid body */
     pzs_real sag; /* largest depth by which the contact body was allowed to enter an element between
                      its nodes in the last load step, because the element is flat where the shell is
                      curved (m) */
@@ -426,9 +428,10 @@ typedef struct pzs_contact_info {
                      the contact face of the tables, the body comes from behind */
     uint16_t element, node; /* indices of the element and node that the contact body penetrates; for
                                a penetration between nodes, `node` is PZS_CONSTRAINED */
-    pzs_real spot[3];       /* position of the deepest point of the penetration (m) */
-    pzs_real depth; /* depth of the deepest point of the shell in the contact body (m); 0 if the
-                       body has passed through the shell */
+    pzs_real spot[3]; /* position of the point of the shell that lies deepest in the contact body
+                         (m) */
+    pzs_real depth;   /* depth of the deepest point of the shell in the contact body (m); 0 if the
+                         body has passed through the shell */
 } pzs_contact_info;
 
 typedef struct pzs_contact_state {

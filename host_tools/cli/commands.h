@@ -83,11 +83,12 @@ typedef struct command_entry {
     const char *summary; /* summary of the command in one line, for the output of pzs --help */
     const char *about;   /* description of the command in one paragraph, for the output of pzs help
                             COMMAND */
-    const char *example[COMMAND_EXAMPLES + 1]; /* example shell commands, ended by NULL */
+    const char *example[COMMAND_EXAMPLES + 1]; /* example shell commands for the help of a command,
+                                                  ended by NULL */
 } command_entry;
 
 typedef struct option_entry {
-    const char *name, *other; /* name of the option, and its second name, or NULL */
+    const char *name, *other; /* name of an option, and its second name, or NULL */
     const char *argument;     /* argument of an option as the help prints it; "": no argument */
     argument_kind kind;
     const char *const *choices; /* permitted words of an option's argument that is one word of a

@@ -17,13 +17,13 @@ enum { OPTIONS_WRONG = 2, OPTIONS_PATH = SHIPPED_PATH, MOST_SETS = 64, MOST_LIMI
 
 typedef struct options {
     command_id command;
-    const char *scene; /* scene name or file, for a command on a scene */
+    const char *scene; /* scene name or scene file, for a command on a scene */
     const char *word;  /* argument of a command that takes no scene, or NULL */
     const char *set[MOST_SETS];
     common_limits limit[MOST_LIMITS];
     int sets, limits;
     bool as_json, is_strict;
-    int number;      /* number of vibration modes; 0: not given */
+    int number;      /* number of vibration modes that the command line asks for; 0: not given */
     bool is_compact; /* whether to write tables without the stiffness matrices of the element types
                         (option --compact) */
     bool quasi_static;

@@ -12,8 +12,9 @@
 typedef struct work_report {
     bool is_made;      /* true where the scene has a controller with a target; otherwise all other
                           members are unset */
-    uint64_t limit;    /* limit of the optimiser's work in one tick (multiply-adds) */
-    uint64_t measured; /* work of the optimiser in the longest simulated tick (multiply-adds) */
+    uint64_t limit;    /* limit of the optimiser's work in one control tick (multiply-adds) */
+    uint64_t measured; /* work of the optimiser in the longest simulated control tick
+                          (multiply-adds) */
     loop_bounds bounds[LOOP_PROCESSORS];
     double longest[LOOP_PROCESSORS]; /* upper bound of the instructions of the longest simulated
                                         tick, on each processor for which instructions are bounded

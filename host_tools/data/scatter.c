@@ -14,9 +14,9 @@ enum { NEAREST = 16, DEPTH = 64, SAMPLES = 500 };
 struct scatter {
     int axes;
     size_t count;
-    double *point;  /* [count][SCATTER_AXES] coordinates of the points in the order of the tree;
+    double *point;  /* [count][SCATTER_AXES] coordinates of the points in the order of the k-d tree;
                        coordinates beyond `axes` are 0 */
-    double *value;  /* [count] values of the points in the order of the tree */
+    double *value;  /* [count] values of the points in the order of the k-d tree */
     size_t *source; /* [count] number of the point at each position of the tree, while the tree is
                        built */
 };

@@ -14,9 +14,10 @@
 typedef struct npy_header {
     char type; /* type of the numbers: 'f' floating point, 'i' signed integer, 'u' unsigned integer,
                   'b' boolean */
-    size_t size;        /* size of a number in the file (bytes) */
+    size_t size;        /* size of a number in the .npy file (bytes) */
     bool is_big_endian; /* whether the most significant byte of a number comes first */
-    bool is_fortran;    /* whether the first index runs fastest in the file (Fortran order) */
+    bool is_fortran;    /* whether the first index of the array runs fastest in the file (Fortran
+                           order) */
     int dimensions; /* number of dimensions in the file, 1 or 2; the member `shape` has two entries
                        in any case */
     size_t shape[2];

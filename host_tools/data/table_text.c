@@ -16,12 +16,13 @@ typedef struct cell {
 
 typedef struct text_reader {
     number_table *table;
-    const char *at, *end; /* next byte of the text to be read, and the end of the text */
-    char delimiter; /* delimiter between cells: ',', ';' or a tab, or ' ' for any number of blanks
-                     */
-    cell comment;   /* text of the last line that begins with #, without the # */
-    unsigned long line; /* number of the line of the file whose cells are in `cell`, counted from 1
-                         */
+    const char *at, *end; /* next byte of the text table to be read, and the end of the text */
+    char delimiter; /* delimiter between the cells of the text table: ',', ';' or a tab, or ' ' for
+                       any number of blanks */
+    cell comment; /* text of the last comment line of the table, which begins with #, without the #
+                   */
+    unsigned long line; /* number of the line of the table file whose cells are in `cell`, counted
+                           from 1 */
     unsigned long first_line; /* number, from 1, of the first line of the table file that holds
                                  values */
     cell *cell;               /* [cells] cells of the present line of the text table */
@@ -84,15 +85,15 @@ static int split(text_reader *reader, const char *from, const char *to)
         while (reader->delimiter == ' ' && from < to && is_blank(*from))
             from++;
         if (from == to && stop < to && reader->delimiter != ' ')
-            return add_cell(reader, to, to); /* Behind the last delimiter of the line there is an
-                                                empty cell. */
+            return add_cell(reader, to, to); /* Behind the last delimiter of a line of the text
+                                                table there is an empty cell. */
     }
     return 0;
 }
 
 /*
- * Return the delimiter between the cells of a line: the first of semicolon, comma and tab that
- * occurs in it, or else a blank.
+ * Return the delimiter between the cells of a line of the text table: the first of semicolon, comma
+ * and tab that occurs in it, or else a blank.
  */
 static char delimiter_of(const char *from, const char *to)
 {
@@ -115,8 +116,8 @@ static bool is_binary(const char *from, const char *to)
 }
 
 /*
- * Find the next line that has cells. Returns 1 with the cells filled, 0 at the end of the file, or
- * -1 with error filled.
+ * Find the next line of the text table that has cells. Returns 1 with the cells filled, 0 at the
+ * end of the file, or -1 with error filled.
  */
 static int next_line(text_reader *reader)
 {
@@ -162,8 +163,8 @@ static bool is_number(const cell *cell, double *value)
 }
 
 /*
- * Return whether a line contains names: none of its cells is a number or empty, except the first
- * cell if it is the empty corner above the names of the rows.
+ * Return whether a line of the text table contains names: none of its cells is a number or empty,
+ * except the first cell if it is the empty corner above the names of the rows.
  */
 static bool holds_names(const text_reader *reader)
 {
@@ -182,8 +183,8 @@ static void keep_name(const cell *cell, char *name)
 }
 
 /*
- * Return the name in a cell without a unit in brackets behind it, as `x [mm]` or `x (mm)`. A number
- * in brackets belongs to the name.
+ * Return the name in a cell of the text table without a unit in brackets behind it, as `x [mm]` or
+ * `x (mm)`. A number in brackets belongs to the name.
  */
 static cell without_unit(cell named)
 {
@@ -194,8 +195,8 @@ static cell without_unit(cell named)
 }
 
 /*
- * Take the cells of the present line as the names of the columns, with or without units in brackets
- * behind them. Returns 0, or -1 with error filled.
+ * Take the cells of the present line of the text table as the names of the columns, with or without
+ * units in brackets behind them. Returns 0, or -1 with error filled.
  */
 static int keep_column_names(text_reader *reader, bool with_units)
 {
@@ -246,8 +247,8 @@ static bool has_decimal_comma(const cell *found)
 }
 
 /*
- * Check that the present line has as many cells as the first line. Returns 0, or -1 with error
- * filled.
+ * Check that the present line of the text table has as many cells as the first line. Returns 0, or
+ * -1 with error filled.
  */
 static int check_length(const text_reader *reader, size_t cells)
 {
@@ -307,8 +308,8 @@ static int add_row(text_reader *reader, bool has_row_names)
 }
 
 /*
- * Return whether all cells of the present line are single words, apart from units in brackets:
- * letters, digits, and the characters _ - . between them.
+ * Return whether all cells of the present line of the text table are single words, apart from units
+ * in brackets: letters, digits, and the characters _ - . between them.
  */
 static bool holds_words(const text_reader *reader)
 {

@@ -46,8 +46,8 @@ static void local_tables(const corner_pair *pair, double own[3][3], double other
 
 /*
  * Compute the corner tables (displacements of the corners to strains) of Cartesian kinematics:
- * differences of displacement vectors between neighbouring corners, in the triad of the corner
- * itself, divided by the length of the chord or of the element.
+ * differences of displacement vectors between neighbouring corners, in the triad (local axes) of
+ * the corner itself, divided by the length of the chord or of the element.
  */
 static void cartesian_tables(const corner_pair *pair, double own[3][3], double other[3][3],
                              double g_mean[3], double g_diff[3])

@@ -326,7 +326,7 @@ typedef struct ply_integrals {
                            with the normal stress 33 at 0 at every height */
     double compliance;  /* integral over the thickness of 1/(stiffness of the strain 33): compliance
                            of the plies against the normal stress 33 (m/Pa) */
-    double length;      /* thickness of all plies together (m) */
+    double length;      /* thickness of all plies of the element together (m) */
     double narrowing[N]; /* [10] integral over the thickness of (stiffness that couples each strain
                             with the strain 33)/(stiffness of the strain 33) */
 } ply_integrals;
@@ -534,9 +534,10 @@ static int kept(int mode, int strain)
 }
 
 /*
- * Compute the stiffness matrix of a strain mode, which is 0 outside the strains of the mode: a
- * block of the stiffness of all plies together, or, with the option hr (Hellinger-Reissner), the
- * inverse of a block of their compliance. Returns 0, or -1 if that block is singular.
+ * Compute the stiffness matrix of a strain mode (constant, linear or bilinear over the element),
+ * which is 0 outside the strains of the mode: a block of the stiffness of all plies together, or,
+ * with the option hr (Hellinger-Reissner), the inverse of a block of their compliance. Returns 0,
+ * or -1 if that block is singular.
  */
 static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, int hr,
                        double out[N][N])
@@ -559,12 +560,13 @@ static int mode_matrix(double stiffness[N][N], double inverse[N][N], int mode, i
 }
 
 /*
- * Return the part of the bending flexibility that is used in the strain mode 01 (direction 0) or 10
- * (direction 1). In these strain modes the bubble displacement (which vanishes at the nodes) is
- * antisymmetric across the element, so that it twists the element as well: the part is 1/(1 + 0.6
- * (f/ft) (L_a/L_b)^2), with f and ft the compliances of bending and of twist and L_a, L_b the
- * lengths of the element along the direction and across it. For a square isotropic element with
- * Poisson's ratio 0.3 the exact part is 0.784, and this formula gives 0.813.
+ * Return the part of the bending flexibility that is used in the two strain modes that are linear
+ * over the element: 01 (direction 0) or 10 (direction 1). In these strain modes the bubble
+ * displacement (which vanishes at the nodes) is antisymmetric across the element, so that it twists
+ * the element as well: the part is 1/(1 + 0.6 (f/ft) (L_a/L_b)^2), with f and ft the compliances of
+ * bending and of twist and L_a, L_b the lengths of the element along the direction and across it.
+ * For a square isotropic element with Poisson's ratio 0.3 the exact part is 0.784, and this formula
+ * gives 0.813.
  */
 static double bubble_share(double inverse[N][N], double thickness, const laminate_place *place,
                            int direction)
@@ -576,10 +578,10 @@ static double bubble_share(double inverse[N][N], double thickness, const laminat
 }
 
 /*
- * Compute the flexibility that is added to the two transverse shears of a strain mode: the element
- * option rho times the bending flexibility times the squared length of the element over 12. In the
- * strain modes 01 and 10 only a part of this flexibility is used (bubble_share). The published
- * element has rho = 0.
+ * Compute the flexibility that is added to the two transverse shears of a strain mode (constant,
+ * linear or bilinear over the element): the element option rho times the bending flexibility times
+ * the squared length of the element over 12. In the strain modes 01 and 10 only a part of this
+ * flexibility is used (bubble_share). The published element has rho = 0.
  */
 static void shear_flexibility(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double inverse[N][N], int mode,
@@ -595,10 +597,10 @@ static void shear_flexibility(const laminate *laminate, const scene_element *ele
 }
 
 /*
- * List the strains of a strain mode that are coupled with the transverse shear strains, and the
- * shear strains themselves. Plies are turned about e3 alone, so that the shears are coupled with no
- * other strain unless the director of the element is inclined to its normal. Returns the number of
- * strains (index [10] out).
+ * List the strains of a strain mode (constant, linear or bilinear over the element) that are
+ * coupled with the transverse shear strains, and the shear strains themselves. Plies are turned
+ * about e3 alone, so that the shears are coupled with no other strain unless the director of the
+ * element is inclined to its normal. Returns the number of strains (index [10] out).
  */
 static int shear_block(double modal[N][N], int mode, int index[N])
 {
@@ -612,8 +614,9 @@ static int shear_block(double modal[N][N], int mode, int index[N])
 }
 
 /*
- * Add a flexibility to the compliance of each transverse shear that a strain mode contains. Returns
- * 0, or -1 if the stiffness of the strain mode is singular.
+ * Add a flexibility to the compliance of each transverse shear that a strain mode (constant, linear
+ * or bilinear over the element) contains. Returns 0, or -1 if the stiffness of the strain mode is
+ * singular.
  */
 static int soften_shear(double modal[N][N], int mode, const double flexibility[2])
 {
@@ -681,8 +684,8 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
 
 /*
  * Compute the stiffness of the strain mode 00 (constant over the element) per area. It differs from
- * that of plies of uniform shear strain in the transverse shears, by the element options rho and
- * shear. Returns 0, or -1 if no ply is present.
+ * that of the plies under uniform shear strain in the transverse shears alone, if the element
+ * options rho or shear change these. Returns 0, or -1 if no ply is present.
  */
 static int constant_stiffness(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double stiffness[N][N])
@@ -699,9 +702,9 @@ static int constant_stiffness(const laminate *laminate, const scene_element *ele
 typedef struct free_field {
     double resultants[N], strain[N]; /* [10] prescribed resultants per area of the element; [10]
                                         free strains with their sign changed */
-    double uniform[N][N];            /* stiffness of the plies with uniform shear strain */
-    double constant[N][N];           /* stiffness of the strain mode 00 (constant over
-                                        the element) */
+    double uniform[N][N];  /* stiffness of all plies for transverse shear strains that are uniform
+                              through the thickness */
+    double constant[N][N]; /* stiffness of the strain mode that is constant over the element (00) */
 } free_field;
 
 /* Return whether a field causes a transverse shear stress in a ply of an element. */
@@ -718,7 +721,8 @@ static bool causes_shear(const laminate *laminate, const laminate_place *place,
 
 /*
  * Replace the prescribed resultants of a field that causes transverse shear, which are those of the
- * plies, by resultants that cause the same free strains with the stiffness of the strain mode 00.
+ * plies, by resultants that cause the same free strains with the stiffness of the strain mode 00
+ * (constant over the element).
  */
 static void keep_free_strains(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, free_field *field)
@@ -825,8 +829,9 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
 
 /*
  * Return the charge per area that belongs to the difference between the stiffness of uniform shear
- * strain and that of the strain mode 00: the product of the free strains of two fields with this
- * difference. With it a free ply has the charge of its material, whatever the element options.
+ * strain and that of the strain mode 00 (constant over the element): the product of the free
+ * strains of two fields with this difference. With it a free ply has the charge of its material,
+ * whatever the element options.
  */
 static double shear_charge(const laminate *laminate, const scene_element *element,
                            const laminate_place *place, const laminate_field *first,

@@ -54,7 +54,7 @@ typedef struct laminate {
  * quadrilateral the base vectors are given by the member `natural`.
  */
 typedef struct laminate_place {
-    uint32_t present_plies; /* bit i is set if ply i is present in the element */
+    uint32_t present_plies; /* plies that are present in the element: bit i is set for ply i */
     double curvature[2]; /* principal curvatures of the element along its directions 1 and 2 (1/m)
                           */
     double chord[2]; /* lengths of the element along its directions 1 and 2 (m), used for the shear

@@ -456,8 +456,8 @@ static int is_directed(const scene_support *support)
 
 /*
  * Refuse a support on an edge along theta1 that constrains displacements along or across this edge
- * only, if the edge meets the next one at an angle other than 90 degrees: the triad of the corner
- * node is aligned with the next edge.
+ * only, if the edge meets the next one at an angle other than 90 degrees: the triad (local axes) of
+ * the corner node is aligned with the next edge.
  */
 static int check_corners(const scene *scene, char *error)
 {

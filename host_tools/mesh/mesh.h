@@ -3,9 +3,9 @@
  * Mesh of a scene: nodes, elements, element types and the numbers of the free dof.
  *
  * The numbers of nodes on mesh lines increase fastest along theta2. The free dof are numbered so
- * that the factor of the stiffness matrix has a small envelope: fastest along the direction that
- * gives the narrower band; along the other direction, if it is closed, in the order of lines 0,
- * n-1, 1, n-2 and so on.
+ * that the factor of the stiffness matrix has a small envelope (number of stored entries): fastest
+ * along the direction that gives the narrower band; along the other direction, if it is closed, in
+ * the order of lines 0, n-1, 1, n-2 and so on.
  */
 #ifndef MESH_H
 #define MESH_H
@@ -30,7 +30,7 @@ typedef struct mesh_springs {
                           rows of the springs */
     double *value;     /* [entries of all springs] elongation of the spring per unit of the dof, for
                           each entry of the sparse rows (1) */
-    double *stiffness; /* [count] stiffness of each spring (N/m) */
+    double *stiffness; /* [count] stiffness of each spring or stack (N/m) */
     double envelope_without; /* number of entries that the factor of the stiffness matrix would have
                                 without springs */
 } mesh_springs;
@@ -38,7 +38,7 @@ typedef struct mesh_springs {
 typedef struct mesh {
     const scene *scene; /* scene from which the mesh is built; only the construction of mesh and
                            design uses it */
-    scene_element formulation; /* formulation of the finite element */
+    scene_element formulation; /* options that choose the formulation of the finite element */
     scene_line line[2];        /* mesh lines of theta1 and theta2; the points belong to the scene */
     bool is_from_file;         /* whether the scene file names a mesh file in place of mesh lines */
     const bicubic *fitted;     /* height of a surface that is fitted to points; otherwise NULL */
@@ -61,7 +61,7 @@ typedef struct mesh {
                                (+,+) (-,+) */
     uint16_t *element_type; /* [elements] index of the element type of each element */
     pzs_element_type *type; /* [types] element types: corner tables and stiffness */
-    laminate_place *place;  /* [types] plies, curvatures and size of each element type */
+    laminate_place *place;  /* [types] plies, curvatures and lengths of each element type */
     double *stiffness; /* [types][packed] element stiffness matrices, lower triangles packed by rows
                         */
     uint16_t *node_dof;  /* [nodes][dof_per_node] index of each dof of a node among the free dof, or

@@ -9,8 +9,9 @@
 #define NATURAL_BASE_H
 
 typedef struct natural_base {
-    double base[3][3];  /* base vectors in the reference surface, as columns (1) */
-    double slope[3][3]; /* change of the base vectors per unit of height, as columns (1/m) */
+    double base[3][3];  /* base vectors of the element in the reference surface, as columns (1) */
+    double slope[3][3]; /* change of the element's base vectors per unit of height, as columns (1/m)
+                         */
 } natural_base;
 
 /* Return the area of an element at height z over its area in the reference surface. */

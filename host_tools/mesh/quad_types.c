@@ -183,7 +183,7 @@ static int add_quad(quad_build *build, int element, const quad_geometry *geometr
 
 /* ---- checks ------------------------------------------------------------- */
 
-enum { NAMED = 4 }; /* largest number of elements that a message lists */
+enum { NAMED = 4 }; /* largest number of elements that an error message lists */
 
 static int check_shape(const scene *scene, int element, int status, const quad_geometry *geometry,
                        char *error)

@@ -42,7 +42,7 @@ int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error);
 /*
  * Build the element types of a general quadrilateral mesh.
  *   list              in/out  types are added; the laminate of the list must be filled
- *   point [nodes]     in      positions and triads of the nodes
+ *   point [nodes]     in      positions and triads (local axes) of the nodes
  *   accept_irregular  in      true: elements that are too thin for an irregular mesh are reported;
  *                             false: they are refused
  *   element_type [elements] out  number of the type of each element

@@ -11,11 +11,13 @@
 
 /* Nodes and elements between the coordinate lines of a surface. */
 typedef struct line_mesh {
-    const surface_point *point; /* [nodes] surface points of the nodes */
+    const surface_point *point; /* [nodes] position, local axes and metric of the surface at the
+                                   nodes */
     size_t nodes, elements;
-    uint16_t (*element)[4];        /* [elements] numbers of the four corner nodes */
+    uint16_t (*element)[4];        /* [elements] numbers of the four corner nodes of each element */
     const double *area;            /* [elements] exact areas of the elements (m2) */
-    const uint32_t *present_plies; /* [elements] plies that are present: bit i for ply i */
+    const uint32_t *present_plies; /* [elements] plies that are present in each element: bit i is
+                                      set for ply i */
 } line_mesh;
 
 /*

@@ -44,8 +44,8 @@ static int turn_node(mesh *mesh, const scene_support *support, int node, char *e
 }
 
 /*
- * Refuse a support that depends on the triad of a node which another support has rotated to a
- * different direction. Returns 0, or -1 with error filled.
+ * Refuse a support that depends on the triad (local axes) of a node which another support has
+ * rotated to a different direction. Returns 0, or -1 with error filled.
  */
 static int check_node(const mesh *mesh, const scene_support *support, int node,
                       const unsigned char *turned, char *error)
@@ -101,8 +101,8 @@ static int check_all(const mesh *mesh, const unsigned char *turned, int *node, c
 }
 
 /*
- * Refuse distributed loads along u1 or u2 on nodes with rotated triads, where the direction of the
- * load would jump. Returns 0, or -1 with error filled.
+ * Refuse distributed loads along u1 or u2 on nodes with rotated triads (local axes), where the
+ * direction of the load would jump. Returns 0, or -1 with error filled.
  */
 static int check_loads(const mesh *mesh, const unsigned char *turned, char *error)
 {

@@ -58,7 +58,7 @@ typedef struct analysis {
     void *electric_work;
     double *input_value; /* [inputs] input values of the last computed displacement, with the
                             computed voltages of the open electrodes */
-    double *charge; /* [electrodes] charges of the electrodes at the last computed displacement (C)
+    double *charge; /* [electrodes] charge of each electrode at the last computed displacement (C)
                      */
     bool is_nonlinear; /* whether displacements are computed by the nonlinear equilibrium solver;
                           the initial value is that of the scene */

@@ -101,7 +101,8 @@ static void predict(const pokes *pokes, const double *influence, double *shape)
 typedef struct fit {
     size_t entries; /* number of values in all measured shapes: number of pokes (measurements) times
                        number of outputs */
-    double *shape;  /* [entries] shapes that the model predicts for the measured voltages */
+    double *shape;  /* [entries] shapes that the scene's influence matrix predicts for the measured
+                       voltages */
     double *slope; /* [factors][entries] derivative of the predicted shapes by the logarithm of each
                       material factor */
     double *influence; /* [outputs][actuators] influence matrix of the scene after one material

@@ -19,7 +19,9 @@
 #include "damper_gains.h"
 #include "vibration.h"
 
-enum { CERTIFICATE_TEXT = 2000 }; /* length of the text that describes a certificate (characters) */
+enum {
+    CERTIFICATE_TEXT = 2000
+}; /* largest length of the text that describes a certificate of stability (characters) */
 
 /*
  * Largest distance from the best shape, relative to the norm of the target, at which a storm (a
@@ -46,10 +48,12 @@ typedef struct certificate_target {
     int storms, failed; /* number of storms (simulations with fast jumps of the target); number of
                            those that did not settle */
     double worst; /* largest distance from the shape at which the loop comes to rest, at the end of
-                     a storm, relative to the norm of the target */
+                     a storm (simulation with fast target jumps), relative to the norm of the target
+                   */
     double at_gain, at_frequency; /* static response to voltages and natural frequencies, relative
-                                     to the deformed structure, of the structure with the largest
-                                     growth, or of that in the worst storm where one has failed */
+                                     to the deformed structure, of the simulated structure on which
+                                     small vibrations grow most, or of that in the worst storm
+                                     (simulation with fast target jumps) where one has failed */
 } certificate_target;
 
 /*
@@ -68,7 +72,8 @@ typedef struct certificate_loop {
                                           modes that the control tick observes (Hz) */
     double radius; /* largest growth factor of small vibrations per tick, without limits */
     double at_gain, at_frequency; /* static response to voltages and natural frequencies, relative
-                                     to the model, of the structure with the largest growth */
+                                     to the model, of the simulated structure on which small
+                                     vibrations grow most */
     int storms, failed; /* number of storms (simulations with fast jumps of the target), and number
                            of storms that did not settle */
     double worst; /* largest distance from the best shape at the end of a storm (a simulation with
@@ -80,8 +85,8 @@ typedef struct certificate_loop {
     double ticks; /* mean number of ticks until the shape has settled after fast jumps of the target
                    */
     double less_hysteresis; /* share by which the ceramic has less hysteresis than the scene file
-                               says in a third of the storms; 0 where the loop does not compensate
-                               hysteresis */
+                               says in a third of the storms (simulations with fast target jumps); 0
+                               where the loop does not compensate hysteresis */
     int delay;              /* age of the readings that the scene file states (ticks) */
     int older; /* largest number of ticks by which all readings may be older than the scene file
                   states; vibrations decay, and the shape settles after fast target jumps, with
@@ -103,7 +108,7 @@ typedef struct certificate_loop {
 } certificate_loop;
 
 typedef struct certificate {
-    bool is_made;   /* true after certificate_make has filled the certificate */
+    bool is_made;   /* true after the certificate of stability has been computed */
     bool has_modes; /* true where the vibration modes could be computed, which needs all densities
                      */
     char reason[SCENE_ERROR]; /* reason why the vibration modes are unknown or the loop was not
@@ -125,7 +130,8 @@ typedef struct certificate {
                       mode x tick interval; NAN without a tick rate */
     bool has_settings; /* true where `settings` were chosen by simulations with fast jumps of the
                           target */
-    damper_settings settings; /* settings of the control tick that damps vibration */
+    damper_settings settings; /* settings of the control tick that damps vibration, as the
+                                 simulations have chosen them */
     certificate_loop loop;    /* certificate of the loop whose control tick damps vibration */
     double stable_rate; /* highest tick rate (1/s) up to which every rate is stable; 0 where no
                            stable rate was found, infinite where every rate is stable */

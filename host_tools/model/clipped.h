@@ -15,7 +15,8 @@
 
 typedef struct clipped {
     const design *design;
-    const double *lower, *upper; /* [amplifiers] lowest and highest allowed voltage (V) */
+    const double *lower, *upper; /* [amplifiers] lowest and highest allowed voltage of each
+                                    amplifier (V) */
     const double *wanted;        /* [targets] displacements that the voltages are to cause */
     pzs_problem problem; /* voltage problem (least squares with voltage limits) in the library's
                             format; amplifiers held at one voltage have columns of zeros */

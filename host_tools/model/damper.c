@@ -40,10 +40,10 @@ typedef struct builder {
                        modes */
     damper_settings settings;
     damper_model model;
-    double interval; /* time between ticks (s) */
+    double interval; /* time between two control ticks (s) */
     int delay; /* age of the readings of the sensors when the controller receives them (ticks) */
     size_t targets, sensors, amplifiers;
-    size_t *mode; /* [modes] index of each observed mode in `vibration` */
+    size_t *mode; /* [modes] index of each observed mode among the computed vibration modes */
     double *angle, *ratio, *overlap, *lift, *square,
         *precision; /* arrays of the model of the observed vibration modes (damper_model), and
                        inverse noise variance of each sensor */

@@ -22,7 +22,7 @@ typedef struct damper {
     int modes;                /* number of vibration modes that the control tick observes */
     double *frequency;        /* [modes] natural frequencies of the observed modes (Hz) */
     double rate;              /* rate of the control tick that damps vibration (1/s) */
-    double *memory;           /* one allocation that holds all arrays of the damper */
+    double *memory;           /* one allocation that holds all arrays of the tables for damping */
     pzs_vibration tables;
 } damper;
 

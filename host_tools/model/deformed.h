@@ -15,9 +15,10 @@ typedef struct deformed {
     analysis analysis; /* analysis of the scene; its influence matrix [outputs][inputs] is that at
                           the target */
     vibration vibration;
-    modal modal;      /* vibration modes about the equilibrium at the target, with the amplifiers as
-                         inputs */
-    double *offset;   /* [outputs] displacement of each output row, extrapolated to 0 V */
+    modal modal;    /* vibration modes about the equilibrium at the target, with the amplifiers as
+                       inputs */
+    double *offset; /* [outputs] displacement of each output row on the line through the equilibrium
+                       with the slope of the influence matrix, at 0 V */
     double amplitude; /* largest displacement of a target node at the equilibrium, divided by the
                          thickness */
 } deformed;

@@ -36,14 +36,16 @@ typedef struct common_limits {
  * tables made from them.
  */
 typedef struct design_rows {
-    uint32_t *start; /* [rows + 1] index of the first entry of each limit row in `input` and `value`
-                      */
-    uint16_t *input; /* [entries] amplifier to whose voltage each entry of a limit row belongs */
-    double *value;   /* [entries] factor by which the limit row multiplies the voltage of the
-                        amplifier (1) */
+    uint32_t *start; /* [rows + 1] index of the first entry of each limit row (limit of a sum of
+                        voltages) in `input` and `value` */
+    uint16_t *input; /* [entries] amplifier to whose voltage each entry of a limit row (limit of a
+                        sum of voltages) belongs */
+    double *value;   /* [entries] factor by which the limit row (limit of a sum of voltages)
+                        multiplies the voltage of the amplifier (1) */
     double *lower, *upper; /* [rows] lower and upper limit of the weighted sum of voltages of each
                               limit row (V) */
-    double *safe; /* [amplifiers] voltages that obey all voltage limits and limit rows (V) */
+    double *safe; /* [amplifiers] voltages that obey all voltage limits and all limit rows, which
+                     are limits of sums of voltages (V) */
     pzs_limit_rows tables;
 } design_rows;
 
@@ -68,11 +70,12 @@ typedef struct design {
     int sensor_first; /* index of the first input that is an electrode of a sensor; these electrodes
                          are the last inputs */
     int targets; /* number of target rows (controlled displacements), which are the first outputs */
-    int *target_node; /* [targets] mesh node of each target row (controlled displacement) */
+    int *target_node; /* [targets] number of the mesh node of each target row (controlled
+                         displacement) */
     int *named_first; /* [scene outputs + 1] index of the first output row of each named output of
                          the scene */
-    int *place_first; /* [scene outputs + 1] first entry in place_node of each named output of the
-                         scene */
+    int *place_first; /* [scene outputs + 1] index in place_node, the list of mesh nodes, of the
+                         first node of each named output of the scene */
     int *place_node;  /* mesh nodes of the named outputs, one output after the other; an output
                          without a node has no entry */
     double *target;   /* [targets] target displacements, without their part along the free functions
@@ -115,7 +118,8 @@ typedef struct design {
     scene_kinematics kinematics;
     double tolerance; /* largest relative error that linear kinematics may cause where the scene
                          file says kinematics: auto */
-    scene_equilibrium equilibrium; /* settings of the solver for the nonlinear equilibrium */
+    scene_equilibrium equilibrium; /* settings of the solver that computes the nonlinear equilibrium
+                                    */
     int materials, layers, patch_grids, actuators, sensors, supports, springs, outputs, compares;
     const scene_material *material; /* [materials] materials of the scene */
     const scene_layer *layer;       /* [layers] layers of the shell */
@@ -128,7 +132,7 @@ typedef struct design {
     const scene_output *output;     /* [outputs] named outputs of the scene */
     const scene_compare *compare;   /* [compares] voltages that the scene file gives for comparison,
                                        whose shape error is computed beside that of the optimum */
-    const scene_quads *quads;       /* mesh that is read from a file, or NULL */
+    const scene_quads *quads; /* mesh of quadrilaterals that was read from a mesh file, or NULL */
     scene_contact contact;
     scene_limits limits;
     scene_target goal; /* component, place and formula of the target shape */
@@ -138,7 +142,8 @@ typedef struct design {
     scene_control control;
     scene_safety safety;
     scene_hysteresis hysteresis;
-    scene_influence measured; /* measured influence matrix in place of a structure */
+    scene_influence measured; /* measured influence matrix that the scene gives in place of a
+                                 structure */
 } design;
 
 /*

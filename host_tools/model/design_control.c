@@ -37,7 +37,8 @@ static double build_hessian(design *design)
 /* Voltage limits of all amplifiers while they are being computed. */
 typedef struct limits {
     const scene *scene;
-    double *lower, *upper; /* [amplifiers] lowest and highest voltage that is allowed (V) */
+    double *lower, *upper; /* [amplifiers] lowest and highest voltage that each amplifier may give
+                              (V) */
 } limits;
 
 double design_depolarising_voltage(const scene *scene, const scene_drive *drive)

@@ -11,10 +11,11 @@
 
 enum {
     SWEEPS = 20000,   /* largest number of repetitions in which voltages are projected on each limit
-                         row and voltage limit in turn */
+                         row (limit of a sum of voltages) and voltage limit in turn */
     MOST_TRIED = 400, /* largest number of limit rows (limits of weighted sums of voltages) among
                          which a smallest contradictory set is searched */
-    MOST_NAMED = 4    /* largest number of limit rows that an error message names */
+    MOST_NAMED = 4    /* largest number of limit rows (limits of sums of voltages) that an error
+                         message names */
 };
 
 /*
@@ -36,9 +37,9 @@ static double row_sum(const scene_limit_row *row, const double *voltage)
 }
 
 /*
- * Move voltages [amplifiers] by the shortest distance to limit row k, narrowed on each side by a
- * margin (safe_margin). Returns the violation of the row (V), in which half of the margin is
- * tolerated.
+ * Move voltages [amplifiers] by the shortest distance to limit row k (limit of a sum of voltages),
+ * narrowed on each side by a margin (safe_margin). Returns the violation of the row (V), in which
+ * half of the margin is tolerated.
  */
 static double project(const design *design, int k, double *voltage)
 {
@@ -55,8 +56,9 @@ static double project(const design *design, int k, double *voltage)
 }
 
 /*
- * Look for voltages that obey all limit rows and all voltage limits, by projecting the voltages on
- * each of these limits in turn. The sequence converges to such voltages if there are any.
+ * Look for voltages that obey all limit rows (limits of sums of voltages) and all voltage limits,
+ * by projecting the voltages on each of these limits in turn. The sequence converges to such
+ * voltages if there are any.
  *   is_used [rows] in  false: the limit row is ignored; NULL: all limit rows are used
  * Returns the largest violation after the last projections (V), or 0 if all limits are obeyed.
  */
@@ -118,8 +120,8 @@ static void name_clash(const design *design, const bool *is_used, char *text, si
 }
 
 /*
- * Reduce the limit rows to a smallest set that no voltages inside the voltage limits can obey: a
- * row is removed if the other rows still contradict each other.
+ * Reduce the limit rows (limits of sums of voltages) to a smallest set that no voltages inside the
+ * voltage limits can obey: a row is removed if the other rows still contradict each other.
  *   is_used [rows] in/out  true: the row belongs to the set
  */
 static void reduce_clash(const design *design, const double *lower, const double *upper,
@@ -162,8 +164,8 @@ int design_rows_safe(const design *design, const double *lower, const double *up
 }
 
 /*
- * Check that all amplifiers that occur in limit rows have finite voltage limits. Returns 0, or -1
- * with error filled.
+ * Check that all amplifiers that occur in limit rows (limits of sums of voltages) have finite
+ * voltage limits. Returns 0, or -1 with error filled.
  */
 static int check_finite(const design *design, char *error)
 {

@@ -17,7 +17,8 @@
 int design_rows_build(design *design, char *error);
 
 /*
- * Find voltages that obey all voltage limits and limit rows, near the reference voltages.
+ * Find voltages that obey all voltage limits and limit rows (limits of sums of voltages), near the
+ * reference voltages.
  *   lower, upper [amplifiers] in   voltage limits (V)
  *   safe         [amplifiers] out  the voltages found (V)
  * Returns 0, or -1 with error filled; the error names limits that contradict each other.

@@ -109,7 +109,8 @@ static double weighted_squares(const design *design, const double *shape)
 
 /*
  * Bound of the rounding errors in the residual of the least-squares fit of the target's free
- * functions to a vector: weighted norm of these errors relative to the weighted norm of the vector.
+ * functions (shapes that may be added to the target at no cost) to a vector: weighted norm of these
+ * errors relative to the weighted norm of the vector.
  */
 static double rounding(const design *design)
 {

@@ -55,8 +55,8 @@ static double normalise(double *a, size_t n)
 }
 
 /*
- * Square a matrix: out = a a.
- *   a, out [n][n]
+ * Compute the square of a matrix a [n][n]: out = a a.
+ *   out [n][n] out  square, in other memory than a
  */
 static void square(const double *a, double *out, size_t n)
 {

@@ -20,7 +20,8 @@ typedef struct equilibrium {
     int followers;
     pzs_contact_face contact_face;
     pzs_body body;
-    pzs_contact contact; /* contact with a rigid body; used where the scene has a contact */
+    pzs_contact contact; /* state of the contact with a rigid body; used where the scene has a
+                            contact */
     pzs_circuit circuit; /* electrodes with unknown voltage; used where the scene has an open
                             electrode */
     pzs_solver solver;

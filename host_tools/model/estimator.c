@@ -23,15 +23,17 @@ typedef struct estimation {
     double *sensitivity;    /* [sensors][inputs] reading of each sensor per unit of each input */
     double *noise;          /* [sensors] standard deviation of the noise of each sensor */
     double *shape;          /* [targets][disturbances] weighted shape per standard deviation of each
-                               disturbance */
+                               disturbance (load or voltage error) */
     double *scaled_reading; /* [sensors][disturbances] reading per standard deviation of each
-                               disturbance, divided by the sensor's noise */
-    double *square; /* [sensors][sensors] covariance of the readings under the disturbances, divided
-                       by the noise of both sensors; later its eigenvalues on the diagonal */
+                               disturbance (load or voltage error), divided by the sensor's noise */
+    double *square; /* [sensors][sensors] covariance of the readings under the disturbances (loads
+                       and voltage errors), divided by the noise of both sensors; later its
+                       eigenvalues on the diagonal */
     double *eigenvector; /* [sensors][sensors] eigenvectors of the scaled covariance of the
                             readings, as columns */
-    double *target_part, *side, *direction, *rotated; /* work arrays of the sizes [disturbances],
-                                                         [sensors], [targets] and [sensors] */
+    double *target_part, *side, *direction, *rotated; /* work arrays of the sizes [disturbances
+                                                         (loads and voltage errors)], [sensors],
+                                                         [targets] and [sensors] */
 } estimation;
 
 static int allocate(estimation *estimation)
@@ -164,7 +166,7 @@ static int fill_sensitivities(estimation *estimation)
 
 /*
  * Compute the weighted shapes, the readings divided by the noise, and the covariance of these
- * readings, for disturbances of one standard deviation.
+ * readings, for disturbances (loads and voltage errors) of one standard deviation.
  */
 static void form_covariance(estimation *estimation)
 {
@@ -261,8 +263,9 @@ static void make_gains(estimation *estimation, estimator *estimator)
 }
 
 /*
- * Subtract from a combination x of disturbances the part that the estimator infers from the
- * readings: x - C'(1 + C C')^-1 C x with C = scaled_reading [sensors][disturbances].
+ * Subtract from a combination x of disturbances (loads and voltage errors) the part that the
+ * estimator infers from the readings: x - C'(1 + C C')^-1 C x with C = scaled_reading
+ * [sensors][disturbances].
  *   left [disturbances] in   combination x
  *                     out  part of x that is not known
  */
@@ -308,8 +311,9 @@ static double length(const double *vector, size_t count)
 }
 
 /*
- * Compute the expected norm of the weighted shape under the disturbances, and that of the weighted
- * error of its estimate, as square roots of the traces of their covariances.
+ * Compute the expected norm of the weighted shape under the disturbances (loads and voltage
+ * errors), and that of the weighted error of its estimate, as square roots of the traces of their
+ * covariances.
  */
 static void measure_errors(estimation *estimation, estimator *estimator)
 {

@@ -17,15 +17,17 @@
 
 typedef struct estimator {
     int sensors, disturbances;
-    int rank; /* number of combinations of disturbances that the sensors distinguish from noise */
+    int rank; /* number of combinations of disturbances (loads and voltage errors) that the sensors
+                 distinguish from noise */
     double condition; /* ratio of the largest to the smallest singular value among the combinations
-                         of disturbances that the sensors distinguish from noise */
-    double disturbed; /* expected root mean square of the weighted shape under the disturbances,
-                         before estimation */
+                         of disturbances (loads and voltage errors) that the sensors distinguish
+                         from noise */
+    double disturbed; /* expected root mean square of the weighted shape under the disturbances
+                         (loads and voltage errors), before estimation */
     double remaining; /* expected root mean square of the weighted error of the estimated shape */
-    double worst_disturbed; /* expected root mean square, under the disturbances, of the component
-                               of the weighted shape along the unit vector along which the error of
-                               the estimate is largest */
+    double worst_disturbed; /* expected root mean square, under the disturbances (loads and voltage
+                               errors), of the component of the weighted shape along the unit vector
+                               along which the error of the estimate is largest */
     double worst_remaining;
     double *worst;    /* [targets] shape in which the error of the estimate is largest, scaled to a
                          largest entry of 1 */
@@ -34,8 +36,10 @@ typedef struct estimator {
     double *direct, *gain;  /* direct [sensors][amplifiers]: reading of each sensor per volt of each
                                amplifier; gain [targets][sensors]: estimated shape per unit of each
                                reading */
-    double *shape_per_load; /* [targets][loads] shape per unit of each load */
-    double *reading_per_load; /* [sensors][loads] reading of each sensor per unit of each load */
+    double *shape_per_load; /* [targets][loads] shape that each load causes per unit of its factor
+                             */
+    double *reading_per_load; /* [sensors][loads] reading that each load causes per unit of its
+                                 factor */
     pzs_estimator tables;
     pzs_feed_forward_table shape_table,
         reading_table; /* feed-forward tables of the shape and of the readings under known loads;

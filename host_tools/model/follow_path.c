@@ -28,8 +28,9 @@ typedef struct arc_search {
     double *metric; /* [free_dof] weight of each dof in the norm of a displacement: 1 for the means
                        of both faces' displacements, thickness^2 for the other dof */
     double *start;  /* [free_dof] displacement at the last converged point of the load path */
-    double *direction;   /* [free_dof] increment of the displacement in the last converged step */
-    double *increment;   /* [free_dof] displacement since the last converged point */
+    double *direction; /* [free_dof] increment of the displacement in the last converged step on the
+                          load path */
+    double *increment; /* [free_dof] displacement since the last converged point of the load path */
     double *by_residual; /* [free_dof] change of displacement by the residual forces: inverse
                             tangent stiffness times (load minus internal force) */
     double *by_load;     /* [free_dof] change of displacement per unit of the load factor: inverse

@@ -48,7 +48,8 @@ static const double likeness = 0.05;
 typedef struct fit {
     const sweep *sweep;
     size_t plays, unknowns, rows;
-    double middle, half_range; /* middle and half width of the voltage range (V) */
+    double middle, half_range; /* middle and half width of the range of the voltages in the sweep
+                                  (V) */
     double lowest, highest;    /* lowest and highest measured position of the sweep */
     double unit; /* range of the positions divided by the range of the voltages, by which the
                     unknowns are scaled (unit of the position per V) */

@@ -17,15 +17,18 @@
 
 /* Measured sweep: samples of voltage and position at a constant rate. */
 typedef struct sweep {
-    size_t count;          /* number of samples of the sweep, at most 60000 */
-    const double *voltage; /* [count] voltage that has been applied since the previous sample (V) */
-    const double *position; /* [count] measured position, in any unit of length */
-    double rate;            /* sample rate of the sweep (1/s) */
+    size_t count;           /* number of samples of the sweep, at most 60000 */
+    const double *voltage;  /* [count] voltage that was applied between the previous sample and this
+                               one (V) */
+    const double *position; /* [count] measured position of the actuator at each sample, in any unit
+                               of length */
+    double rate;            /* number of samples of the sweep in a second (1/s) */
 } sweep;
 
 typedef struct identification {
     scene_hysteresis hysteresis;
-    double gain; /* position per volt without hysteresis and creep (unit of the position per V) */
+    double gain; /* change of the actuator's position per volt without hysteresis and creep (unit of
+                    the position per V) */
     double rms; /* root mean square difference between measured and fitted position, relative to the
                    range of the positions */
     double largest;  /* largest difference between measured and fitted position, relative to the

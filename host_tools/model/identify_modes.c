@@ -71,9 +71,10 @@ typedef struct fit {
                                  with respect to its frequency and damping ratio */
     double *column; /* [longest] work vector for one signal in an interval of constant voltages */
     int modes;
-    double frequency[IDENTIFIED_MODES]; /* angular frequencies of the present estimates of the modes
-                                           (rad/s) */
-    double damping[IDENTIFIED_MODES];   /* damping ratios of the present estimates of the modes */
+    double frequency[IDENTIFIED_MODES]; /* present estimates of the angular frequencies of the
+                                           vibration modes (rad/s) */
+    double damping[IDENTIFIED_MODES];   /* present estimates of the damping ratios of the vibration
+                                           modes */
 } fit;
 
 static int refuse(char *error, const char *text)

@@ -13,10 +13,10 @@
 
 /* Vibration modes identified from a record of voltages and readings. */
 typedef struct identified_modes {
-    int modes;         /* number of modes found, in the order of their frequencies */
-    int steps;         /* number of intervals of constant voltages that the identification used */
-    double *frequency; /* [modes] natural frequencies of the modes (Hz) */
-    double *damping;   /* [modes] damping ratios of the modes */
+    int modes; /* number of vibration modes found, which are in the order of their frequencies */
+    int steps; /* number of intervals of constant voltages that the identification used */
+    double *frequency;                       /* [modes] natural frequencies of the modes (Hz) */
+    double *damping;                         /* [modes] damping ratios of the modes */
     double *frequency_error, *damping_error; /* [modes] standard errors of the natural frequencies
                                                 (Hz) and of the damping ratios */
     double *shape; /* [modes][outputs] displacement of each output in the mode, scaled to a root

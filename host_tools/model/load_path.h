@@ -12,7 +12,8 @@
 
 /* One equilibrium on the load path, the sequence of equilibria under a growing load. */
 typedef struct load_path_point {
-    double load_factor;  /* factor of all input values; 1 is the full load */
+    double load_factor;  /* load factor by which all input values are multiplied; 1 is the full load
+                          */
     int negative_pivots; /* number of negative pivots of the tangent stiffness; 0: the equilibrium
                             is stable */
     int iterations; /* number of linear solves of the arc-length step that ended at this point */

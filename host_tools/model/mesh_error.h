@@ -21,8 +21,9 @@ typedef struct mesh_values {
 
 /* Estimated discretisation error of one result of an analysis. */
 typedef struct mesh_estimate {
-    double value;        /* value of the result on the mesh of the scene */
-    double extrapolated; /* extrapolated result for infinitely many elements */
+    double value;        /* value of the result of the analysis on the mesh of the scene */
+    double extrapolated; /* value that the result would have with infinitely many elements, by
+                            extrapolation */
     double uncertainty;  /* half width of the interval around `extrapolated` in which the exact
                             result is expected */
     double order; /* observed order of convergence. NAN where no order can be observed, because

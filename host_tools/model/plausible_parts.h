@@ -19,7 +19,7 @@ typedef struct subject {
     bool is_linear;
     const char *name;
     const struct plausible_optimum *optimum;
-    const struct stress_field *stress;     /* recovered stresses of the structure */
+    const struct stress_field *stress;     /* recovered stresses of the structure, or NULL */
     const struct stress_summary *extremes; /* largest stresses and strains, and smallest reserve
                                               factors, of the structure */
     double path_difference;   /* difference between the displacement and the one computed with twice

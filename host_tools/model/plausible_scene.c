@@ -7,7 +7,7 @@
 #include "../scene/scene_units.h"
 #include "../scene/surface.h"
 
-static const double quarter = 1.5707963267948966; /* a quarter of a full turn (rad) */
+static const double quarter = 1.5707963267948966; /* angle of a quarter of a full turn (rad) */
 
 static const units_unit field_unit = {{-1, 0, 1, 0, 0, 0}, 0, 0};
 
@@ -158,7 +158,8 @@ static double span_of(const scene_line *line)
 typedef struct bend {
     double radius, thickness, length; /* radius of curvature, thickness, and length of the shell
                                          across the curved direction */
-    double size; /* length of the element at the load, along the curved direction */
+    double size; /* length of the element at the load, along the curved direction of the shell (m)
+                  */
 } bend;
 
 /*

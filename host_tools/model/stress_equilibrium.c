@@ -20,11 +20,11 @@ enum { SAMPLES = LAMINATE_LAYERS * STRESS_HEIGHTS, PATTERNS = 4 };
  */
 typedef struct stencil {
     int element;
-    double axis[2][3]; /* unit vectors of the two directions of principal curvature */
+    double axis[2][3]; /* unit vectors along the two directions of principal curvature */
     double angle;      /* angle from shell axis 1 of the element to the first direction of principal
                           curvature (rad) */
     double k[2];       /* principal curvatures of the surface along their two directions (1/m) */
-    int count;         /* number of neighbouring elements */
+    int count;         /* number of neighbouring elements from which gradients are formed */
     int neighbour[STRESS_NEIGHBOURS];
     double turn[STRESS_NEIGHBOURS]; /* angle from the first direction of principal curvature to the
                                        shell axis 1 of each neighbour (rad) */

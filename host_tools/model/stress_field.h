@@ -42,11 +42,12 @@ typedef struct stress_state {
 
 /* State of one element at its centre: position, shell axes, strains and stress resultants. */
 typedef struct stress_element {
-    double place[3];   /* position of the centre on the reference surface (length unit of the scene
-                          file) */
+    double place[3]; /* position of the centre of the element on the reference surface (length unit
+                        of the scene file) */
     double axis[3][3]; /* unit vectors of the shell axes 1, 2 and 3 as rows; ply angles count from
                           axis 1 */
-    double strain[10]; /* strains in the order of pzs_element_type.d (dimensionless) */
+    double strain[10]; /* ten strains of the element at its centre, in the order of
+                          pzs_element_type.d (dimensionless) */
     double resultant[10]; /* stress resultants conjugate to the ten strains, per area of the element
                              (N/m) */
     double normal_stress; /* normal stress 33 that all plies of the element share (Pa) */
@@ -56,8 +57,10 @@ typedef struct stress_element {
 
 /* Stress and strain at one height of a layer, in the material axes of the layer. */
 typedef struct stress_point {
-    double strain[STRESS_COMPONENTS]; /* engineering strains 11 22 33 23 13 12 (dimensionless) */
-    double stress[STRESS_COMPONENTS]; /* stresses 11 22 33 23 13 12 (Pa) */
+    double strain[STRESS_COMPONENTS]; /* engineering strains of the layer in the order 11 22 33 23
+                                         13 12 (dimensionless) */
+    double stress[STRESS_COMPONENTS]; /* stresses of the layer in the order 11 22 33 23 13 12 (Pa)
+                                       */
 } stress_point;
 
 /* Stresses, strains and electric quantities of one layer at the centre of one element. */

@@ -63,8 +63,8 @@ bool stress_load(const stress_field *field, double *value)
 }
 
 /*
- * Store a value and its place in an extreme, if the extreme is empty or the value is more extreme
- * than the stored one: larger for order = 1, smaller for order = -1.
+ * Store a value and its place as the extreme value of a stress or strain, if none is stored yet or
+ * the value is more extreme: larger for order = 1, smaller for order = -1.
  */
 static void keep(stress_extreme *extreme, double order, double value, stress_extreme place)
 {
@@ -75,8 +75,8 @@ static void keep(stress_extreme *extreme, double order, double value, stress_ext
 }
 
 /*
- * Store a value and its place in an extreme, if the extreme is empty or the magnitude of the value
- * exceeds the magnitude of the stored value.
+ * Store a value and its place as the extreme value of a stress or strain, if none is stored yet or
+ * the magnitude of the value exceeds that of the stored value.
  */
 static void keep_larger(stress_extreme *extreme, double value, stress_extreme place)
 {

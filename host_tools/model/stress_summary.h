@@ -19,10 +19,11 @@ typedef struct stress_extreme {
 } stress_extreme;
 
 typedef struct stress_summary {
-    stress_extreme stress[STRESS_COMPONENTS]; /* stress of largest magnitude of each component, in
-                                                 the whole structure (Pa) */
-    stress_extreme strain[STRESS_COMPONENTS]; /* strain of largest magnitude of each component
-                                                 (dimensionless) */
+    stress_extreme stress[STRESS_COMPONENTS]; /* in the whole structure, the stress of largest
+                                                 magnitude of each stress component (Pa) */
+    stress_extreme strain[STRESS_COMPONENTS]; /* in the whole structure, the strain of largest
+                                                 magnitude of each strain component (dimensionless)
+                                               */
     stress_extreme mises[LAMINATE_LAYERS];    /* largest von Mises stress of each layer (Pa) */
     stress_extreme reserve[LAMINATE_LAYERS];  /* smallest reserve factor of each layer against the
                                                  strengths of its material, if the scene file gives

@@ -5,7 +5,9 @@
 
 #include "analysis.h"
 
-enum { TICK_WORK_TICKS = 1998 }; /* number of ticks that are simulated */
+enum {
+    TICK_WORK_TICKS = 1998
+}; /* number of control ticks that are simulated to find the longest one */
 
 /*
  * Return the largest number of multiply-adds that the optimiser makes in one of TICK_WORK_TICKS

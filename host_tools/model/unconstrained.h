@@ -26,7 +26,8 @@ typedef struct unconstrained {
     double *remaining; /* [inputs] diagonal entries of the part of the normal matrix that is not yet
                           eliminated */
     double *gradient;  /* [inputs] negative gradient of half the objective (m2/V) */
-    uint16_t *pivot;   /* [inputs] input of each pivot; only the first `rank` entries are used */
+    uint16_t *pivot;   /* [inputs] index of the input that is the pivot of each step of the Cholesky
+                          factorisation; only the first `rank` entries are used */
 } unconstrained;
 
 /*

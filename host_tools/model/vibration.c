@@ -60,11 +60,12 @@ typedef struct search {
     size_t free_dof, room; /* number of free dof, and number of basis vectors for which there is
                               memory */
     double shift;
-    double *basis; /* [room][free_dof] basis vectors, orthonormal with the mass matrix */
+    double *basis; /* [room][free_dof] vectors of the Lanczos basis, orthonormal with the mass
+                      matrix */
     size_t made, done;
     double *projection;  /* [room][room] projection of the operator onto the basis; column j begins
                             at projection + j room */
-    double *next;        /* [free_dof] work vector: the next basis vector */
+    double *next;        /* [free_dof] work vector: the next vector of the Lanczos basis */
     double *mass_next;   /* [free_dof] work vector: product of the mass matrix and the next basis
                             vector */
     double *ritz, *turn; /* ritz [done][done]: Ritz values (approximate eigenvalues) on the

@@ -17,11 +17,11 @@
 #include "pzs_nonlinear.h"
 
 typedef struct vibration {
-    int count;         /* number of computed natural frequencies and mode shapes */
-    int rigid;         /* number of rigid motions, which are the first vibration modes and have the
-                          frequency 0 */
-    int solves;        /* number of linear solves with the shifted stiffness matrix */
-    double mass;       /* mass of the whole structure, constrained nodes included */
+    int count;   /* number of computed natural frequencies and mode shapes */
+    int rigid;   /* number of rigid motions, which are the first vibration modes and have the
+                    frequency 0 */
+    int solves;  /* number of linear solves with the shifted stiffness matrix that were needed */
+    double mass; /* mass of the whole structure, constrained nodes included */
     double *frequency; /* [count] natural frequencies (Hz where the unit of time is the second) */
     double *square;    /* [count] squares of the angular frequencies (rad^2/s^2) */
     double *shape;     /* [count][free_dof] mode shapes, scaled to unit modal mass; in the unit of

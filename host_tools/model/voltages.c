@@ -383,16 +383,16 @@ static double objective(const analysis *analysis, const voltages *result)
 
 /* Arrays of one Gauss-Newton run, in one allocation that begins at `full_influence`. */
 typedef struct newton {
-    double *full_influence; /* [outputs][inputs] influence matrix of the structure at the last shape
-                             */
+    double *full_influence; /* [outputs][inputs] influence matrix of the nonlinear structure at the
+                               last computed shape */
     double *influence;      /* [targets][amplifiers] influence matrix of the voltage problem */
     double *wanted;      /* [targets] displacements that the voltages are to cause in the linearised
                             problem */
-    double *work;        /* [targets] work array for a shape at the target nodes */
+    double *work;        /* [targets] work array for displacements of the target nodes */
     double trust_radius; /* largest change of any voltage in one iteration of the nonlinear
                             optimisation (V) */
     void *state;         /* saved state of the equilibrium solver for the best result so far */
-    voltages best;       /* voltages and shape with the smallest objective so far */
+    voltages best; /* voltages and shape with the smallest objective of all iterations so far */
 } newton;
 
 /* Save a result and the state of the equilibrium solver as the best ones so far. */

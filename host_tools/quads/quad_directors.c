@@ -166,7 +166,8 @@ static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, nod
 enum { COEFFICIENTS = 5, EQUATIONS = 15 };
 typedef struct quadric {
     double tangent[2][3];     /* unit vectors along the two coordinates u and v of the quadric */
-    double matrix[EQUATIONS]; /* packed lower triangle of the matrix of the normal equations */
+    double matrix[EQUATIONS]; /* packed lower triangle of the matrix of the normal equations of the
+                                 fit */
     double coefficient[COEFFICIENTS]; /* right-hand side of the normal equations, which the
                                          solution, the coefficients of the quadric, replaces */
 } quadric;
@@ -293,7 +294,8 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
 typedef struct slopes {
     double tangent[2][3]; /* unit vectors t1 and t2 along which the director may lean */
     double matrix[3];     /* entries 11, 12 and 22 of the 2 x 2 matrix of the normal equations */
-    double right_side[2]; /* right-hand side of the normal equations */
+    double right_side[2]; /* right-hand side of the normal equations for the slopes of the director
+                           */
 } slopes;
 
 static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *sum)

@@ -17,7 +17,7 @@ typedef struct quad_file {
     const char *path;
     char *text; /* [bytes + 1] contents of the mesh file, followed by a NUL */
     size_t bytes;
-    size_t at;      /* reading position in the file, from 0 to bytes */
+    size_t at;      /* reading position in the mesh file, from 0 to `bytes` */
     bool is_binary; /* whether the numbers in the mesh file are binary; the position of a fault is
                        then given as a byte, otherwise as a line */
     char *error;    /* [QUAD_ERROR] memory of the error message about the file */

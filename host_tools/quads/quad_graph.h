@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The graph of a mesh, in which two nodes are neighbours if they belong to one element, and orders
- * of its nodes that give a factor a small envelope.
+ * of its nodes that give a factor a small envelope (number of stored entries).
  */
 #ifndef QUAD_GRAPH_H
 #define QUAD_GRAPH_H

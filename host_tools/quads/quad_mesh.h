@@ -33,11 +33,11 @@ typedef struct quad_region {
 
 typedef struct quad_mesh {
     size_t nodes, elements, regions;
-    double (*position)[3]; /* [nodes] points of the reference surface at the nodes (m) */
+    double (*position)[3]; /* [nodes] position of each node, a point of the reference surface (m) */
     double (*director)[3]; /* [nodes] unit normals towards the outer face, axis e3 of each node's
-                              triad */
-    double (*axis)[3]; /* [nodes] unit vectors e1 of the triads, normal to the directors; e2 = e3 x
-                          e1 */
+                              triad (local axes) */
+    double (*axis)[3];     /* [nodes] unit vectors e1 of the triads (local axes), normal to the
+                              directors; e2 = e3 x e1 */
     uint8_t *constrained; /* [nodes] bit i is set if dof i of the node is constrained to 0; NULL: no
                              dof is constrained */
     uint32_t *order;     /* [nodes] nodes in the order in which their dof are numbered; NULL: in the

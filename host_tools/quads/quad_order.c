@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Numbering of the mesh nodes that gives the factor of the stiffness matrix a small envelope
- * (quad_steps.h). Three types of orders are compared, each also reversed, and the best one is kept:
- * orders of the algorithm of Cuthill and McKee from a single node; orders of this algorithm from
- * all nodes on one side of the mesh; and orders of Sloan's algorithm.
+ * Numbering of the mesh nodes with which the factor of the stiffness matrix has few stored entries,
+ * a small envelope (quad_steps.h). Three types of orders are compared, each also reversed, and the
+ * best one is kept: orders of the algorithm of Cuthill and McKee from a single node; orders of this
+ * algorithm from all nodes on one side of the mesh; and orders of Sloan's algorithm.
  */
 #include "quad_graph.h"
 #include "quad_steps.h"
@@ -148,12 +148,12 @@ static void order_from_side(const quad_mesh *mesh, const quad_graph *graph, int 
  */
 typedef struct search {
     const quad_graph *graph;
-    uint32_t *best;    /* [nodes] best node order found so far */
-    uint32_t *other;   /* [nodes] another node order, to be compared with the best one */
-    uint32_t *level;   /* [nodes] distance of each node from the start of a node order, counted in
-                          elements */
-    uint32_t *place;   /* [nodes] work memory for counting the entries in the envelope of the matrix
-                        */
+    uint32_t *best;  /* [nodes] best order of the mesh nodes found so far */
+    uint32_t *other; /* [nodes] another order of the mesh nodes, to be compared with the best one */
+    uint32_t *level; /* [nodes] distance of each node from the start of a node order, counted in
+                        elements */
+    uint32_t *place; /* [nodes] work memory for counting the entries in the envelope of the matrix
+                      */
     uint64_t envelope; /* number of stored entries (envelope) of the stiffness matrix's factor for
                           the best node order; UINT64_MAX: no order has been found yet */
 } search;

@@ -20,20 +20,21 @@ typedef struct quad_raw_cell {
     int64_t label;   /* number of the cell (point, edge or quadrilateral) in the mesh file */
     int64_t node[4]; /* [corners] numbers of the cell's nodes in the file */
     int corners;
-    int group; /* number of the set to which the cell belongs, used by the reader of a file format
-                  to collect the members of sets */
+    int group; /* number of the set to which the cell (point, edge or quadrilateral) belongs, used
+                  by the reader of a file format to collect the members of sets */
     size_t at; /* position (byte) in the mesh file at which the item was read, for error messages */
 } quad_raw_cell;
 
 /*
- * Named set of a mesh file: nodes, by their numbers in the file, or cells with equal numbers of
- * corners, by their indices.
+ * Named set of a mesh file: nodes, by their numbers in the file, or cells (points, edges or
+ * quadrilaterals) with equal numbers of corners, by their indices.
  */
 typedef struct quad_raw_set {
     char *name;
     int corners; /* type of the members of the set: 0 nodes, 2 edges, 4 quadrilaterals */
     size_t count, room;
-    int64_t *item; /* [count] numbers of nodes in the file, or indices of cells */
+    int64_t *item; /* [count] numbers of nodes in the file, or indices of cells (points, edges or
+                      quadrilaterals) */
 } quad_raw_set;
 
 typedef struct quad_raw {

@@ -20,14 +20,14 @@ typedef struct sloan {
     const quad_graph *graph;
     int64_t *priority; /* [nodes] priority of each node; the candidate with the highest priority
                           gets the next number */
-    node_state *state; /* [nodes] state of each node in the numbering */
+    node_state *state; /* [nodes] state of each mesh node in the numbering */
     uint32_t *waiting; /* [nodes] candidates for the next number as a binary heap: the priority at
                           index i is at least that at the indices 2 i + 1 and 2 i + 2 */
-    uint32_t *slot;    /* [nodes] index of each candidate in the heap `waiting` */
-    uint32_t count;    /* number of candidates for the next number */
-    int64_t growth_weight; /* weight of the front's growth: increase of a node's priority when
-                              numbering this node would add one node less to the front than before
-                            */
+    uint32_t *slot; /* [nodes] index of each candidate for the next number in the heap `waiting` */
+    uint32_t count; /* number of mesh nodes that are candidates for the next number */
+    int64_t growth_weight; /* weight of the front, the set of nodes without a number that have a
+                              numbered neighbour: increase of a node's priority when numbering this
+                              node would add one node less to the front than before */
 } sloan;
 
 /* ---- waiting nodes ------------------------------------------------------ */
@@ -86,7 +86,7 @@ static void add_waiting(sloan *run, uint32_t node)
 
 /*
  * Raise the priority of a node, because numbering this node would now add one node less to the
- * front.
+ * front (nodes without a number that have a numbered neighbour).
  */
 static void raise_priority(sloan *run, uint32_t node)
 {
@@ -99,14 +99,20 @@ static void raise_priority(sloan *run, uint32_t node)
 
 /* ---- front -------------------------------------------------------------- */
 
-/* Raise the priority of all neighbours of a node that has just come into the front. */
+/*
+ * Raise the priority of all neighbours of a node that has just come into the front (nodes without a
+ * number that have a numbered neighbour).
+ */
 static void enter_front(sloan *run, uint32_t node)
 {
     for (uint32_t k = run->graph->start[node]; k < run->graph->start[node + 1]; k++)
         raise_priority(run, run->graph->neighbour[k]);
 }
 
-/* Give the next number to a candidate, and bring its neighbours without a number into the front. */
+/*
+ * Give the next number to a candidate, and bring its neighbours without a number into the front
+ * (nodes without a number that have a numbered neighbour).
+ */
 static void give_number(sloan *run, uint32_t node)
 {
     const bool was_near = run->state[node] == NEAR_FRONT;

@@ -13,7 +13,7 @@
 /* Mesh file and positions in it, for error messages of the steps after reading. */
 typedef struct quad_origin {
     const quad_file *file;
-    size_t *element_at; /* [elements] position of each element in the file (byte) */
+    size_t *element_at; /* [elements] position of each element in the mesh file (byte) */
 } quad_origin;
 
 /* Return the number that an element, or a node, has in the mesh file. */
@@ -60,8 +60,8 @@ int quad_turn(quad_mesh *mesh);
 
 /*
  * Fill mesh->order with an order of the nodes that gives the factor of the stiffness matrix a small
- * envelope: the best of the orders that the algorithms of Cuthill and McKee and of Sloan find.
- * Returns 0, or -1 when memory runs out.
+ * envelope (number of stored entries): the best of the orders that the algorithms of Cuthill and
+ * McKee and of Sloan find. Returns 0, or -1 when memory runs out.
  */
 int quad_renumber(quad_mesh *mesh);
 

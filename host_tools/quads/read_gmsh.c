@@ -16,7 +16,8 @@
  */
 typedef struct entity {
     int dimension, tag, count;
-    int *physical; /* [count] numbers of the entity's physical groups */
+    int *physical; /* [count] numbers of the physical groups to which the geometric entity belongs
+                    */
 } entity;
 
 typedef struct physical_name {

@@ -19,7 +19,7 @@ typedef struct report_job {
     FILE *file;
     bool is_svg;
     int words;
-    char *const *word; /* [words] words of the command line */
+    char *const *word; /* [words] words of the command line, which the report shows */
 } report_job;
 
 /*
@@ -47,9 +47,11 @@ int report_simulate(const report_job *job, const simulation *simulation,
 /* An array of values at the points or in the cells of a VTK file. */
 typedef struct report_array {
     char name[256];
-    int components; /* number of values at each point or in each cell */
-    bool of_cells;  /* true: values of the cells; false: values of the points */
-    double *value;  /* [points or cells][components] values of the array */
+    int components; /* number of values that the array of a VTK file has at each point or in each
+                       cell */
+    bool of_cells;  /* true: the array of the VTK file has values for the cells; false: for the
+                       points */
+    double *value;  /* [points or cells][components] values of the array of a VTK file */
 } report_array;
 
 /*

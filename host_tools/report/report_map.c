@@ -89,9 +89,9 @@ typedef struct electrode {
     shell part; /* copy of the map with only the elements of the electrode, if the electrode is a
                    patch of whole elements */
     const scene_patches *patches;
-    int index;                    /* index of the electrode in its group of patches */
-    double low[2], high[2], area; /* bounding box (pixels) and area (pixels squared) in the picture,
-                                     known after drawing */
+    int index;                    /* index of the electrode in its grid of patches */
+    double low[2], high[2], area; /* bounding box (pixels) and area (pixels squared) of the
+                                     electrode in the picture, known after drawing */
 } electrode;
 
 /*

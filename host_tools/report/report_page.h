@@ -22,14 +22,14 @@ typedef struct page {
     char pressure[WORDS_UNIT]; /* unit of pressures and stresses; empty if the scene file names none
                                 */
     draw_scale scale; /* colour scale of the values on the surface in all pictures in space */
-    double *vector;   /* [nodes][3] displacement of the nodes */
+    double *vector;   /* [nodes][3] displacement of each node that is drawn */
     double *wanted;   /* [nodes][3] displacement in which the component that the target prescribes
                          has its target value; NAN at nodes outside the target */
     double *value;    /* [nodes] values that are shown in colours; for a reached shape its misfit,
                          reached minus target value, NAN outside the target */
     double *row; /* [targets] work array for the misfit (reached minus target value) of each target
-                    row */
-    double largest; /* largest length of the displacement of any node */
+                    row (controlled displacement) */
+    double largest; /* largest length of the drawn displacement of any node */
     double misfit;  /* largest absolute value of the misfit, reached minus target value */
 } page;
 
@@ -92,7 +92,8 @@ void page_displace(page *page, const double *u);
  * Let a report page draw from now on a shape that voltages reach for a target, coloured by its
  * misfit (reached minus target value).
  *   u               [dof]      in  displacement vector
- *   reached, target [targets]  in  reached value and target value of each target row
+ *   reached, target [targets]  in  reached value and target value of each target row (controlled
+ *                                  displacement)
  */
 void page_shape(page *page, const double *u, const double *reached, const double *target);
 

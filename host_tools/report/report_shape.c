@@ -172,8 +172,9 @@ static void write_table(const shape_page *shape)
 }
 
 /*
- * Write notes on the page: voltage limits narrower than those of the scene, target rows that no
- * voltage moves, and free functions (shapes that may be added to the target at no cost).
+ * Write notes on the page: voltage limits narrower than those of the scene, target rows (controlled
+ * displacements) that no voltage moves, and free functions (shapes that may be added to the target
+ * at no cost).
  */
 static void write_notes(const shape_page *shape)
 {

@@ -14,8 +14,8 @@
 enum { FINE = 3000, SPACE_PIECES = 3000, MAP_PIECES = 6000, SIDE_PIECES = 12 };
 
 /*
- * Fill in the points and cells of a picture whose points are the nodes and whose cells are the
- * elements of the mesh.
+ * Fill in the points and cells (quadrilaterals) of a picture whose points are the nodes and whose
+ * cells are the elements of the mesh.
  */
 static void fill_from_elements(shell *shell)
 {
@@ -28,8 +28,8 @@ static void fill_from_elements(shell *shell)
 }
 
 /*
- * Fill in the points and cells of a picture on the plane of the parameters theta1 and theta2, for a
- * mesh along lines of curvature.
+ * Fill in the points and cells (quadrilaterals) of a picture on the plane of the parameters theta1
+ * and theta2, for a mesh along lines of curvature.
  */
 static void fill_from_parameters(shell *shell)
 {
@@ -215,7 +215,7 @@ static int farther_first(const void *one, const void *other)
     return (a->cell > b->cell) - (a->cell < b->cell);
 }
 
-/* Sort the cells of a mesh from the farthest to the nearest to the viewer. */
+/* Sort the cells (quadrilaterals) of a mesh from the farthest to the nearest to the viewer. */
 static void sort_cells(const shell *shell)
 {
     for (int k = 0; k < shell->cells; k++) {
@@ -230,8 +230,8 @@ static void sort_cells(const shell *shell)
 }
 
 /*
- * Return the index of the colour at a point inside a cell, with values interpolated from those at
- * its corners.
+ * Return the index of the colour at a point inside a cell (quadrilateral), with values interpolated
+ * from those at its corners.
  *   own [4] in  values at the corners
  */
 static int level_inside(const double own[4], const draw_scale *scale, double first, double second)
@@ -245,9 +245,9 @@ static int level_inside(const double own[4], const draw_scale *scale, double fir
 }
 
 /*
- * Draw a cell of a mesh in pieces, each in the colour of the value at its middle; neighbouring
- * pieces of the same colour in a row are drawn as one. Returns whether the cell has values at all
- * corners.
+ * Draw a cell (quadrilateral) of a mesh in pieces, each in the colour of the value at its middle;
+ * neighbouring pieces of the same colour in a row are drawn as one. Returns whether the cell has
+ * values at all corners.
  */
 static bool paint_cell(const shell *shell, int cell, const double *value, const draw_scale *scale,
                        int pieces)
@@ -272,7 +272,7 @@ static bool paint_cell(const shell *shell, int cell, const double *value, const 
     return has_values;
 }
 
-/* Draw the outline and the supported corners of a cell in space. */
+/* Draw the outline and the supported corners of a cell (quadrilateral) in space. */
 static void draw_frame(const shell *shell, int cell)
 {
     struct shell single = *shell;

@@ -18,10 +18,10 @@ enum { SHELL_MAP_WIDTH = 320 };
  * coordinates: x, y, z in space, or theta1, theta2 and 0 on a map of the surface parameters.
  */
 typedef struct view {
-    double axis[3][3];      /* unit vectors to the right, up and towards the viewer */
+    double axis[3][3]; /* unit vectors to the right, up and towards the viewer of the picture */
     double low[2], high[2]; /* smallest and largest coordinates of the included points, to the right
                                and up */
-    double zoom;            /* pixels per length unit */
+    double zoom;            /* number of pixels per length unit in the picture */
     double width, height;   /* width and height of the picture in pixels */
 } view;
 
@@ -51,8 +51,8 @@ void view_project(const view *view, const double point[3], double at[2]);
 double view_magnification(const mesh *mesh, double most, double share);
 
 /*
- * A cell of a mesh with its depth: the sum over its four corners of their coordinates towards the
- * viewer, by which cells are sorted.
+ * A cell (quadrilateral) of a mesh with its depth: the sum over its four corners of their
+ * coordinates towards the viewer, by which cells are sorted.
  */
 typedef struct shell_depth {
     double depth;
@@ -71,14 +71,14 @@ typedef struct shell {
     view view;
     bool is_map;
     int points, cells;
-    int *node;          /* [points] mesh node of each point */
+    int *node;          /* [points] number of the mesh node at each point of the picture */
     double (*place)[3]; /* [points] coordinates of the undeformed mesh: x, y, z in a picture in
                            space, theta1, theta2 and 0 on a map of the parameters */
-    int (*cell)[4];     /* [2 cells] point indices of the corners of each cell; the second half is
-                           memory for a copy with fewer cells */
+    int (*cell)[4];     /* [2 cells] point indices of the corners of each cell (quadrilateral); the
+                           second half is memory for a copy with fewer cells */
     bool *is_held; /* [nodes] whether a support includes the node; only in a picture in space */
-    shell_depth *order;   /* [cells] work array: cells sorted by depth */
-    quad_side *side;      /* [cells][4] work array: sides of the cells */
+    shell_depth *order;   /* [cells] work array: cells (quadrilaterals) sorted by depth */
+    quad_side *side;      /* [cells][4] work array: sides of the cells (quadrilaterals) */
     const double *vector; /* [nodes][3] displacement along x, y and z that is drawn; NULL: the
                              undeformed mesh is drawn */
     double factor;        /* factor by which the drawn displacement is magnified */
@@ -94,7 +94,7 @@ void shell_close(shell *shell);
 /*
  * shell_place computes the coordinates of a point with its displacement, and shell_at its pixel
  * coordinates. In space the points are the nodes of the mesh. shell_inside computes the pixel
- * coordinates of a point inside a cell.
+ * coordinates of a point inside a cell (quadrilateral).
  *   share [2]  in  from 0 to 1; the first increases from corner 0 to corner 1, the second from
  *                  corner 0 to corner 3
  */
@@ -106,15 +106,15 @@ void shell_inside(const shell *shell, int cell, const double share[2], double at
 void shell_include(shell *shell);
 
 /*
- * Draw the surface coloured by value [nodes], or discs at the points if no cell has values at all
- * corners. In space, closer cells cover distant ones, and supports are included.
+ * Draw the surface coloured by value [nodes], or discs at the points if no cell (quadrilateral) has
+ * values at all corners. In space, closer cells cover distant ones, and supports are included.
  */
 void shell_surface(const shell *shell, const double *value, const draw_scale *scale);
 
 /*
- * Draw mesh lines with a style class. shell_lines draws the sides of all cells, or of a very fine
- * mesh only its outer edges; shell_edges draws only the outer edges, which are sides of a single
- * cell. Cells with a displacement of NaN are left out.
+ * Draw mesh lines with a style class. shell_lines draws the sides of all cells (quadrilaterals), or
+ * of a very fine mesh only its outer edges; shell_edges draws only the outer edges, which are sides
+ * of a single cell. Cells with a displacement of NaN are left out.
  */
 void shell_lines(const shell *shell, const char *style);
 void shell_edges(const shell *shell, const char *style);

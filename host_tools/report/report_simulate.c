@@ -14,8 +14,8 @@ typedef struct simulate_page {
 } simulate_page;
 
 /*
- * Write the largest difference, over all phases of the simulation, between the shape error of the
- * controller at the end of the phase and the least possible error.
+ * Write the largest difference, over all phases (intervals between events) of the simulation,
+ * between the shape error of the controller at the end of the phase and the least possible error.
  */
 static void write_verdict(const simulate_page *self)
 {
@@ -139,7 +139,7 @@ enum { TOP = 8, BOTTOM = 250, FOOT = 34, LEFT = 64, RIGHT = 1150 };
 
 /*
  * Draw the frame of a diagram with the time axis, and a vertical line at the beginning of each
- * phase of the simulation.
+ * phase (interval between events) of the simulation.
  */
 static void draw_time(const simulate_page *self, double bottom)
 {
@@ -266,8 +266,8 @@ static void write_voltages(const simulate_page *self)
 }
 
 /*
- * Draw the shape that the controller has reached at the end of the last phase of the simulation,
- * with its misfit (reached minus target value).
+ * Draw the shape that the controller has reached at the end of the last phase (interval between
+ * events) of the simulation, with its misfit (reached minus target value).
  */
 static void write_shape(page *page, const simulate_phase *last)
 {

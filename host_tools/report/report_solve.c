@@ -7,7 +7,7 @@
 /* Data of the report page of `pzs solve`. */
 typedef struct solve_page {
     page page;
-    const double *output;       /* [output rows] values of the outputs */
+    const double *output;       /* [output rows] values of the outputs of the scene */
     const stress_field *stress; /* recovered stresses, which the page shows; NULL: the page shows no
                                    stresses */
     shell_body body;

@@ -8,17 +8,21 @@
 #include "../../lib/core/linalg.h"
 
 /*
- * ORDER: number of cubic B-splines that differ from zero in a cell. TERMS: number of their products
- * for both coordinates.
+ * ORDER: number of cubic B-splines along one coordinate that differ from zero in a cell, a
+ * rectangle between knots. TERMS: number of their products for both coordinates.
  */
 enum { ORDER = 4, TERMS = ORDER * ORDER };
 
-/* Number of points that a cell has on average where the caller does not choose the cells. */
+/*
+ * Number of data points that a cell of the bicubic spline function has on average where the caller
+ * does not choose the number of cells.
+ */
 static const double points_of_cell = 4;
 
 /*
- * Weight of the penalty relative to that of the points of an average cell. It is so small that the
- * penalty moves the function by less than the spline's own error of approximation.
+ * Weight of the penalty on the second derivatives of the bicubic spline function, relative to the
+ * weight of the points in an average cell. It is so small that the penalty moves the function by
+ * less than the spline's own error of approximation.
  */
 static const double penalty = 1e-6;
 
@@ -31,10 +35,10 @@ static const double narrow = 1e-4;
 /* ---- B-splines ---------------------------------------------------------- */
 
 /*
- * Compute the four cubic B-splines of a cell, or their first or second derivatives with respect to
- * the cell coordinate, which runs from 0 to 1.
- *   derivative  in   0, 1 or 2
- *   value [4]   out  values of the four functions
+ * Compute the four cubic B-splines that differ from zero in a cell of the spline function, or their
+ * first or second derivatives with respect to the coordinate in the cell, which runs from 0 to 1.
+ *   derivative in   0, 1 or 2
+ *   value [4]  out  values of the four functions
  */
 static void splines(double at, int derivative, double value[ORDER])
 {
@@ -47,7 +51,10 @@ static void splines(double at, int derivative, double value[ORDER])
     memcpy(value, table[derivative], sizeof table[derivative]);
 }
 
-/* A cell and the coordinates of a point in it, each from 0 to 1 inside the cell. */
+/*
+ * A cell of the bicubic spline function, and the coordinates of a point in it, each from 0 to 1
+ * inside the cell.
+ */
 typedef struct cell_point {
     int cell[2];
     double at[2];
@@ -101,7 +108,10 @@ static void products(const bicubic *function, const double at[2], const int deri
 
 /* ---- normal equations --------------------------------------------------- */
 
-/* Add a weight times the outer product of 16 products of B-splines to the matrix of a cell. */
+/*
+ * Add a weight times the outer product of the 16 products of B-splines that differ from zero in a
+ * cell to the matrix of the normal equations for this cell.
+ */
 static void add_square(const double product[TERMS], double weight, double matrix[TERMS][TERMS])
 {
     for (int i = 0; i < TERMS; i++)
@@ -135,7 +145,10 @@ static void set_penalty(const bicubic *function, double matrix[TERMS][TERMS])
         }
 }
 
-/* Add the matrix of a cell to the normal equations, whose lower triangle is stored. */
+/*
+ * Add the matrix of a cell of the spline function to the normal equations of the whole fit, whose
+ * lower triangle is stored.
+ */
 static void add_cell(const bicubic *function, const int cell[2], double matrix[TERMS][TERMS],
                      pzs_envelope *equations)
 {
@@ -174,9 +187,9 @@ static void add_points(const bicubic *function, size_t count, const double (*poi
 }
 
 /*
- * Allocate the matrix of the normal equations, of which each row begins with the first B-spline
- * that shares a cell with its own. Returns 0, or -1 when memory runs out; the caller releases the
- * arrays in either case.
+ * Allocate the matrix of the normal equations of the spline fit. Each of its rows belongs to a
+ * B-spline, and begins with the first B-spline that differs from zero in one of the same cells.
+ * Returns 0, or -1 when memory runs out; the caller releases the arrays in either case.
  */
 static int open_equations(const bicubic *function, pzs_envelope *equations, uint16_t *first,
                           uint32_t rows)

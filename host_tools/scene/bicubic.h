@@ -11,19 +11,21 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Largest number of cells along one coordinate. */
+/* Largest number of cells of the spline function along one coordinate. */
 enum { BICUBIC_CELLS = 64 };
 
 typedef struct bicubic {
-    int cells[2];          /* number of cells along x and y */
-    double from[2], to[2]; /* rectangle that contains the points (unit of length of the points) */
+    int cells[2];          /* number of cells of the spline function along x and y */
+    double from[2], to[2]; /* rectangle that contains all points to which the function is fitted
+                              (unit of length of the points) */
     double *coefficient;   /* [cells[1] + 3][cells[0] + 3] coefficients of the products of cubic
                               B-splines (unit of the values) */
-    unsigned *points_in;   /* [cells[1]][cells[0]] number of points in each cell */
-    size_t points;         /* number of points that the function is fitted to */
-    double rms, largest;   /* root mean square and largest difference between the given values and
-                              the function */
-    size_t worst;          /* number of the point with the largest difference, counted from 0 */
+    unsigned *points_in; /* [cells[1]][cells[0]] number of fitted points in each cell of the spline
+                            function */
+    size_t points;       /* number of points that the function is fitted to */
+    double rms, largest; /* root mean square and largest difference between the given values and
+                            the function */
+    size_t worst;        /* number of the point with the largest difference, counted from 0 */
 } bicubic;
 
 /* Value of the function at a point, with its first and second derivatives. */

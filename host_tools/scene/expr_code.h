@@ -56,7 +56,7 @@ struct expr {
     int axes, axis[SCATTER_AXES]; /* number and indices of the coordinates that the scattered points
                                      have */
     double spacing;               /* usual distance between neighbouring scattered points */
-    double *list;                 /* [rows] values of a function that is a list, or NULL */
+    double *list; /* [rows] values of a function that is given as a list of values, or NULL */
     int rows;
     instruction code[];
 };

@@ -12,7 +12,7 @@
 
 /* Plane in which the corners and lengths of the outlines of electrodes are given. */
 typedef enum outline_plane {
-    OUTLINE_THETA, /* plane of the parameters theta1 and theta2 of the surface */
+    OUTLINE_THETA, /* outlines are given in the parameters theta1 and theta2 of the surface */
     OUTLINE_XY,
     OUTLINE_XZ,
     OUTLINE_YZ /* plane of two coordinates in space (x and y, x and z, or y and z), on which the
@@ -31,7 +31,8 @@ typedef struct scene_outline {
     struct polygon *polygon; /* [polygons] counterclockwise polygons, no two of which overlap */
     expr *inside; /* formula that is positive on the electrode; NULL: the electrode is given by
                      polygons */
-    double low[2], high[2]; /* bounding box of the polygons in the plane of the outlines */
+    double low[2], high[2]; /* bounding box of the polygons of an electrode in the plane of the
+                               outlines */
     scene_at at;
 } scene_outline;
 

@@ -49,7 +49,8 @@ static void corners_on_lines(const scene *scene, int element, double at[4][OUTLI
 /* ---- area of the surface over that of the plane ----------------------- */
 
 /*
- * Compute the areas of the parallelogram that the two sides at corner r of a cell span.
+ * Compute the areas of the parallelogram that the two sides at corner r of a cell (element or part
+ * of one) span.
  *   area  [2] out  in space, and in the plane of the outlines; the latter is negative if the
  *                  corners run clockwise there
  */
@@ -70,7 +71,7 @@ static void corner_areas(const outline_cell *cell, const int axis[2], int corner
 
 /*
  * Fit a linear function, by least squares, to the ratios of the area of the surface to that of the
- * plane at the four corners of a cell.
+ * plane at the four corners of a cell (element or part of one).
  */
 static void fit_ratio(outline_cell *cell, const int axis[2], const double ratio[4])
 {
@@ -93,8 +94,8 @@ static void fit_ratio(outline_cell *cell, const int axis[2], const double ratio[
 }
 
 /*
- * Compute all members of a cell (a quadrilateral in the plane of the electrode outlines) that
- * follow from its corners.
+ * Compute all members of a cell, the quadrilateral of an element or of a part of one in the plane
+ * of the electrode outlines, that follow from its corners.
  */
 static void finish(outline_cell *cell, outline_plane plane)
 {
@@ -175,7 +176,10 @@ bool outline_cell_move(const scene *scene, outline_plane plane, int k, double sh
 
 /* ---- points inside ---------------------------------------------------- */
 
-/* Compute the bilinear weights of the four corners of a cell at a point in natural coordinates. */
+/*
+ * Compute the bilinear weights of the four corners of a cell (element or part of one) at a point in
+ * natural coordinates.
+ */
 static void corner_weights(const double natural[2], double weight[4])
 {
     static const double sign[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
@@ -207,8 +211,9 @@ expr_point outline_cell_point(const scene *scene, const outline_cell *cell, cons
 }
 
 /*
- * Compute the derivatives of all coordinates of a cell along one natural coordinate. The
- * derivatives are exact, because the coordinates are linear functions of each natural coordinate.
+ * Compute the derivatives of all coordinates of a cell (element or part of one) along one natural
+ * coordinate. The derivatives are exact, because the coordinates are linear functions of each
+ * natural coordinate.
  */
 static void derivative(const outline_cell *cell, const double natural[2], int direction,
                        double slope[OUTLINE_AXES])
@@ -225,7 +230,8 @@ static void derivative(const outline_cell *cell, const double natural[2], int di
 
 /*
  * The coordinates in the plane of the outlines are bilinear functions of the natural coordinates,
- * which Newton's method inverts, starting from the middle of the convex cell.
+ * which Newton's method inverts, starting from the middle of the convex cell (element or part of
+ * one).
  */
 void outline_cell_natural(const outline_cell *cell, outline_plane plane, const double point[2],
                           double natural[2])

@@ -17,16 +17,20 @@ enum { OUTLINE_AXES = 5 };
 
 typedef struct outline_cell {
     double at[4][OUTLINE_AXES]; /* coordinates x, y, z, theta1, theta2 of the corners (-,-) (+,-)
-                                   (+,+) (-,+) of the cell */
-    double quad[4][2]; /* corners of the cell in the plane of the outlines, counterclockwise */
-    double centre[2];  /* mean of the cell's four corners in the plane of the outlines */
-    double ratio[3]; /* area of the surface divided by its projection on the plane of the electrode
-                        outlines, at the centre of the cell, and its two derivatives along the
-                        coordinates of the plane */
-    double plane_area; /* area of the cell in the plane of the outlines */
-    double area;     /* area of the cell on the surface, from its area in the plane and the ratio of
-                        both */
-    polygon_box box; /* bounding box of the cell in the plane of the outlines */
+                                   (+,+) (-,+) of the cell (element or part of one) */
+    double quad[4][2]; /* corners of the cell (element or part of one) in the plane of the electrode
+                          outlines, counterclockwise */
+    double centre[2]; /* mean of the four corners of a cell (element or part of one) in the plane of
+                         the electrode outlines */
+    double ratio[3];  /* area of the surface divided by its projection on the plane of the electrode
+                         outlines, at the centre of the cell (element or part of one), and its two
+                         derivatives along the coordinates of the plane */
+    double plane_area; /* area of the cell (element or part of one) in the plane of the electrode
+                          outlines */
+    double area; /* area of the cell (element or part of one) on the surface, from its area in the
+                    plane and the ratio of both */
+    polygon_box box;  /* bounding box of the cell (element or part of one) in the plane of the
+                         electrode outlines */
     bool is_mirrored; /* true where the plane of the outlines shows the inner face of the surface;
                          the member quad then has the reverse order of the corners */
     bool is_steep;    /* true where the surface stands at more than 84 degrees to the plane of the
@@ -50,9 +54,9 @@ void outline_cell_part(const outline_cell *whole, outline_plane plane, const dou
                        const double high[2], outline_cell *part);
 
 /*
- * Find one of the moves of a cell by full turns (2 pi) of theta1 and theta2, as far as these
- * coordinates are periodic. An outline that goes beyond the ends of theta1 or theta2 meets the cell
- * after one of these moves.
+ * Find one of the moves of a cell (element or part of one) by full turns (2 pi) of theta1 and
+ * theta2, as far as these coordinates are periodic. An outline that goes beyond the ends of theta1
+ * or theta2 meets the cell after one of these moves.
  *   k          in   number of the move, from 0 (no move) to OUTLINE_MOVES - 1: each coordinate
  *                   moves by 0, +1 or -1 turn
  *   shift [2]  out  displacement of the cell in the plane of the outlines
@@ -61,28 +65,34 @@ void outline_cell_part(const outline_cell *whole, outline_plane plane, const dou
 enum { OUTLINE_MOVES = 9 };
 bool outline_cell_move(const scene *scene, outline_plane plane, int k, double shift[2]);
 
-/* Move a cell in the plane of the outlines by shift [2]. */
+/* Move a cell (element or part of one) in the plane of the outlines by shift [2]. */
 void outline_cell_shift(outline_cell *cell, const double shift[2]);
 
 /*
- * Interpolate the coordinates of the corners of a cell at a point.
+ * Interpolate the coordinates of the corners of a cell (element or part of one) at a point.
  *   natural [2]        in  natural coordinates of the point
  *   at [OUTLINE_AXES]  out  coordinates of the point
  */
 void outline_cell_at(const outline_cell *cell, const double natural[2], double at[OUTLINE_AXES]);
 
 /*
- * Return the coordinates at a point of a cell as the variables of a formula. natural [2] in. Where
- * the scene has a surface, the point lies exactly on the surface.
+ * Return the coordinates at a point of a cell (element or part of one) as the variables of a
+ * formula. natural [2] in. Where the scene has a surface, the point lies exactly on the surface.
  */
 expr_point outline_cell_point(const scene *scene, const outline_cell *cell,
                               const double natural[2]);
 
-/* Find the natural coordinates of a point of the plane that lies in the cell. */
+/*
+ * Find the natural coordinates of a point of the plane that lies in the cell (element or part of
+ * one).
+ */
 void outline_cell_natural(const outline_cell *cell, outline_plane plane, const double point[2],
                           double natural[2]);
 
-/* Return the area of the surface per area of natural coordinates at a point of a cell. */
+/*
+ * Return the area of the surface per area of natural coordinates at a point of a cell (element or
+ * part of one).
+ */
 double outline_cell_stretch(const outline_cell *cell, const double natural[2]);
 
 #endif

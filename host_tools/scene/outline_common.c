@@ -8,8 +8,8 @@
 #include "outline_shares.h"
 
 /*
- * Clip all polygons of an electrode to a cell. Returns the clipped polygons, or NULL where memory
- * runs out.
+ * Clip all polygons of an electrode to a cell (element or part of one). Returns the clipped
+ * polygons, or NULL where memory runs out.
  */
 static polygon *clip_all(const outline_cell *cell, const scene_outline *outline)
 {

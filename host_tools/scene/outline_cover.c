@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Area that the polygons of an electrode cover in a cell (outline_cover.h). */
+/*
+ * Area that the polygons of an electrode cover in a cell, which is an element or a part of one
+ * (outline_cover.h).
+ */
 #include "outline_cover.h"
 
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 
 #include "outline_cell.h"
 
-/* Work memory in which polygons are cut to a cell. */
+/* Work memory in which polygons are cut to a cell (element or part of one). */
 typedef struct clip_room {
     double (*work)[2], (*out)[2];
 } clip_room;

@@ -26,7 +26,8 @@ typedef struct hexagon_pattern {
     double centre[2];
     double pitch; /* distance of the centres of neighbouring hexagons (length) */
     double gap;   /* distance between neighbouring electrodes (length) */
-    double angle; /* direction from the middle to the first hexagon of each ring (degrees) */
+    double angle; /* direction from the middle of the pattern to the first hexagon of each ring
+                     (degrees) */
     int rings;
 } hexagon_pattern;
 
@@ -39,7 +40,7 @@ typedef struct grid_pattern {
                             */
     double gap, angle;     /* gap: distance between neighbouring electrodes; angle: rotation of the
                               rectangle about its middle (degrees) */
-    int count[2];          /* number of cells along the first and the second coordinate */
+    int count[2]; /* number of cells of the pattern along the first and the second coordinate */
 } grid_pattern;
 
 /*

@@ -13,8 +13,8 @@ typedef struct piece_drawing {
     outline_cell cell; /* cell (quadrilateral in the plane of the electrode outlines) of the element
                         */
     outline_cell moved; /* cell of the element after a move by full turns of theta1 or theta2 */
-    double shift[2];    /* displacement of the cell in the plane of the outlines by full turns of
-                           theta1 or theta2 */
+    double shift[2];    /* displacement of the cell (element or part of one) in the plane of the
+                           outlines by full turns of theta1 or theta2 */
     int element;
     outline_draw *draw;
     void *context;

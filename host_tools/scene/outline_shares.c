@@ -50,7 +50,8 @@ static void append(share_list *list, int element, int electrode, double share)
 typedef struct outline_work {
     const scene *scene;
     scene_patches *patches;
-    outline_cell *cell; /* [elements] cell of each element in the plane of the outlines */
+    outline_cell *cell; /* [elements] quadrilateral of each element in the plane of the electrode
+                           outlines */
     int elements;
     share_list list;
     char *error;

@@ -44,7 +44,7 @@ typedef struct scene_surface {
     scene_surface_type type;
     double radius; /* radius of a cylinder or sphere, radius of a cone at theta1 = 0, or major
                       radius of a torus (length unit of the scene file) */
-    double angle;  /* half angle of a cone (degrees) */
+    double angle;  /* angle between the axis of a cone and its surface (degrees) */
     int axial;     /* surface coordinate along the axis of a cylinder or spiral: 1 for theta1, 2 for
                       theta2 */
     double waist, height; /* constants of a hyperboloid of revolution, whose radius at the height z
@@ -136,9 +136,10 @@ typedef enum scene_criterion { CRITERION_TSAI_HILL, CRITERION_MAXIMUM_STRESS } s
 /* Strengths of a material in its axes. */
 typedef struct scene_strength {
     bool given;
-    double tension[2];     /* strength under tension along the axes 1 and 2 */
-    double compression[2]; /* strength under compression along the axes 1 and 2, positive */
-    double shear;          /* strength under shear in the plane 12 */
+    double tension[2];     /* strength of a material under tension along its axes 1 and 2 */
+    double compression[2]; /* strength of a material under compression along its axes 1 and 2, as
+                              positive numbers */
+    double shear;          /* strength of a material under shear in the plane of its axes 1 and 2 */
     scene_criterion criterion;
 } scene_strength;
 
@@ -155,12 +156,14 @@ typedef struct scene_material {
     bool has_d, has_e;
     double permittivity;        /* permittivity along the poling at constant strain (F/m); 0 if not
                                    given */
-    double permittivity_across; /* permittivity across the poling at constant strain (F/m) */
-    double pyroelectric;     /* pyroelectric constant along the poling direction at constant strain
-                                (C/(m2 K)) */
-    double alpha[3];         /* thermal expansion coefficients in the directions 1, 2 and 3 (1/K) */
-    double density;          /* mass per volume; the weight per volume is density times gravity */
-    double field_limit;      /* depolarisation field (V/m); 0: no limit */
+    double permittivity_across; /* permittivity across the poling direction at constant strain (F/m)
+                                 */
+    double pyroelectric; /* pyroelectric constant along the poling direction at constant strain
+                            (C/(m2 K)) */
+    double alpha[3]; /* thermal expansion coefficients of a material along its axes 1, 2 and 3 (1/K)
+                      */
+    double density;  /* mass per volume; the weight per volume is density times gravity */
+    double field_limit; /* depolarisation field of a piezoelectric material (V/m); 0: no limit */
     scene_strength strength; /* strengths, with which `pzs solve --stress` compares the stresses */
     double film_thickness; /* thickness of a film actuator whose constants come from its data sheet
                               (length unit of the scene file); 0: no film */
@@ -236,7 +239,8 @@ typedef struct scene_where {
                           the scene file gives no limit */
     int node[2]; /* indices of the mesh lines of theta1 and of theta2 on which a point lies; on a
                     mesh from a file, node[0] is the number of the node nearest to the point */
-    char set[SCENE_NAME]; /* name of a node, edge or element set of the mesh file */
+    char set[SCENE_NAME]; /* name of the set of nodes, edges or elements in the mesh file that is
+                             meant */
     double x[3]; /* coordinates x, y, z of a point in space, on a mesh from a file (length unit of
                     the scene file) */
     scene_at at;
@@ -293,7 +297,7 @@ typedef struct scene_spring {
     scene_face face;       /* face of the shell to which the springs are attached */
     double stiffness; /* stiffness of a spring: force per elongation, also per length or area; for a
                          torsional spring moment per angle (rad) */
-    int per;          /* quantity that the stiffness refers to, a value of scene_per */
+    int per;          /* quantity that the stiffness of a spring refers to, a value of scene_per */
     double force; /* blocked force (force without elongation) of a stack actuator per volt (or other
                      unit) of its input */
     double stroke; /* free stroke (elongation without load) of a stack actuator per volt (or other
@@ -320,7 +324,7 @@ typedef struct scene_actuator {
                              magnitude */
     double *each;       /* [grid[0] * grid[1]] voltage (V) or temperature (K) of each amplifier in a
                            solution without optimisation; NULL where all have the value `applied` */
-    bool open;          /* sensor electrodes: true: open circuit; false: short circuit */
+    bool open;          /* electrodes of a sensor: true: open circuit; false: short circuit */
     int first, grid[2]; /* first: number of the first amplifier of an actuator (or electrode of a
                            sensor) among all of the scene; grid: number of patches along theta1 and
                            theta2 */
@@ -349,8 +353,8 @@ typedef struct scene_support {
     unsigned fix; /* bit i set: dof i of the support's nodes is prescribed, in the order means of u1
                      u2 u3, differences of u1 u2 u3, middle surface; higher bits are FIX_SIMPLE to
                      FIX_ACROSS */
-    expr *value;  /* formula of the prescribed displacement at full load (length unit of the scene
-                     file); NULL: 0 */
+    expr *value;  /* formula of the displacement that a support prescribes at full load (length unit
+                     of the scene file); NULL: 0 */
     unsigned move; /* bit i set: the prescribed dof i takes the value of the support; the other
                       prescribed dof are 0, so that a prescribed u3 moves both faces by the same
                       distance */
@@ -373,7 +377,8 @@ typedef struct scene_load {
     scene_where where; /* nodes on which a point load or line load acts; for a face load on a mesh
                           from a file, the element set that it is limited to (WHERE_SET) */
     scene_face face;
-    scene_component component; /* direction of the load; a pressure acts along u3 */
+    scene_component component; /* displacement component along which a load acts; u3 for a pressure
+                                */
     double vector[3]; /* unit vector (x, y, z) along which a weight acts; zero vector: the weight
                          acts along `component` */
     scene_direction about; /* axis about which a point load acts as a moment */
@@ -394,7 +399,8 @@ typedef struct scene_body {
     scene_body_type type;
     double point[3];  /* coordinates of a point on a plane, of a point on the axis of a cylinder, or
                          of the centre of a sphere */
-    double normal[3]; /* unit normal of a plane, pointing out of the rigid body */
+    double normal[3]; /* unit normal of the plane that bounds a rigid body, pointing out of the body
+                       */
     double axis[3];   /* unit vector along the axis of a rigid cylinder */
     double radius;    /* radius of a rigid cylinder or sphere (length unit of the scene file) */
     expr *value; /* level-set function psi(x, y, z) of a rigid body, positive outside the body */
@@ -449,7 +455,8 @@ typedef struct scene_output {
                    together */
     int height; /* height of a strain or stress output in its layer, or in all layers together: 0
                    inner face, 1 middle, 2 outer face */
-    double angle; /* angle of the axis 1 of a strain against that of the shell (degrees) */
+    double angle; /* angle by which axis 1 of a strain output is turned from that of the shell
+                     (degrees) */
     scene_contact_output contact;   /* quantity of contact; if it is not CONTACT_NONE, the output is
                                        no displacement, and only CONTACT_PRESSURE has a place */
     scene_electric_output electric; /* electric quantity; if it is not ELECTRIC_NONE, the output is
@@ -508,7 +515,7 @@ typedef struct scene_limit { /* Voltage limits of the amplifiers with the number
  */
 typedef struct scene_limit_row {
     int count;
-    int *amplifier; /* [count] numbers of the amplifiers in the limited sum */
+    int *amplifier; /* [count] numbers of the amplifiers whose voltages occur in the limited sum */
     double *factor; /* [count] factor of the voltage of each amplifier in the limited sum (1) */
     double lower, upper; /* lower and upper limit of a weighted sum of voltages (V) */
     scene_at at;
@@ -577,7 +584,7 @@ typedef enum scene_event_type {
     EVENT_LOST,    /* event: the controller does not run for some ticks */
     EVENT_IMPULSE, /* event: a load acts like a hammer blow; the impulse of its force during
                       `amount` seconds is applied in one instant */
-    EVENT_SINE, /* event: a load is multiplied by amount * sin(2 pi frequency time) for some ticks
+    EVENT_SINE, /* event: for some ticks a load is multiplied by amount * sin(2 pi frequency time)
                  */
     EVENT_LATE, /* event: for some ticks each voltage change takes effect late, by a random fraction
                    of the tick interval that is at most `amount` */
@@ -698,7 +705,7 @@ typedef struct scene_simulate {
  */
 /* One vibration mode of a structure whose influence matrix is measured. */
 typedef struct scene_measured_mode {
-    double frequency; /* natural frequency (Hz) */
+    double frequency; /* natural frequency of a measured vibration mode (Hz) */
     double *shape; /* [outputs] displacement of each output in the measured vibration mode, in any
                       unit */
     double *response; /* [amplifiers] static modal coordinate per volt of each amplifier: times the
@@ -713,14 +720,16 @@ typedef struct scene_influence {
     int outputs;    /* number of rows of the influence matrix that are used, one for each output */
     int file_outputs;        /* number of outputs in the file of the influence matrix */
     bool rows_are_actuators; /* true: the rows of the file are actuators; false: they are outputs */
-    int *row;           /* [outputs] number of each used output's row in the file, counted from 0 */
+    int *row; /* [outputs] number of the row of the file that belongs to each used output, counted
+                 from 0 */
     double *matrix;     /* [outputs][amplifiers] measured influence matrix, displacement per volt */
     double (*place)[3]; /* [outputs] coordinates x, y, z of the output points; NULL where the scene
                            file gives none */
     char (*output_name)[SCENE_NAME]; /* [file_outputs] names of the rows of the influence matrix's
                                         file, or NULL where it has no names */
-    int modes;                       /* number of vibration modes that the scene gives */
-    scene_measured_mode *mode;       /* [modes] vibration modes in the order of their frequencies */
+    int modes;                       /* number of measured vibration modes that the scene gives */
+    scene_measured_mode *mode; /* [modes] measured vibration modes in the order of their frequencies
+                                */
     scene_at at;
 } scene_influence;
 
@@ -765,7 +774,8 @@ typedef struct scene_safety {
     int ramp_ticks; /* shortest duration of the voltage ramp to the park voltages (ticks) */
     bool waits; /* true: the control loop waits for a command before it starts; false: it starts by
                    itself */
-    double amplitude;      /* height of the pulses of the self-test (V); 0: no self-test */
+    double amplitude;      /* height of the test pulses of the self-test of the wiring (V); 0: no
+                              self-test */
     double gain_tolerance; /* largest plausible deviation of an amplifier's gain from the mean gain
                               of all amplifiers, relative to the latter, in the self-test */
     int pulse_ticks; /* duration of a pulse of the self-test (ticks); 0: chosen from the period of

@@ -36,15 +36,15 @@ typedef struct choice {
 /* Type of the value that a key of a scene accepts. */
 typedef enum form_type {
     FORM_NUMBER,  /* FORM_NUMBER: constant formula, or plain number with a unit of measurement */
-    FORM_WHOLE,   /* FORM_WHOLE: integer number */
-    FORM_FORMULA, /* FORM_FORMULA: formula in the coordinates of a point */
-    FORM_NAME,    /* FORM_NAME: name of at most SCENE_NAME - 1 bytes */
+    FORM_WHOLE,   /* FORM_WHOLE: value that is an integer number */
+    FORM_FORMULA, /* FORM_FORMULA: value that is a formula in the coordinates of a point */
+    FORM_NAME,    /* FORM_NAME: value that is a name of at most SCENE_NAME - 1 bytes */
     FORM_TEXT,
-    FORM_WORD,  /* FORM_WORD: one word of an array of choices */
-    FORM_LIST,  /* FORM_LIST: list whose items all have one form */
-    FORM_MAP,   /* FORM_MAP: mapping whose keys are the rows of a table */
+    FORM_WORD,  /* FORM_WORD: value that is one word of an array of permitted words */
+    FORM_LIST,  /* FORM_LIST: value that is a list whose items all have one form */
+    FORM_MAP,   /* FORM_MAP: value that is a mapping whose keys are the rows of a table */
     FORM_NAMED, /* FORM_NAMED: mapping of names that the user chooses to values of one form */
-    FORM_ANY    /* FORM_ANY: value of any one of several forms */
+    FORM_ANY    /* FORM_ANY: value that may have any one of several forms */
 } form_type;
 
 /*
@@ -65,15 +65,18 @@ typedef struct form {
     form_type type;
     const range *range;  /* FORM_NUMBER, FORM_WHOLE, FORM_FORMULA: permitted range of the number;
                             NULL: any */
-    const choice *words; /* FORM_WORD: array of the permitted words */
-    const struct form *item;  /* FORM_LIST, FORM_NAMED: form of each item of the value */
+    const choice *words; /* array of the permitted words, for a value that is a word (FORM_WORD) */
+    const struct form *item; /* description of each item, for a value that is a list or a mapping of
+                                names (FORM_LIST, FORM_NAMED) */
     const struct form *first; /* FORM_LIST: form of the first item where it differs from the form of
                                  the others, else NULL */
     int least, most; /* FORM_LIST, FORM_NAMED: smallest and largest number of items; most = 0: any
                         number */
-    const struct field *fields; /* FORM_MAP: table of the keys that the mapping may have */
+    const struct field *fields; /* table of the permitted keys, for a value that is a mapping
+                                   (FORM_MAP) */
     const form_case *cases; /* FORM_MAP: permitted combinations of keys; NULL: any combination */
-    const struct form *const *any; /* FORM_ANY: array of the permitted forms, ended by NULL */
+    const struct form *const *any; /* array of the permitted descriptions, ended by NULL, for a
+                                      value that may have one of several forms (FORM_ANY) */
 } form;
 
 /*
@@ -133,7 +136,7 @@ int check_type_case(reader *reader, int node, const form_case *cases, const char
  */
 form field_form(const field *field);
 
-/* Form of the mapping that is a complete scene (scene_read.c). */
+/* Description (form) of a complete scene, which is a mapping (scene_read.c). */
 extern const form scene_form;
 
 /*
@@ -148,9 +151,10 @@ field_read read_real; /* reader of a number into a double; its rule is the permi
 field_read read_int;  /* reader of an integer number into an int; its rule is the permitted range */
 field_read read_pair; /* reader of a list of two numbers into a double[2]; its rule is the permitted
                          range of both, or NULL */
-field_read read_name; /* reader of a name into a char[SCENE_NAME] */
-field_read read_text; /* reader of a text into an allocated char * */
-field_read read_choice; /* reader of a word into an int; its rule is an array of choices */
+field_read read_name; /* reader of a value that is a name into a char[SCENE_NAME] */
+field_read read_text; /* reader of a value that is a text into an allocated char * */
+field_read read_choice; /* reader of a value that is a word into an int; its rule is the array of
+                           the permitted words */
 field_read read_flag; /* reader of one of the words true, false, on, off, yes and no into a bool */
 field_read read_either; /* reader of one of two words into a bool; its rule is an array of choices
                            with the values 1 (true) and 0 (false) */

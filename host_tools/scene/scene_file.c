@@ -79,7 +79,7 @@ typedef struct function_columns {
     int axes, axis[EXPR_AXES], column[EXPR_AXES]; /* number of coordinates, index of each coordinate
                                                      (x, y, z, theta1, theta2), and number of its
                                                      column */
-    int value; /* number of the column that holds the value of the function */
+    int value; /* number of the table's column that holds the values of the function */
 } function_columns;
 
 typedef struct function_text {

@@ -24,7 +24,8 @@ typedef struct influence_text {
     bool rows_are_actuators;
     double scale;
     number_table table;
-    int coordinate_column[AXES]; /* number of the column of x, y and z in the table, or -1 */
+    int coordinate_column[AXES]; /* numbers of the columns of the table that hold the coordinates x,
+                                    y and z; -1 where there is none */
     int *column; /* [columns] numbers of the table's columns that are no coordinates */
     int columns;
     unsigned char *is_ignored; /* [outputs] 1 for an output of the file that the scene file leaves

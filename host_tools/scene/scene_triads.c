@@ -188,9 +188,9 @@ static unsigned exchanged(unsigned bits)
 }
 
 /*
- * Constrain dof of a node in the triad whose axis e1 is the projection of a direction on the
- * surface. Where an earlier support has determined the triad, both directions must be parallel or
- * perpendicular. Returns 0, or -1 with the error filled.
+ * Constrain dof of a node in the triad (local axes) whose axis e1 is the projection of a direction
+ * on the surface. Where an earlier support has determined the triad, both directions must be
+ * parallel or perpendicular. Returns 0, or -1 with the error filled.
  */
 static int hold(triads *triads, const scene_support *support, size_t node,
                 const double direction[3], unsigned bits)
@@ -322,7 +322,7 @@ static int find_nodes(triads *triads, const scene_support *support)
 
 /*
  * Turn the directors of a symmetric support into its plane. All symmetric supports are treated
- * before the first triad is determined, because triads depend on directors.
+ * before the first triad (local axes) is determined, because triads depend on directors.
  */
 static int turn_directors(triads *triads, const scene_support *support)
 {
@@ -351,7 +351,7 @@ static int hold_support(triads *triads, const scene_support *support)
     return 0;
 }
 
-/* Set the axis e1 of all nodes whose triad no support has determined. */
+/* Set the axis e1 of all nodes whose triad (local axes) no support has determined. */
 static void finish_axes(triads *triads)
 {
     const int common = quad_common_axis(triads->mesh);
@@ -372,7 +372,7 @@ static int apply_supports(triads *triads)
             return -1;
     for (int pass = 0; pass < 2; pass++) /* The first iteration of the loop applies the supports
                                             with a prescribed value, so that other supports cannot
-                                            change the triads of their nodes. */
+                                            change the triads (local axes) of their nodes. */
         for (int k = 0; k < triads->scene->supports; k++) {
             const scene_support *support = &triads->scene->support[k];
             if ((support->value != NULL) != (pass == 0))

@@ -152,8 +152,8 @@ static dimension of_limit(const reader *reader, int map)
 }
 
 /*
- * Return the dimension of a number in a list of reference values of amplifiers (voltage or
- * temperature), by its position in the list.
+ * Return the physical dimension of a number in a list of reference values, one for each amplifier:
+ * voltage or temperature, by its position in the list.
  */
 static dimension of_compare(const reader *reader, int node)
 {
@@ -180,7 +180,10 @@ static dimension of_coordinate(const reader *reader, int node)
     return surface_is_angle(&reader->s->surface, direction) ? OF_RADIANS : OF_LENGTH;
 }
 
-/* Return the dimension of a coordinate of a point by its position in the list. */
+/*
+ * Return the physical dimension (length or angle) of a coordinate of a point, by its position in
+ * the list of coordinates.
+ */
 static dimension of_point(const reader *reader, int node)
 {
     const int first = reader->t->node[reader->t->node[node].parent].first;

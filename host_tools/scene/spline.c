@@ -17,8 +17,9 @@ enum { BAND = 7, ROW = 3 * BAND + 1, VALUE = 0, SECOND = 1, MULTIPLIER = 2 };
 struct spline {
     int knots;
     double *parameter;   /* [knots] chord length from the first point to each knot */
-    double (*value)[2];  /* [knots] both coordinates of the curve at the knots */
-    double (*second)[2]; /* [knots] second derivatives of both coordinates at the knots */
+    double (*value)[2];  /* [knots] both coordinates of the spline curve at its knots */
+    double (*second)[2]; /* [knots] second derivatives of both coordinates of the spline curve at
+                            its knots */
 };
 
 /*

@@ -19,8 +19,8 @@
 int surface_is_general(const scene_surface *surface);
 
 /*
- * Turn the triad of a surface point about its normal so that e2 is tangent to the theta2 line
- * (theta [2] in: coordinates of the point).
+ * Turn the triad (local axes) of a surface point about its normal so that e2 is tangent to the
+ * theta2 line (theta [2] in: coordinates of the point).
  */
 void surface_formula_turn(const scene_surface *surface, const double theta[2],
                           surface_point *point);

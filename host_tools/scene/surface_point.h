@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Position, triad, metric and curvatures of a reference surface at one point. */
+/* Position, triad (local axes), metric and curvatures of a reference surface at one point. */
 #ifndef SURFACE_POINT_H
 #define SURFACE_POINT_H
 

@@ -134,8 +134,8 @@ typedef struct surface_type {
     surface_at_function *at;
     surface_meridian_function *meridian; /* function of the meridian; NULL: the surface is no
                                             surface of revolution */
-    surface_area_function *area; /* function of the area; NULL: the area is integrated numerically
-                                  */
+    surface_area_function *area; /* function that returns the area of a part of the surface; NULL:
+                                    the area is integrated numerically */
     int closed, angles; /* sets of coordinates (bits ALONG_THETA1, ALONG_THETA2 and AROUND_AXIS):
                            those with the period 2 pi, and those that are angles */
     const char *pole_cure;

@@ -175,7 +175,8 @@ typedef struct builder {
     int line; /* line number that all nodes of a change from the command line take; 0: the nodes
                  take their lines from the file */
     int depth;
-    int open[TREE_DEPTH];  /* indices of the lists and mappings that are still open */
+    int open[TREE_DEPTH];  /* indices of the lists and mappings of the YAML text that are still open
+                            */
     char *key[TREE_DEPTH]; /* key that was read in an open mapping and whose value follows, or NULL
                             */
     scene_at key_at[TREE_DEPTH];
@@ -242,8 +243,8 @@ static int copy_children(tree *tree, int from, int to)
 }
 
 /*
- * Return the index of a new copy of a subtree, or 0 on a fault. TREE_DEPTH limits its depth and
- * TREE_NODES its size.
+ * Return the index of a new copy of a part of the YAML tree, or 0 on a fault. TREE_DEPTH limits its
+ * depth and TREE_NODES its size.
  */
 static int copy_tree(tree *tree, int from)
 {

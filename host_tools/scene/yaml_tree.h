@@ -26,7 +26,7 @@ typedef struct tree_node {
     tree_kind kind;
     char *key;  /* key of a node that is the value of a key in a mapping; NULL for an item of a list
                  */
-    char *text; /* text of a node that is a scalar */
+    char *text; /* text of a YAML node that is a scalar */
     scene_at key_at, at;
     int parent, first, last, next, count; /* indices of the parent, the first and last child and the
                                              next sibling of a node, 0 for none, and its number of
@@ -37,8 +37,8 @@ typedef struct tree {
     const char *path;
     const char *const *set;
     int sets;
-    char *error;     /* [SCENE_ERROR] memory of the error message of the tree */
-    tree_node *node; /* array of the tree's nodes; index 0 is not used */
+    char *error;     /* [SCENE_ERROR] memory of the error message of the YAML tree */
+    tree_node *node; /* array of the nodes of the YAML tree; index 0 is not used */
     int nodes, room, root;
     uint32_t hash; /* FNV-1a hash of the text of the file and of the texts of the changes */
 } tree;

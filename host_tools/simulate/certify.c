@@ -24,7 +24,7 @@ enum {
     TICKS_LEAST = 600, /* fewest and most ticks of a simulation that measures the growth of small
                           vibrations */
     TICKS_MOST = 3000,
-    HALVINGS = 5,   /* number of bisections with which a margin is determined */
+    HALVINGS = 5,   /* number of bisections with which a stability margin is determined */
     OLDER_MOST = 4, /* largest error of the readings' age that is tried (ticks) */
     OCTAVES = 5     /* octaves of tick rates that are tried on either side of the scene's rate */
 };
@@ -210,8 +210,8 @@ static int measure_growth(const storm_rig *rig, certificate_loop *loop, bool *is
 
 /*
  * Fraction (0 to 1) by which the ceramic has less hysteresis than the scene file says, in storms
- * with the second sequence of targets. The compensation is then twice too strong, which raises the
- * gain of small voltage changes.
+ * (simulations with fast target jumps) with the second sequence of targets. The compensation is
+ * then twice too strong, which raises the gain of small voltage changes.
  */
 static const double less_hysteresis = 0.5;
 

@@ -5,7 +5,8 @@
  * two ways.
  *   growth  growth of small vibrations without limits, which is the spectral radius of the loop,
  *       for gains 0.8, 1 and 1.33 and frequencies 0.9, 1 and 1.1 relative to the model
- *   storms  30 simulations with random jumps of the target (storm.h): the model and four structures
+ *   storms (simulations with fast target jumps)  30 simulations with random jumps of the target
+ *                                                (storm.h): the model and four structures
  *       around it, full and quarter step limits, three sequences of targets, of which the last one
  *       misses 5 % of the ticks without informing the loop
  * Neither is enough alone: a loop whose spectral radius is below 1 may end in a limit cycle, and a

@@ -56,14 +56,15 @@ typedef struct imperfection_tables {
     int amplifiers;
     const double *lower, *upper; /* [amplifiers] lower and upper voltage limits of the amplifiers
                                     (V) */
-    double hysteresis;           /* width of the hysteresis loop relative to the voltage range */
-    double bandwidth;            /* corner frequency of the amplifiers' first-order lag (Hz) */
+    double hysteresis; /* width of the ceramic's hysteresis loop relative to the voltage range */
+    double bandwidth;  /* corner frequency of the amplifiers' first-order lag (Hz) */
     double creep;   /* creep of the ceramic: increase of strain per decade of time, as a fraction of
                        the strain that the voltage causes */
     double drift;   /* largest drift of a sensor (unit of the reading per second) */
-    double quantum; /* quantisation step of the readings (unit of the reading) */
+    double quantum; /* quantisation step of the sensor readings (unit of the reading) */
     double outlier_chance; /* probability that a sensor reading is an outlier */
-    double outlier_size;   /* largest error of an outlier (unit of the reading) */
+    double outlier_size;   /* largest error of a sensor reading that is an outlier (unit of the
+                              reading) */
     int reversals;         /* number of amplifiers whose two wires are exchanged */
     const int *reversed;   /* [reversals] indices of the amplifiers with exchanged wires */
     int swaps;             /* number of amplifiers whose cables are exchanged in pairs */

@@ -27,7 +27,8 @@ typedef struct inertia {
     double *input;      /* [inputs] present inputs of the structure */
     double *propagator; /* [modes][2][2] propagator of each vibration mode: 2 x 2 matrix that
                            advances its deviation and its scaled velocity by the time `interval` */
-    double interval;    /* time interval of the propagator (s); 0: not computed */
+    double interval;    /* time interval by which the propagators advance the vibration (s); 0: they
+                           are not computed */
 } inertia;
 
 /*

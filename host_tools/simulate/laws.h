@@ -22,9 +22,11 @@ typedef struct law {
     unconstrained solver;
     double gain, leak;   /* gain and leak of the leaky integrator, both without unit */
     double *memory;      /* one allocation that holds the vectors disturbance, required and next */
-    double *disturbance; /* [outputs] last known difference of measured and predicted shape (m) */
+    double *disturbance; /* [outputs] last known difference between the measured and the predicted
+                            shape (m) */
     double *required;    /* [outputs] displacements that the voltages have to produce (m) */
-    double *next;        /* [inputs] voltages before clipping (V) */
+    double *next; /* [inputs] voltages of the control law before they are clipped to the limits (V)
+                   */
 } law;
 
 /*

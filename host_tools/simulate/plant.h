@@ -32,10 +32,11 @@ typedef struct plant {
     double *input; /* [inputs] inputs for the next shape: voltages, loads and temperature change; on
                       a nonlinear structure also prescribed displacements and the motion of the
                       rigid body of a contact */
-    double *computed_input; /* [inputs] inputs with which the latest shape was computed */
+    double *computed_input; /* [inputs] inputs with which the latest shape of the plant was computed
+                             */
     double *scene_input; /* [inputs] values of all inputs at full load, as given in the scene file,
                             such as loads and support displacements */
-    double *value;       /* [output rows] values of all outputs in the latest shape */
+    double *value;       /* [output rows] values of all outputs in the latest shape of the plant */
     int temperature;     /* index of the temperature change among the inputs, or -1 if the plant has
                             none */
     bool has_shape;      /* whether at least one shape of the plant has been computed */
@@ -45,13 +46,13 @@ typedef struct plant {
                                           quasi-static, modal or nonlinear */
     bool has_inertia;
     char reason[SCENE_ERROR]; /* the reason why a plant has no inertia, as text for the report */
-    vibration vibration;      /* natural frequencies and mode shapes of a plant with inertia */
+    vibration vibration;      /* natural frequencies and mode shapes, for a plant with inertia */
     modal modal;
     inertia inertia;           /* state of a plant that moves in its vibration modes */
     shell_motion shell_motion; /* state of a plant that moves with all degrees of freedom at large
                                   rotation */
-    double *modal_input; /* [amplifiers + loads] inputs of the modal model: voltages (V) and load
-                            factors */
+    double *modal_input; /* [amplifiers + loads] inputs of the model of vibration modes: voltages
+                            (V) and load factors */
     double *deviation;   /* [output rows] deviation of the latest shape from the static equilibrium,
                             for a nonlinear motion by one step of Newton's method */
 } plant;
@@ -75,8 +76,8 @@ void plant_warm(plant *plant, double kelvin);
 void plant_rest(plant *plant);
 
 /*
- * Apply the impulse of a load: the force of the load as given in the scene file during `seconds`,
- * at one instant.
+ * Apply an impulse of a load at one instant: the impulse is the force of the load as given in the
+ * scene file times `seconds`.
  */
 void plant_kick(plant *plant, int load, double seconds);
 

@@ -44,7 +44,7 @@ typedef struct shell_motion {
     pzs_solver solver; /* solver of the nonlinear equilibrium of the same structure, with the arrays
                           of the motion in place of its own: `displacement` is the displacement at
                           half the step, `resultant` its extrapolated stress resultants */
-    double step_most;  /* longest time step of the motion (s) */
+    double step_most;  /* longest time step of the motion of the shell (s) */
     double mass_damping, viscosity; /* damping a of mass (1/s); viscosity b of which one half acts
                                        on the stress resultants and one on the velocity (s) */
     size_t modes; /* number of vibration modes that the time steps resolve, each of which is damped
@@ -55,16 +55,18 @@ typedef struct shell_motion {
     double *mode_force;   /* [modes][free_dof] product of the mass matrix and the shape of each
                              individually damped mode */
     double *memory;       /* one allocation that holds all vectors of length free_dof */
-    double *displacement; /* [free_dof] present displacement (m and 1) */
-    double *velocity;     /* [free_dof] present velocity (m/s and 1/s) */
-    double *acceleration; /* [free_dof] mean acceleration in the last time step (m/s2 and 1/s2) */
+    double *displacement; /* [free_dof] present displacement of the shell (m and 1) */
+    double *velocity;     /* [free_dof] present velocity of the shell (m/s and 1/s) */
+    double *acceleration; /* [free_dof] mean acceleration of the shell in the last time step (m/s2
+                             and 1/s2) */
     double *half_change;  /* [free_dof] displacement at half the time step minus the displacement at
                              its start (m and 1) */
-    double *increment;    /* [free_dof] last increment of Newton's method (m and 1) */
-    double *last_increment; /* [free_dof] copy of the last increment, for the correction of the
-                               energy (m and 1) */
-    double *end;            /* [free_dof] displacement at the end of the time step (m and 1) */
-    double *scratch;        /* [free_dof] work array of the motion */
+    double *increment; /* [free_dof] last increment of the displacement by Newton's method (m and 1)
+                        */
+    double *last_increment; /* [free_dof] copy of the last increment of Newton's method, for the
+                               correction of the energy (m and 1) */
+    double *end; /* [free_dof] displacement of the shell at the end of the time step (m and 1) */
+    double *scratch;               /* [free_dof] work array of the computation of the motion */
     double (*start_resultant)[22]; /* [elements] stress resultants of each element at the start of
                                       the time step (N m) */
     double work; /* work that the remaining force imbalance of a time step does on the change of the
@@ -72,8 +74,8 @@ typedef struct shell_motion {
                     m) */
     long corrections;    /* number of time steps so far whose energy error was removed by one more
                             evaluation of the forces, in place of a linear solve */
-    long steps;          /* number of time steps of the motion so far */
-    long linear_solves;  /* number of linear solves in all time steps so far */
+    long steps;          /* number of time steps of the motion of the shell so far */
+    long linear_solves;  /* number of linear solves in all time steps of the motion so far */
     long factorisations; /* number of factorisations of the matrix of a time step so far */
     int solves_most;     /* largest number of linear solves that any time step has needed */
 } shell_motion;

@@ -19,8 +19,8 @@ enum {
     LAST = 20,       /* smallest number of ticks over which the results at the end of a phase (time
                         between events of the scene) are averaged */
     LAST_MOST = 500, /* largest number of ticks over which results are averaged at the end of a
-                        phase; usually one period of the first vibration mode where that is shorter
-                      */
+                        phase (interval between events); usually one period of the first vibration
+                        mode where that is shorter */
     WINDOW = 1000    /* number of ticks after an event in which the settling time is measured */
 };
 
@@ -315,19 +315,24 @@ void simulate_close(simulation *simulation)
 /* ---- results of a phase ------------------------------------------------ */
 
 typedef struct course_log {
-    double *window; /* [WINDOW][targets] shapes of the plant in the first ticks of the phase */
-    double *last;   /* [targets] mean of the shapes at the end of the phase of the simulation */
-    double *mean;   /* [targets] mean of the shapes at the end of the phase */
-    int end_ticks;  /* number of ticks at the end of a phase over which the results are averaged */
+    double *window; /* [WINDOW][targets] shapes of the plant in the first ticks of the phase
+                       (interval between events) */
+    double *last;   /* [end_ticks][targets] ring buffer of the shapes of the plant in the last ticks
+                       of the phase (interval between events) */
+    double *mean;  /* [targets] mean of the shapes at the end of the phase (interval between events)
+                    */
+    int end_ticks; /* number of ticks at the end of a phase (interval between events) over which the
+                      results are averaged */
     double error[LAST_MOST], measurement_error[LAST_MOST], vibration[LAST_MOST];
-    double *initial_voltage; /* [amplifiers] output voltages before the phase of the simulation (V)
-                              */
+    double *initial_voltage; /* [amplifiers] output voltages before the phase (interval between
+                                events) of the simulation (V) */
     int ticks;
 } course_log;
 
 /*
- * Number of ticks at the end of a phase over which the results are averaged: at least one period of
- * the first vibration mode, so that the mean shape is the shape about which the structure vibrates.
+ * Number of ticks at the end of a phase (interval between events) over which the results are
+ * averaged: at least one period of the first vibration mode, so that the mean shape is the shape
+ * about which the structure vibrates.
  */
 static int ticks_of_end(const simulation *simulation)
 {
@@ -403,8 +408,8 @@ static int settled_after(const course_log *record, const design *design)
 }
 
 /*
- * Compute the mean errors, mean vibration and mean shape over the last ticks of a phase, which are
- * at most a quarter of the phase.
+ * Compute the mean errors, mean vibration and mean shape over the last ticks of a phase (interval
+ * between events), which are at most a quarter of the phase.
  */
 static void finish_course(course_log *record, const loop *loop, simulate_course *course)
 {
@@ -438,8 +443,8 @@ static void finish_course(course_log *record, const loop *loop, simulate_course 
 
 /*
  * Store the target, the loads and the stroke of the electrodes (voltages that can act on the
- * ceramic) at the end of a phase, from which the best possible shape is computed later. Returns
- * whether memory was available.
+ * ceramic) at the end of a phase (interval between events), from which the best possible shape is
+ * computed later. Returns whether memory was available.
  */
 static bool keep_conditions(loop *loop, simulate_phase *phase)
 {
@@ -499,7 +504,7 @@ static bool has_diverged(const loop *loop, simulate_law law)
     return law != LAW_CONTROLLER && !(loop->error < diverged);
 }
 
-/* Mark a phase and all later phases of a control law as diverged. */
+/* Mark a phase (interval between events) and all later phases of a control law as diverged. */
 static void mark_diverged(simulation *simulation, const simulate_phase *from, simulate_law law)
 {
     for (int k = (int)(from - simulation->phase); k < simulation->phases; k++) {

@@ -12,9 +12,10 @@
 
 /* Sinusoidal part of the factor by which a load is multiplied. */
 typedef struct wave {
-    double amplitude, frequency; /* amplitude of the load factor (no unit); frequency (Hz) */
-    double start;                /* time at which the sine is 0 and rising (s) */
-    int until; /* number of the tick at which the sinusoidal part of the load ends */
+    double amplitude, frequency; /* amplitude of the sinusoidal part of a load factor (1), and its
+                                    frequency (Hz) */
+    double start; /* time at which the sinusoidal part of a load is 0 and rising (s) */
+    int until;    /* number of the tick at which the sinusoidal part of the load ends */
 } wave;
 
 /*
@@ -63,13 +64,14 @@ typedef struct loop {
     double *memory; /* one allocation that holds all vectors from `goal` to `last_voltage` */
     double *goal;   /* [targets] displacements of the scene's target or of the schedule, before they
                        are multiplied by the factor of the target */
-    double *wanted; /* [targets] wanted displacements: factor of the target times goal */
+    double *wanted; /* [targets] wanted displacements: target of the scene or schedule times the
+                       factor of the target */
     double *load, *scheduled_load; /* [loads + 1] factors of the loads: present values, and values
                                       by the schedule alone, without random events; the last entry
                                       is the temperature change (K) */
     double *shape;   /* [targets] present displacements of the plant of the target nodes (controlled
                         displacements) */
-    double *scratch; /* [targets] work array for the displacements of a shape */
+    double *scratch; /* [targets] work array for displacements of the target nodes */
     double *command; /* [amplifiers] voltages that the controller commands (V) */
     double *output;  /* [amplifiers] output voltages of the amplifiers (V) */
     double *effect;  /* [amplifiers] voltages that act on the ceramic, after faults and hysteresis
@@ -92,8 +94,9 @@ typedef struct loop {
                        section */
     sensor *sensor; /* [sensors] state of each sensor: its faults and its drift */
     double *sense_memory; /* one allocation that holds all vectors from `noise` to `next_load` */
-    double *noise;   /* [sensors] standard deviation of the noise, in the unit of the reading */
-    double *reading; /* [sensors] latest readings, with noise and faults */
+    double *noise;   /* [sensors] standard deviation of the noise of each sensor, in the unit of its
+                        reading */
+    double *reading; /* [sensors] latest reading of each sensor, with noise and faults */
     double *sensed;  /* [sensors] readings passed to the controller, delayed as the scene and its
                         events state */
     bool has_failed_sensors; /* true: sensor failures that the schedule places in tick 0 have begun
@@ -116,7 +119,7 @@ typedef struct loop {
     void *controller_memory;     /* memory that the library's control loop works in */
     double error; /* relative shape error at the start of the last tick: weighted norm of (shape
                      minus wanted shape) divided by the weighted norm of the scene's target */
-    pzs_status status; /* status of the controller in the last tick */
+    pzs_status status; /* status that the controller returned in the last tick */
     int iterations;
     bool twin_agrees; /* true: the board and its twin (the firmware's C code on this computer) gave
                          bit-identical results in the last tick */

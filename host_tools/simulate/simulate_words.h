@@ -5,7 +5,10 @@
 
 #include "simulation.h"
 
-/* Size of the text that describes a phase, with the terminating zero (characters). */
+/*
+ * Size of the text that describes a phase (interval between events), with the terminating zero
+ * (characters).
+ */
 enum { SIMULATE_PHASE_TEXT = 160 };
 
 /* Text that names the shape at which the influence matrix of a simulation is computed. */

@@ -43,7 +43,7 @@ typedef struct simulate_sample {
     double vibration; /* relative vibration: weighted norm of shape minus static equilibrium of the
                          plant, divided by the weighted norm of the scene's target; 0 for a
                          quasi-static plant */
-    const double *command;  /* [amplifiers] commanded voltages (V) */
+    const double *command;  /* [amplifiers] voltages that the controller has commanded (V) */
     const double *voltage;  /* [amplifiers] output voltages of the amplifiers (V) */
     int active, iterations; /* number of commanded voltages at a limit; number of iterations of the
                                optimiser */
@@ -57,24 +57,27 @@ typedef void simulate_tick_callback(void *context, const simulate_sample *sample
  * Results of one control law in one phase of a simulation (interval between events of the scene).
  */
 typedef struct simulate_course {
-    double steady; /* relative shape error, root mean square over the last ticks of the phase;
-                      infinite where a control law for comparison has diverged */
-    double worst;  /* largest relative shape error in the phase of the simulation */
+    double steady; /* relative shape error, root mean square over the last ticks of the phase
+                      (interval between events); infinite where a control law for comparison has
+                      diverged */
+    double worst;  /* largest relative shape error in the phase (interval between events) of the
+                      simulation */
     double measurement_error; /* relative measurement error, root mean square over the last ticks of
-                                 the phase */
+                                 the phase (interval between events) */
     double vibration; /* relative deviation from the static equilibrium, root mean square over the
-                         last ticks of the phase */
+                         last ticks of the phase (interval between events) */
     double vibration_worst; /* largest relative deviation from the static equilibrium in the phase
-                             */
+                               (interval between events) */
     int settled; /* number of ticks until the distance of the shape from its final value stays
                     within 5 % of the largest distance; -1: never */
     int step_limit_ticks; /* number of ticks that the step limit alone requires from the initial to
                              the final voltages */
-    double *voltage; /* [amplifiers] output voltages at the end of the phase of the simulation (V)
-                      */
-    double *shape;   /* [targets] displacements of the target rows (controlled displacements) at the
-                        end of the phase */
-    double *displacement; /* [free_dof] displacement vector of the plant at the end of the phase */
+    double *voltage;      /* [amplifiers] output voltages at the end of the phase (interval between
+                             events) of the simulation (V) */
+    double *shape; /* [targets] displacements of the target rows (controlled displacements) at the
+                      end of the phase (interval between events) */
+    double *displacement; /* [free_dof] displacement vector of the plant at the end of the phase
+                             (interval between events) */
 } simulate_course;
 
 /* Phase of a simulation: the ticks from one tick with events to the next. */
@@ -85,14 +88,17 @@ typedef struct simulate_phase {
     double optimum;    /* relative shape error of the best shape that the plant can reach with the
                           stroke of its electrodes; NAN until it is computed */
     simulate_course course[LAWS];
-    double *target; /* [targets] wanted displacements at the end of the phase */
-    double *load;   /* [loads + 1] load factors of the plant at the end of the phase; the last entry
-                       is the temperature change (K) */
-    double *lowest; /* [amplifiers] voltages that would act on the ceramic at the end of the phase
-                       if all amplifiers moved to their lower limits, after hysteresis and creep;
-                       for a faulty electrode its present voltage (V) */
+    double *target; /* [targets] wanted displacements at the end of the phase (interval between
+                       events) */
+    double *load; /* [loads + 1] load factors of the plant at the end of the phase (interval between
+                     events); the last entry is the temperature change (K) */
+    double *lowest;  /* [amplifiers] voltages that would act on the ceramic at the end of the phase
+                        (interval between events) if all amplifiers moved to their lower limits,
+                        after hysteresis and creep; for a faulty electrode its present voltage (V)
+                        */
     double *highest; /* [amplifiers] voltages that would act on the ceramic at the end of the phase
-                        if all amplifiers moved to their upper limits (V) */
+                        (interval between events) if all amplifiers moved to their upper limits (V)
+                      */
 } simulate_phase;
 
 /* Number of status values below the first error: PZS_OK and all warnings. */
@@ -112,7 +118,7 @@ typedef struct simulate_count {
     long missed_ticks;
     long detected, falsely_detected; /* number of electrodes that the fault detector reported, and
                                         number of reported electrodes without a fault */
-    int detection_ticks;             /* longest time from a fault to its detection (ticks) */
+    int detection_ticks; /* longest time from a fault of an electrode to its detection (ticks) */
     long agreeing_ticks; /* number of ticks in which the board and its twin (the firmware's C code
                             on this computer) gave bit-identical results */
     double seconds;
@@ -121,7 +127,8 @@ typedef struct simulate_count {
 typedef struct simulation {
     const analysis *nominal;
     plant plant;
-    const pzs_problem *problem; /* tables of the controller, made from the nominal design */
+    const pzs_problem *problem; /* voltage problem of the controller, made from the nominal design
+                                 */
     struct loop_blocks *blocks; /* list of the control blocks of the controller; the firmware of the
                                    scene has the same list */
     estimator estimator; /* gains of the estimator and feed-forward tables; empty unless `estimates`

@@ -176,13 +176,14 @@ typedef struct storm {
     void *work;
     inertia inertia;
     uint64_t random;
-    int tick, history_ticks; /* present tick; number of ticks whose readings are stored */
+    int tick, history_ticks; /* number of the present tick; number of ticks whose readings are
+                                stored */
     int missed_ticks; /* number of missed ticks since the last tick in which the control loop ran */
     double noise;     /* standard deviation of the noise of a reading, in the unit of the reading */
     double *memory;   /* one allocation that holds `limits` and all arrays declared after it */
     double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
                        the simulation (V) */
-    double *voltage; /* [amplifiers] voltages in the present tick (V) */
+    double *voltage; /* [amplifiers] voltages of the amplifiers in the present tick (V) */
     double *acting;  /* [amplifiers] voltages that act on the ceramic of the electrodes, after
                         hysteresis and creep (V) */
     double *stroke; /* [2][amplifiers] stroke of the electrodes: voltages that act on the ceramic at
@@ -194,15 +195,16 @@ typedef struct storm {
     const pzs_hysteresis *hysteresis; /* hysteresis and creep of the ceramic as the scene file
                                          describes them; NULL where the loop does not compensate
                                          them */
-    double *previous_voltage;         /* [amplifiers] voltages before the last control tick (V) */
-    double *target;                   /* [targets] target in the present tick */
-    double *last_target; /* [targets] last target of the simulation: the target of the scene */
-    double *best_shape;  /* [targets] best shape for the last target that the limits allow on the
-                            simulated structure */
-    double *shape;       /* [targets] shape of the structure in the present tick */
-    double *part;        /* [targets] work array for a part of the shape */
-    double *sensed;      /* [sensors] readings that the control loop receives in the present tick */
-    double *reading;     /* [history_ticks][sensors] noise-free readings of the last ticks */
+    double *previous_voltage; /* [amplifiers] voltages of the amplifiers before the last control
+                                 tick (V) */
+    double *target;           /* [targets] target shape in the present tick */
+    double *last_target;      /* [targets] last target of the simulation: the target of the scene */
+    double *best_shape; /* [targets] best shape for the last target that the limits allow on the
+                           simulated structure */
+    double *shape;      /* [targets] shape of the structure in the present tick */
+    double *part;       /* [targets] work array for a part of the shape of the structure */
+    double *sensed;     /* [sensors] readings that the control loop receives in the present tick */
+    double *reading;    /* [history_ticks][sensors] noise-free readings of the last ticks */
 } storm;
 
 static bool take_run_memory(storm *storm)
@@ -282,7 +284,7 @@ static hysteresis_memory memory_of(const storm *storm, size_t k)
 
 /*
  * Set the hysteresis of the ceramic, where the loop compensates it, and compute the stroke of the
- * electrodes from rest at 0 V.
+ * electrodes (voltages that can act on the ceramic) from rest at 0 V.
  */
 static void start_ceramic(storm *storm)
 {
@@ -309,7 +311,8 @@ static void start_ceramic(storm *storm)
 
 /*
  * Effect (V) that the voltage of electrode k would have on a ceramic without hysteresis: linear in
- * the voltage, and equal to the stroke of the electrode at both voltage limits.
+ * the voltage, and equal to the stroke of the electrode (voltages that can act on the ceramic) at
+ * both voltage limits.
  */
 static double straight_effect(const storm *storm, size_t k)
 {
@@ -436,8 +439,9 @@ static pzs_status find_rest(storm *storm, pzs_control *control)
 }
 
 /*
- * Compute the best shape for the last target that the stroke of the electrodes allows, on the
- * simulated structure; on a deformed structure the shape at which the loop comes to rest.
+ * Compute the best shape for the last target that the stroke of the electrodes (voltages that can
+ * act on the ceramic) allows, on the simulated structure; on a deformed structure the shape at
+ * which the loop comes to rest.
  */
 static pzs_status find_best(storm *storm)
 {

@@ -47,12 +47,12 @@ typedef struct storm_plant {
     int more_delay;      /* number of ticks by which readings are older than the scene file states;
                             negative: newer */
     uint64_t seed;       /* seed of the random sequence of target jumps */
-    double missed_share; /* share of the ticks that the controller misses, from 0 to 1 */
+    double missed_share; /* part of the ticks that the controller misses, from 0 to 1 */
     const storm_ceramic *ceramic; /* ceramic of the electrodes; NULL: the ceramic that the
                                      scene file describes, without hysteresis where the loop does
                                      not compensate it */
-    double less_hysteresis; /* share by which the ceramic has less hysteresis and creep than the
-                               scene file describes, from 0 to 1 */
+    double less_hysteresis; /* part, from 0 to 1, by which the ceramic has less hysteresis and creep
+                               than the scene file describes */
     bool is_uninformed;     /* true: the loop is not informed of missed ticks by pzs_loop_skip */
 } storm_plant;
 
@@ -75,9 +75,10 @@ typedef struct storm_rig {
     const double *offset; /* [outputs] displacement of each output row at 0 V, on a structure
                              linearised about the equilibrium at its target; NULL: zero */
     double *memory;       /* one allocation that holds `direct` and all arrays declared after it */
-    double *direct;       /* [sensors][amplifiers] static reading of each sensor per volt */
-    double *influence; /* [targets][amplifiers] static displacements of the target rows (controlled
-                          displacements) per volt */
+    double *direct;       /* [sensors][amplifiers] static reading of each sensor per volt of each
+                             amplifier */
+    double *influence; /* [targets][amplifiers] static displacement of each target row (controlled
+                          displacement) per volt of each amplifier */
     uint32_t *row;     /* [sensors] index of the structure's output row that each sensor measures */
     double *lower, *upper; /* [amplifiers] finite limits within which random voltages are drawn (V)
                             */
@@ -97,7 +98,7 @@ typedef struct storm_result {
 /*
  * Prepare the data that all storms (simulations with fast target jumps) of an analysis share.
  *   analysis  in  analysis whose influence matrix is computed, with a target and all densities
- *   estimator in  NULL: every target row is measured
+ *   estimator in  NULL: every target row (controlled displacement) is measured
  * Returns 0, or -1 with error filled; call storm_close in either case.
  */
 int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estimator, char *error);

@@ -14,8 +14,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#define LOOP_WORK_CYCLES 2.0 /* assumed number of clock cycles per instruction */
-#define LOOP_WORK_MISSED 2   /* number of missed ticks before a tick that the bounds include */
+#define LOOP_WORK_CYCLES 2.0 /* assumed number of clock cycles per instruction of the processor */
+#define LOOP_WORK_MISSED                                                                           \
+    2 /* Number of missed ticks before a tick that the bounds of its instructions include. */
 
 /*
  * Numbers on which memory and work of the blocks of the control tick depend, such as the numbers of
@@ -23,7 +24,7 @@
  */
 typedef struct block_counts {
     size_t inputs, outputs, rows, readings, modes, plays, creeps, loads;
-    size_t blocks;              /* number of blocks in the list */
+    size_t blocks;              /* number of blocks of the control loop */
     size_t delay, damper_delay; /* age of the sensor readings that the scene file states, and that
                                    the block that damps vibration assumes (ticks) */
     size_t near_plays;   /* largest number of plays (elements with backlash) that begin to move, or
@@ -43,7 +44,8 @@ typedef struct loop_processor {
                    */
     double row; /* number of further instructions for each row and group of columns in a product of
                    matrix and vector */
-    double columns;   /* number of columns in a group of a product of matrix and vector */
+    double columns;   /* number of matrix columns that a product of matrix and vector processes
+                         together */
     double optimiser; /* number of instructions for each counted multiply-add of the optimiser */
     double other;     /* number of instructions of all other loops, relative to a Cortex-M4F */
 } loop_processor;

@@ -16,8 +16,8 @@ typedef enum words_quantity {
     QUANTITY_CHARGE,
     QUANTITY_TEMPERATURE,
     QUANTITY_NODES,
-    QUANTITY_INFLUENCE, /* length per voltage: entry of an influence matrix */
-    QUANTITY_FIELD,     /* voltage per length: electric field */
+    QUANTITY_INFLUENCE, /* unit of an entry of an influence matrix: length per voltage */
+    QUANTITY_FIELD,     /* unit of an electric field: voltage per length */
     QUANTITY_OTHER
 } words_quantity;
 

@@ -218,11 +218,11 @@ static inline pzs_real entry_violation(pzs_real gradient, pzs_real voltage, pzs_
 
 /*
  * Predict a whole step along the search direction. The array `move` holds the changes of the free
- * voltages and, for the active inputs, the gradient after the step, as the tableau predicts it. The
- * function writes the voltages after the step and their distance from the base voltages. Returns
- * the number of free inputs that would pass a bound plus the number of active inputs (whose
- * voltages are kept) that would violate the optimality (KKT) conditions by more than `rounding`. If
- * the number is 0, the whole step can be made.
+ * voltages and, for the active inputs, the gradient after the step, as the tableau (pivoted
+ * Hessian) predicts it. The function writes the voltages after the step and their distance from the
+ * base voltages. Returns the number of free inputs that would pass a bound plus the number of
+ * active inputs (whose voltages are kept) that would violate the optimality (KKT) conditions by
+ * more than `rounding`. If the number is 0, the whole step can be made.
  */
 static uint32_t predict_step(pzs_real *restrict move, pzs_real *restrict next,
                              pzs_real *restrict offset, const pzs_real *restrict free_set,
@@ -422,7 +422,7 @@ static void leave_free_set(pzs_optimiser *optimiser, uint32_t j)
  * Update the search direction of the free inputs and the gradient of the active inputs, whose
  * voltages are kept, after one input has reached a bound and become active. `remaining` is the part
  * of the step of this input that its bound prevents (V).
- *   row [width] in  row of this input in the tableau
+ *   row [width] in  row of this input in the tableau (pivoted Hessian)
  */
 static void update_direction(pzs_real *restrict direction, const pzs_real *restrict row,
                              const pzs_real *restrict free_set, pzs_real remaining, size_t span)
@@ -669,7 +669,7 @@ static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
 /*
  * Compute the gradient of input k after a predicted step from the Hessian, without the part that
  * depends on the target, into *model_gradient (m2/V). Returns the absolute difference from the
- * gradient that the tableau predicts.
+ * gradient that the tableau (pivoted Hessian) predicts.
  */
 static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, const pzs_real *offset,
                                  pzs_real *model_gradient)
@@ -682,8 +682,8 @@ static pzs_real measure_gradient(const pzs_optimiser *optimiser, uint32_t k, con
 }
 
 /*
- * Set the gradient to that which the tableau predicts after a whole step: 0 for a free input, the
- * entry of the array `move` for an active one.
+ * Set the gradient to that which the tableau (pivoted Hessian) predicts after a whole step: 0 for a
+ * free input, the entry of the array `move` for an active one.
  */
 static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restrict move,
                              const pzs_real *restrict free_set, size_t span)
@@ -693,8 +693,9 @@ static void predict_gradient(pzs_real *restrict gradient, const pzs_real *restri
 }
 
 /*
- * Accept a whole step that the tableau has predicted: set the voltages after the step and the model
- * gradient, which is the predicted gradient of the objective plus the gradient of the target.
+ * Accept a whole step that the tableau (pivoted Hessian) has predicted: set the voltages after the
+ * step and the model gradient, which is the predicted gradient of the objective plus the gradient
+ * of the target.
  */
 static void accept_prediction(pzs_real *restrict voltage, pzs_real *restrict model_gradient,
                               const pzs_real *restrict next, const pzs_real *restrict move,
@@ -795,8 +796,9 @@ static void undo_round(pzs_optimiser *optimiser)
 }
 
 /*
- * After a round of the dual method that ended before its optimum, go back on the straight line to
- * the voltages at the start of the round, to the minimum of the objective on this line.
+ * After a round of iterations of the dual method that ended before its optimum, go back on the
+ * straight line to the voltages at the start of the round, to the minimum of the objective on this
+ * line.
  */
 static void shorten_round(pzs_optimiser *optimiser)
 {
@@ -877,10 +879,10 @@ bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser)
 }
 
 /*
- * Decide what becomes of a round of iterations. If it ended at the optimum, the tableau counts as
- * verified; if the objective fell, the new voltages are kept; otherwise the round is undone. The
- * rounding-error bound of the KKT violation rises with the voltages. If the violation is below its
- * bound only for this reason, the objective must have fallen too.
+ * Decide what becomes of a round of iterations. If it ended at the optimum, the tableau (pivoted
+ * Hessian) counts as verified; if the objective fell, the new voltages are kept; otherwise the
+ * round is undone. The rounding-error bound of the KKT violation rises with the voltages. If the
+ * violation is below its bound only for this reason, the objective must have fallen too.
  */
 static void conclude_round(pzs_optimiser *optimiser, bool moved)
 {
@@ -903,9 +905,10 @@ static void conclude_round(pzs_optimiser *optimiser, bool moved)
 }
 
 /*
- * Begin to recompute the tableau from the Hessian, at most once in a voltage step. If no round has
- * ended at the optimum since the last recomputation, also raise the pivot threshold, so that more
- * inputs count as linearly dependent. Returns whether another round is needed.
+ * Begin to recompute the tableau (pivoted Hessian) from the Hessian, at most once in a voltage
+ * step. If no round of iterations has ended at the optimum since the last recomputation, also raise
+ * the pivot threshold, so that more inputs count as linearly dependent. Returns whether another
+ * round is needed.
  */
 static bool renew_tableau(pzs_optimiser *optimiser)
 {

@@ -40,12 +40,13 @@ void pzs_boxls_gradient(pzs_optimiser *optimiser);
 
 /*
  * Compute the gradient of the objective from the Hessian at the present voltages, instead of from
- * the tableau, and its rounding-error bound.
+ * the tableau (pivoted Hessian), and its rounding-error bound.
  */
 void pzs_boxls_true_gradient(pzs_optimiser *optimiser);
 
 /*
- * Compute the search direction from gradient and tableau, and the voltages after a whole step.
+ * Compute the search direction from gradient and tableau (pivoted Hessian), and the voltages after
+ * a whole step.
  *   rounding in  violations of the optimality (KKT) conditions up to this size do not count (m2/V)
  * Returns the number of free inputs that would pass a bound plus the number of active inputs (whose
  * voltages are kept) that would violate the optimality conditions after the step.

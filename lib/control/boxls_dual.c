@@ -206,9 +206,9 @@ bool pzs_dual_is_at_bounds(const pzs_optimiser *optimiser)
 /* ---- step of the free inputs --------------------------------------------- */
 
 /*
- * Subtract from a vector [width] the rows of the tableau that belong to the active inputs, each
- * multiplied by an entry of `factor`. As the tableau is the negative inverse of the Hessian, this
- * adds columns of the inverse.
+ * Subtract from a vector [width] the rows of the tableau (pivoted Hessian) that belong to the
+ * active inputs, each multiplied by an entry of `factor`. As the tableau is the negative inverse of
+ * the Hessian, this adds columns of the inverse.
  */
 static void add_columns(pzs_optimiser *optimiser, pzs_real *vector, const pzs_real *factor)
 {

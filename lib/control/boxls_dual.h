@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Dual active-set method of the voltage optimiser for many inputs (Goldfarb and Idnani 1983). The
- * tableau stays the negative inverse of the whole Hessian. An active input is kept at a bound by
- * its multiplier, which is the gradient of the objective there. The multipliers follow from a
- * Cholesky factor of the inverse of the Hessian restricted to the active set.
+ * tableau (pivoted Hessian) stays the negative inverse of the whole Hessian. An active input is
+ * kept at a bound by its multiplier, which is the gradient of the objective there. The multipliers
+ * follow from a Cholesky factor of the inverse of the Hessian restricted to the active set.
  */
 #ifndef PZS_LIB_BOXLS_DUAL_H
 #define PZS_LIB_BOXLS_DUAL_H
@@ -35,10 +35,10 @@ bool pzs_dual_is_at_bounds(const pzs_optimiser *optimiser);
 
 /*
  * Predict the whole step to the minimum over the free inputs, with the active inputs at their
- * bounds. Before the call the array `direction` holds the product of the tableau with the gradient
- * of the free inputs; afterwards it holds the step of the free inputs and the multipliers of the
- * active ones. The array next_voltage receives the voltages after the step, and `scratch` their
- * distance from the base voltages, around which the gradient is computed.
+ * bounds. Before the call the array `direction` holds the product of the tableau (pivoted Hessian)
+ * with the gradient of the free inputs; afterwards it holds the step of the free inputs and the
+ * multipliers of the active ones. The array next_voltage receives the voltages after the step, and
+ * `scratch` their distance from the base voltages, around which the gradient is computed.
  *   rounding in  multipliers of the wrong sign up to this size do not count (m2/V)
  * Returns the number of inputs that would be outside their bounds or have such a multiplier.
  */

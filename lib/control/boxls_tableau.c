@@ -168,7 +168,8 @@ static void apply_to_exchanged(pzs_optimiser *optimiser)
 }
 
 /*
- * Copy a block of the tableau, a symmetric matrix, to its mirror position across the diagonal.
+ * Copy a block of the tableau (pivoted Hessian), a symmetric matrix, to its mirror position across
+ * the diagonal.
  *   i, j    in  row and column of the first entry of the block
  *   columns in  number of columns of the block, a multiple of BLOCK
  */
@@ -188,10 +189,10 @@ static inline void mirror_block(pzs_optimiser *optimiser, size_t i, size_t j, si
 }
 
 /*
- * Define a function that applies all collected rank-one updates to one block of the tableau and, if
- * the block is below the diagonal, mirrors it across the diagonal. The block starts at row i and
- * column j and has ROWS rows of COUNT entries of type `entry`, which the function keeps in
- * registers.
+ * Define a function that applies all collected rank-one updates to one block of the tableau
+ * (pivoted Hessian) and, if the block is below the diagonal, mirrors it across the diagonal. The
+ * block starts at row i and column j and has ROWS rows of COUNT entries of type `entry`, which the
+ * function keeps in registers.
  */
 #define UPDATE_BLOCK(name, entry, ROWS, COUNT)                                                     \
     static void name(pzs_optimiser *optimiser, size_t i, size_t j)                                 \
@@ -272,9 +273,9 @@ static void update_group(pzs_optimiser *optimiser, const pzs_real *groups, size_
 }
 
 /*
- * Apply all collected rank-one updates to the lower triangle of the tableau block by block, and
- * mirror it to the upper triangle. Blocks on the diagonal are computed as a whole; the last rows,
- * fewer than a block has, one by one.
+ * Apply all collected rank-one updates to the lower triangle of the tableau (pivoted Hessian) block
+ * by block, and mirror it to the upper triangle. Blocks on the diagonal are computed as a whole;
+ * the last rows, fewer than a block has, one by one.
  */
 static void apply_to_all(pzs_optimiser *optimiser)
 {
@@ -326,9 +327,9 @@ void pzs_tableau_reset(pzs_optimiser *optimiser)
 }
 
 /*
- * Return the next input that joins the free set again while the tableau is recomputed: of those
- * that wait, the one that is most independent of the free inputs. Returns the number of inputs if
- * all waiting ones depend linearly on the free ones.
+ * Return the next input that joins the free set again while the tableau (pivoted Hessian) is
+ * recomputed: of those that wait, the one that is most independent of the free inputs. Returns the
+ * number of inputs if all waiting ones depend linearly on the free ones.
  */
 static uint32_t next_pivot(const pzs_optimiser *optimiser)
 {

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The tableau of the voltage optimiser: one symmetric matrix that replaces the Hessian H. F is the
- * free set (inputs whose voltages may change), A the active set (inputs whose voltages are kept).
- * With H_FA for the rows of F and the columns of A in H, and so on, the tableau is
+ * The tableau (pivoted Hessian) of the voltage optimiser: one symmetric matrix that replaces the
+ * Hessian H. F is the free set (inputs whose voltages may change), A the active set (inputs whose
+ * voltages are kept). With H_FA for the rows of F and the columns of A in H, and so on, the tableau
+ * is
  *
  *   rows F:  -H_FF^-1        H_FF^-1 H_FA
  *   rows A:  H_AF H_FF^-1    H_AA - H_AF H_FF^-1 H_FA

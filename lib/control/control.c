@@ -37,7 +37,8 @@
 #define DAMPED_TOLERANCE PZS_R(1e-3)
 
 #define SMALLEST_SQUARE                                                                            \
-    PZS_BY_BITS(1e-31f, 1e-292) /* smallest square that loses no digits by underflow (m2) */
+    PZS_BY_BITS(1e-31f, 1e-292) /* smallest square of a displacement that loses no digits by       \
+                                   underflow (m2) */
 
 /* ---- step ------------------------------------------------------------ */
 
@@ -167,7 +168,10 @@ static pzs_status check_ready(const pzs_control *control, const void *argument)
     return control->state.stage == CONTROL_READY ? PZS_OK : PZS_E_STAGE;
 }
 
-/* Return the measurements to expect: predicted shape plus disturbance (m). */
+/*
+ * Return the measurements to expect: the predicted shape plus the disturbance, which is the
+ * measured minus the predicted shape of the last tick (m).
+ */
 static const pzs_real *expected_measurements(const pzs_control *control)
 {
     const uint32_t outputs = control->state.problem->outputs;
@@ -187,7 +191,10 @@ static uint64_t work_limit(const pzs_control *control)
     return control->settings.work_limit > least ? control->settings.work_limit : least;
 }
 
-/* Optimise the voltages inside their bounds and, if the problem has them, its limit rows. */
+/*
+ * Optimise the voltages inside their bounds and, if the problem has them, its limit rows (limits of
+ * sums of voltages).
+ */
 static void optimise_within(pzs_optimiser *optimiser, pzs_control *control)
 {
     const pzs_limit_rows *rows = control->state.problem->limit_rows;

@@ -6,8 +6,8 @@
 #include "pzs_control.h"
 
 /*
- * Value of state.stage, by which other functions recognise a controller that was initialised
- * without an error.
+ * Value of state.stage by which other functions recognise a controller that was initialised without
+ * an error.
  */
 #define CONTROL_READY 1u
 
@@ -107,8 +107,8 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
 
 /*
  * Continue from the voltages in state.voltage after damaged memory was corrected. Each entry of the
- * Hessian is compared with the tables and repaired, and the tableau of the optimiser and the
- * predicted shape are computed anew.
+ * Hessian is compared with the tables and repaired, and the tableau (pivoted Hessian) of the
+ * optimiser and the predicted shape are computed anew.
  *   influence [outputs][inputs] in  as passed to pzs_control_init
  */
 void pzs_control_recover(pzs_control *control, const pzs_real *influence);

@@ -103,7 +103,7 @@ static bool are_rising(const pzs_real *slack, uint32_t plays)
 
 /*
  * Whether the hysteresis parameters with index k, which several inputs may share, are valid: the
- * numbers are finite, and the effect rises with the voltage.
+ * numbers are finite, and the effect (voltage without hysteresis) rises with the voltage.
  */
 static bool is_valid_set(const pzs_hysteresis *tables, uint32_t k)
 {
@@ -153,13 +153,18 @@ static pzs_status check(const pzs_hysteresis *tables, const pzs_problem *problem
 typedef struct electrode {
     const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear function, from the lowest
                               voltages to the highest (1) */
-    const pzs_real *slack; /* [plays] slack of each play, the half width of its backlash (V) */
-    const pzs_real *above; /* [plays] weight of each play in the effect above the middle (1) */
-    const pzs_real *below; /* [plays] weight of each play in the effect below the middle (1) */
-    const pzs_real *creep; /* [creeps] final value of each creep term, divided by the voltage (1) */
+    const pzs_real *slack; /* [plays] slack of each play (element with backlash), the half width of
+                              its backlash (V) */
+    const pzs_real *above; /* [plays] weight of each play (element with backlash) in the effect
+                              (voltage without hysteresis) above the middle (1) */
+    const pzs_real *below; /* [plays] weight of each play (element with backlash) in the effect
+                              (voltage without hysteresis) below the middle (1) */
+    const pzs_real *creep; /* [creeps] final value of each creep term of an electrode's effect,
+                              divided by the voltage (1) */
     pzs_real middle;       /* middle of the voltage range of the electrode (V) */
     pzs_real half_range;   /* half of the voltage range of the electrode (V) */
-    pzs_real offset;       /* constant part of the effect of the electrode (V) */
+    pzs_real offset; /* constant part of the effect of the electrode, which is the voltage that
+                        would act alike without hysteresis (V) */
     uint32_t plays, creeps;
 } electrode_tables;
 
@@ -217,8 +222,8 @@ static pzs_real line_at(const electrode_tables *electrode, pzs_real offset)
 }
 
 /*
- * Return the contribution of play i (an element with backlash) to the effect of an electrode when
- * the play is at `position` (V).
+ * Return the contribution of play i (an element with backlash) to the effect of an electrode
+ * (voltage without hysteresis) when the play is at `position` (V).
  */
 static pzs_real part_of(const electrode_tables *electrode, uint32_t i, pzs_real position)
 {
@@ -338,8 +343,8 @@ pzs_real pzs_hysteresis_effect(const pzs_hysteresis *tables, uint32_t input,
 }
 
 /*
- * Return by how much the effect of an electrode changes when its voltage changes from one value to
- * another (V).
+ * Return by how much the effect of an electrode (voltage without hysteresis) changes when its
+ * voltage changes from one value to another (V).
  *   play [plays] in  positions of the plays (elements with backlash) at the voltage `from` (V)
  */
 static pzs_real effect_change(const electrode_tables *electrode, const pzs_real *play,
@@ -359,44 +364,51 @@ static pzs_real effect_change(const electrode_tables *electrode, const pzs_real 
 /* ---- inverse ---------------------------------------------------------- */
 
 /*
- * Search for the voltage with a wanted effect, along the piecewise linear characteristic of an
- * electrode from its present voltage upwards or downwards. All positions are multiplied by `sign`,
- * so that the search always runs towards larger numbers. A play is an element with backlash.
+ * Search for the voltage with a wanted effect (voltage without hysteresis), along the piecewise
+ * linear characteristic of an electrode from its present voltage upwards or downwards. All
+ * positions are multiplied by `sign`, so that the search always runs towards larger numbers. A play
+ * is an element with backlash.
  */
 typedef struct effect_walk {
-    const pzs_real *slope;  /* [SEGMENTS] slopes of the piecewise linear function, from the lowest
-                               voltages to the highest (1) */
-    const pzs_real *slack;  /* [plays] slack of each play, the half width of its backlash (V) */
-    const pzs_real *play;   /* [plays] position of each play, relative to the middle of the voltage
-                               range and not multiplied by `sign` (V) */
-    const pzs_real *ahead;  /* [plays] weight of each play in the effect once its position is past
-                               the middle of the voltage range, seen in the direction of the search
-                               (1) */
-    const pzs_real *behind; /* [plays] weight of each play in the effect as long as its position is
-                               short of the middle of the voltage range, seen in the direction of
-                               the search (1) */
+    const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear function, from the lowest
+                              voltages to the highest (1) */
+    const pzs_real *slack; /* [plays] slack of each play (element with backlash), the half width of
+                              its backlash (V) */
+    const pzs_real *play;  /* [plays] position of each play (element with backlash), relative to the
+                              middle of the voltage range and not multiplied by `sign` (V) */
+    const pzs_real *ahead; /* [plays] weight of each play (element with backlash) in the effect
+                              (voltage without hysteresis) once its position is past the middle of
+                              the voltage range, seen in the direction of the search (1) */
+    const pzs_real *behind; /* [plays] weight of each play (element with backlash) in the effect
+                               (voltage without hysteresis) as long as its position is short of the
+                               middle of the voltage range, seen in the direction of the search (1)
+                             */
     pzs_real sign;  /* direction of the search along the characteristic of the electrode: 1 towards
                        higher voltages, -1 towards lower ones */
     pzs_real knot;  /* distance from the middle of the voltage range at which the slope of the
-                       piecewise linear part of the effect changes (V) */
+                       piecewise linear part of the effect (voltage without hysteresis) changes (V)
+                     */
     pzs_real place; /* present position, relative to the middle of the voltage range, of the search
                        along the characteristic of the electrode (V) */
-    pzs_real gain;  /* slope of the effect as a function of the voltage, just ahead of the present
-                       position of the search along the characteristic of the electrode (1) */
+    pzs_real gain; /* slope of the effect (voltage without hysteresis) as a function of the voltage,
+                      just ahead of the present position of the search along the characteristic of
+                      the electrode (1) */
     uint32_t plays;
-    uint32_t moving; /* number of plays that have used up their slack and move with the voltage: the
-                        first ones in the order of their slack */
-    uint32_t crossed; /* number of moving plays whose position is past the middle of the voltage
-                         range */
-    uint32_t knots;   /* number of changes of slope of the piecewise linear part of the effect that
-                         the search along the characteristic of the electrode has passed */
+    uint32_t moving;  /* number of plays (elements with backlash) that have used up their slack and
+                         move with the voltage: the first ones in the order of their slack */
+    uint32_t crossed; /* number of moving plays (elements with backlash) whose position is past the
+                         middle of the voltage range */
+    uint32_t knots;   /* number of changes of slope of the piecewise linear part of the effect
+                         (voltage without hysteresis) that the search along the characteristic of
+                         the electrode has passed */
 } effect_walk;
 
 #define NOWHERE PZS_R(HUGE_VAL)
 
 /*
- * Return the slope of the piecewise linear part of an electrode's effect in its segment k (0 to 3);
- * the segments are numbered in the direction in which a voltage is searched.
+ * Return the slope of the piecewise linear part of an electrode's effect (voltage without
+ * hysteresis) in its segment k (0 to 3); the segments are numbered in the direction in which a
+ * voltage is searched.
  */
 static pzs_real slope_of(const effect_walk *walk, uint32_t k)
 {
@@ -440,8 +452,9 @@ static pzs_real next_crossing(const effect_walk *walk)
 }
 
 /*
- * Return the position at which the slope of the piecewise linear part of the effect changes next,
- * in the search for a voltage along the characteristic of an electrode (V).
+ * Return the position at which the slope of the piecewise linear part of the effect (voltage
+ * without hysteresis) changes next, in the search for a voltage along the characteristic of an
+ * electrode (V).
  */
 static pzs_real next_knot(const effect_walk *walk)
 {
@@ -450,8 +463,8 @@ static pzs_real next_knot(const effect_walk *walk)
 
 /*
  * Let the next play (element with backlash) move with the voltage that is searched, and add its
- * weight to the slope of the effect. The weight differs before and past the middle of the voltage
- * range.
+ * weight to the slope of the effect (voltage without hysteresis). The weight differs before and
+ * past the middle of the voltage range.
  */
 static void move_play(effect_walk *walk)
 {
@@ -463,7 +476,7 @@ static void move_play(effect_walk *walk)
 
 /*
  * Let the search along the characteristic of an electrode pass the next change of slope of the
- * piecewise linear part of the effect.
+ * piecewise linear part of the effect (voltage without hysteresis).
  */
 static void pass_knot(effect_walk *walk)
 {
@@ -473,7 +486,7 @@ static void pass_knot(effect_walk *walk)
 
 /*
  * Let the search along the characteristic of an electrode pass the nearest position at which the
- * slope of the effect changes, and update the slope.
+ * slope of the effect (voltage without hysteresis) changes, and update the slope.
  */
 static void pass_break(effect_walk *walk, pzs_real nearest)
 {
@@ -488,9 +501,9 @@ static void pass_break(effect_walk *walk, pzs_real nearest)
 }
 
 /*
- * Find the slope of the effect of an electrode at the voltage from which another voltage is
- * searched: pass all changes of slope that are not ahead of this start, and let the plays (elements
- * with backlash) move that have no slack left.
+ * Find the slope of the effect of an electrode (voltage without hysteresis) at the voltage from
+ * which another voltage is searched: pass all changes of slope that are not ahead of this start,
+ * and let the plays (elements with backlash) move that have no slack left.
  */
 static void find_first_slope(effect_walk *walk)
 {
@@ -506,8 +519,8 @@ static pzs_real smaller(pzs_real one, pzs_real other)
 }
 
 /*
- * Return the voltage (V) at which the effect of an electrode differs by `way` (V) from the effect
- * at the voltage `from`.
+ * Return the voltage (V) at which the effect of an electrode (voltage without hysteresis) differs
+ * by `way` (V) from the effect at the voltage `from`.
  *   play [plays] in  positions of the plays (elements with backlash) at the voltage `from` (V)
  */
 static pzs_real voltage_after(const electrode_tables *electrode, const pzs_real *play,
@@ -733,7 +746,8 @@ static pzs_real voltage_of(const pzs_compensator *compensator, const pzs_control
 {
     const pzs_real lower = compensator->state.lower[k], upper = compensator->state.upper[k];
     const pzs_real wanted = control->state.voltage[k];
-    if (!number_is_finite(wanted)) /* if memory is damaged, the present voltage is kept */
+    if (!number_is_finite(wanted)) /* if memory is damaged, so that no voltage is found, the present
+                                      voltage is kept */
         return number_clamp(given[k], lower, upper);
     if (!(wanted < control->state.upper[k]))
         return upper;

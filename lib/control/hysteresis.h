@@ -16,13 +16,14 @@
 uint32_t pzs_hysteresis_crc(const pzs_hysteresis *tables);
 
 /*
- * Memory of one electrode with hysteresis and creep, through which its effect depends on earlier
- * voltages.
+ * Memory of one electrode with hysteresis and creep, through which its effect (voltage without
+ * hysteresis) depends on earlier voltages.
  */
 typedef struct hysteresis_memory {
     pzs_real *play; /* [plays] position of each play (element with backlash), relative to the middle
                        of the voltage range (V) */
-    pzs_real *creep; /* [creeps] present value of each creep term in the effect (V) */
+    pzs_real *creep; /* [creeps] present value of each creep term in the effect of the electrode (V)
+                      */
 } hysteresis_memory;
 
 /*

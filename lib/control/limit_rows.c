@@ -43,7 +43,10 @@ pzs_real pzs_limit_rows_margin(const pzs_problem *problem, uint32_t k)
     return MARGIN * (pzs_real)(sums->start[k + 1u] - sums->start[k]) * PZS_EPSILON * most;
 }
 
-/* Return by how much voltages violate limit row k, or 0 if they do not (V). */
+/*
+ * Return by how much voltages violate limit row k (limit of a sum of voltages), or 0 if they do not
+ * (V).
+ */
 static pzs_real excess(const pzs_limit_rows *rows, uint32_t k, const pzs_real *voltage)
 {
     const pzs_real sum = pzs_limit_rows_sum(rows, k, voltage);
@@ -63,8 +66,8 @@ bool pzs_limit_rows_hold(const pzs_limit_rows *rows, const pzs_real *voltage)
 /* ---- check of the limit rows -------------------------------------------- */
 
 /*
- * Whether the coefficients of limit row k are finite numbers and refer to inputs with finite
- * voltage limits.
+ * Whether the coefficients of limit row k (limit of a sum of voltages) are finite numbers and refer
+ * to inputs with finite voltage limits.
  */
 static bool is_row_usable(const pzs_problem *problem, uint32_t k)
 {
@@ -83,7 +86,10 @@ static bool is_row_usable(const pzs_problem *problem, uint32_t k)
     return true;
 }
 
-/* Whether the safe voltages of the limit rows are inside all voltage limits and limit rows. */
+/*
+ * Whether the safe voltages of the limit rows (limits of sums of voltages) are inside all voltage
+ * limits and limit rows.
+ */
 static bool is_safe(const pzs_problem *problem)
 {
     const pzs_limit_rows *rows = problem->limit_rows;
@@ -128,8 +134,8 @@ static uint32_t add_row_limits(uint32_t sum, const pzs_problem *problem)
 /* ---- return of voltages to the limits ----------------------------------- */
 
 /*
- * Return the first input that has a coefficient in limit row k, or -1 if the row has no
- * coefficients.
+ * Return the first input that has a coefficient in limit row k (limit of a sum of voltages), or -1
+ * if the row has no coefficients.
  */
 static int32_t first_input(const pzs_limit_rows *rows, uint32_t k)
 {
@@ -138,8 +144,9 @@ static int32_t first_input(const pzs_limit_rows *rows, uint32_t k)
 }
 
 /*
- * Return the first limit row that `voltage` violates more than the voltages `inside` do, or the
- * number of rows if there is none. A sum that is not a number counts as a violation.
+ * Return the first limit row (limit of a sum of voltages) that `voltage` violates more than the
+ * voltages `inside` do, or the number of rows if there is none. A sum that is not a number counts
+ * as a violation.
  */
 static uint32_t first_violated(const pzs_limit_rows *rows, const pzs_real *inside,
                                const pzs_real *voltage)
@@ -153,7 +160,8 @@ static uint32_t first_violated(const pzs_limit_rows *rows, const pzs_real *insid
 
 /*
  * Return the fraction (0 to 1) of the straight line from the voltages `inside` to `voltage` at
- * which the sum of limit row k leaves its limits, narrowed by the margin for rounding errors.
+ * which the sum of limit row k (limit of a sum of voltages) leaves its limits, narrowed by the
+ * margin for rounding errors.
  */
 static pzs_real part_inside(const pzs_problem *problem, uint32_t k, const pzs_real *inside,
                             const pzs_real *voltage)

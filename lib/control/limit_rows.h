@@ -9,71 +9,76 @@
 
 #include "pzs_control.h"
 
-/* Number of arrays of limit rows in the checksum of a voltage problem. */
+/*
+ * Number of arrays of limit rows (limits of sums of voltages) in the checksum of a voltage problem.
+ */
 #define LIMIT_ROW_PARTS 7u
 
 struct pzs_limit_row_calls {
     /*
-     * Check the tables of the limit rows of a voltage problem. Returns PZS_OK, or an error with
-     * *where as pzs_control_init states them.
+     * Check the tables of the limit rows (limits of sums of voltages) of a voltage problem. Returns
+     * PZS_OK, or an error with *where as pzs_control_init states them.
      */
     pzs_status (*check_rows)(const pzs_problem *problem, int32_t *where);
     /*
-     * Place the row solver (the optimiser for limit rows) and its arrays in the workspace of the
-     * controller, from the address `work` on.
+     * Place the optimiser for limit rows (limits of sums of voltages) and its arrays in the
+     * workspace of the controller, from the address `work` on.
      */
     void (*arrange)(pzs_control *control, uint8_t *work);
-    /* Initialise the row solver (the optimiser for limit rows) before the first control step. */
+    /*
+     * Initialise the optimiser for limit rows (limits of sums of voltages) before the first control
+     * step.
+     */
     void (*prepare)(pzs_control *control);
     /*
-     * At the start of a tick, correct flags and padding of the row solver (the optimiser for limit
-     * rows) that damaged memory may have changed.
+     * At the start of a tick, correct flags and padding of the optimiser for limit rows (limits of
+     * sums of voltages) that damaged memory may have changed.
      */
     void (*repair)(pzs_control *control);
     /*
-     * Compute the voltages that minimise the objective inside bounds and limit rows, as far as the
-     * work limit of the optimiser allows. The voltages must be inside bounds and limit rows before
-     * the call.
+     * Compute the voltages that minimise the objective inside bounds and limit rows (limits of sums
+     * of voltages), as far as the work limit of the optimiser allows. The voltages must be inside
+     * bounds and limit rows before the call.
      */
     void (*optimise)(pzs_control *control);
     /*
-     * Bring the voltages of the controller back inside voltage limits and limit rows if they are
-     * outside: at once if the step limits allow it, otherwise a part of the distance in each tick.
-     * Returns whether they are inside; if not, *where is an input that is outside its limits or has
-     * a coefficient in a row outside its limits.
+     * Bring the voltages of the controller back inside voltage limits and limit rows (limits of
+     * sums of voltages) if they are outside: at once if the step limits allow it, otherwise a part
+     * of the distance in each tick. Returns whether they are inside; if not, *where is an input
+     * that is outside its limits or has a coefficient in a row outside its limits.
      */
     bool (*bring_inside)(pzs_control *control, int32_t *where);
     /*
      * Return the largest violation of the optimality (KKT) conditions (m2/V) by the present
-     * voltages with a gradient [inputs] (m2/V), and store the number of active limit rows in
-     * *active.
+     * voltages with a gradient [inputs] (m2/V), and store the number of active limit rows (limits
+     * of sums of voltages) in *active.
      */
     pzs_real (*violation)(pzs_control *control, const pzs_real *gradient, uint16_t *active);
     /*
-     * If voltages violate a limit row more than the voltages `inside` do, move them along the
-     * straight line towards `inside` to a point where they violate no row more, or else replace
-     * them by `inside`.
+     * If voltages violate a limit row (limit of a sum of voltages) more than the voltages `inside`
+     * do, move them along the straight line towards `inside` to a point where they violate no row
+     * more, or else replace them by `inside`.
      *   inside  [inputs] in      voltages at the end of the line (V)
      *   voltage [inputs] in/out  voltages to correct (V)
      * Returns the first input of the first row that was violated, or -1 if nothing has changed.
      */
     int32_t (*scale_back)(const pzs_problem *problem, const pzs_real *inside, pzs_real *voltage);
     /*
-     * Set voltages back to those before a change where the change violates limit rows: all inputs
-     * of each violated row get their earlier voltages, until no row is violated more than before.
-     * All other inputs keep their new voltages.
+     * Set voltages back to those before a change where the change violates limit rows (limits of
+     * sums of voltages): all inputs of each violated row get their earlier voltages, until no row
+     * is violated more than before. All other inputs keep their new voltages.
      *   before  [inputs] in      voltages before the change (V)
      *   voltage [inputs] in/out  voltages after the change (V)
      */
     void (*take_back)(const pzs_problem *problem, const pzs_real *before, pzs_real *voltage);
     /*
-     * Continue a checksum over the coefficients and limits of all limit rows. Returns the new
-     * checksum.
+     * Continue a checksum over the coefficients and limits of all limit rows (limits of sums of
+     * voltages). Returns the new checksum.
      */
     uint32_t (*add_row_limits)(uint32_t sum, const pzs_problem *problem);
 };
 
-/* Return the number of limit rows of a voltage problem. */
+/* Return the number of limit rows (limits of sums of voltages) of a voltage problem. */
 static inline uint32_t limit_row_count(const pzs_problem *problem)
 {
     return problem->limit_rows != NULL ? problem->limit_rows->sums.count : 0;
@@ -86,12 +91,12 @@ static inline uint32_t limit_row_count(const pzs_problem *problem)
 pzs_real pzs_limit_rows_sum(const pzs_limit_rows *rows, uint32_t k, const pzs_real *voltage);
 
 /*
- * Return the distance by which the optimiser narrows limit row k (V), which covers the rounding
- * error of its sum for any voltages inside the voltage limits.
+ * Return the distance (V) by which the optimiser narrows limit row k, a limit of a sum of voltages.
+ * It covers the rounding error of the sum for any voltages inside the voltage limits.
  */
 pzs_real pzs_limit_rows_margin(const pzs_problem *problem, uint32_t k);
 
-/* Whether voltages [inputs] violate no limit row. */
+/* Whether voltages [inputs] violate no limit row (limit of a sum of voltages). */
 bool pzs_limit_rows_hold(const pzs_limit_rows *rows, const pzs_real *voltage);
 
 int32_t pzs_scale_back_rows(const pzs_problem *problem, const pzs_real *inside, pzs_real *voltage);

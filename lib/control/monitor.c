@@ -66,10 +66,12 @@ void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t out
 
 /* Mean values over all outputs of squares and products of shape changes in one tick (m2). */
 typedef struct squares {
-    pzs_real deviation; /* mean square of the disturbance minus its low-passed value (m2) */
-    pzs_real target;    /* mean square of the change of the target shape (m2) */
-    pzs_real moved;     /* mean square of the predicted change of the shape (m2) */
-    pzs_real answered;  /* mean product of predicted and measured change of the shape (m2) */
+    pzs_real deviation; /* mean square of (measured minus predicted shape) minus its low-passed
+                           value (m2) */
+    pzs_real target;    /* mean square of the change of the target shape in one tick (m2) */
+    pzs_real moved;     /* mean square of the predicted change of the shape in one tick (m2) */
+    pzs_real answered;  /* mean product of predicted and measured change of the shape in one tick
+                           (m2) */
 } squares;
 
 /*
@@ -136,8 +138,8 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, b
 
 /*
  * Compare the shapes of this tick with those of the last one. info.predicted is the shape that the
- * voltages of this tick will make; the disturbance belongs to the shape that was predicted one tick
- * earlier, whose change monitor->move holds.
+ * voltages of this tick will make; the disturbance (measured minus predicted shape) belongs to the
+ * shape that was predicted one tick earlier, whose change monitor->move holds.
  */
 static squares compare(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {

@@ -716,7 +716,8 @@ static pulse_sums compare_pulse(pzs_pulse_detector_state *state, uint32_t j)
 
 /* Result of one test pulse. */
 typedef struct pulse_response {
-    pzs_real gain;    /* response of the electrode, divided by the modelled response (1) */
+    pzs_real gain; /* measured response of the electrode to the test pulse, divided by the modelled
+                      response (1) */
     bool is_measured; /* false: other influences than the test pulse have changed the readings, so
                          that the gain means nothing */
 } pulse_response;

@@ -39,7 +39,8 @@ void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *contr
 
 /*
  * Return the smallest useful threshold for linearly dependent inputs: a pivot of a newly computed
- * tableau below it, relative to the diagonal of the Hessian, may be a rounding error.
+ * tableau (pivoted Hessian) below it, relative to the diagonal of the Hessian, may be a rounding
+ * error.
  */
 static pzs_real least_pivot_floor(const pzs_optimiser *optimiser)
 {
@@ -164,8 +165,8 @@ static void clear_padding(pzs_control *control, uint32_t first, uint32_t stride)
 }
 
 /*
- * Let the next voltage step compute the tableau of the optimiser anew, and that for limit rows, if
- * the problem has limit rows.
+ * Let the next voltage step compute the tableau (pivoted Hessian) of the optimiser anew, and that
+ * for limit rows (limits of sums of voltages), if the problem has limit rows.
  */
 static void reset_tableaux(pzs_control *control)
 {

@@ -15,9 +15,9 @@
  * quantity has a multiplier: the derivative of the objective with respect to this quantity, if all
  * free voltages follow so that the objective is minimal.
  *
- * Tableau. The tableau is the symmetric matrix K = [H, -A'; -A, 0] after a pivot exchange
- * (boxls_tableau.h) for each free input and each active row. One row of the tableau states how all
- * free quantities and all multipliers respond to a change of one active quantity.
+ * Tableau. The tableau (pivoted matrix) is the symmetric matrix K = [H, -A'; -A, 0] after a pivot
+ * exchange (boxls_tableau.h) for each free input and each active row. One row of the tableau states
+ * how all free quantities and all multipliers respond to a change of one active quantity.
  *
  * Round. A round is a sequence of iterations. At its start the gradient is computed from H and the
  * sums of the limit rows from A. Then follow
@@ -57,12 +57,13 @@
 #include "../core/product.h"
 
 /*
- * Largest number of times that the optimiser for limit rows computes its pivoted matrix (tableau)
- * anew in a control step.
+ * Largest number of times that the optimiser for limit rows (limits of sums of voltages) computes
+ * its pivoted matrix (tableau) anew in a control step.
  */
 #define REBUILDS 3u
 /*
- * Largest number of rounds (sequences of iterations) in one call of the optimiser for limit rows.
+ * Largest number of rounds (sequences of iterations) in one call of the optimiser for limit rows
+ * (limits of sums of voltages).
  */
 #define ROUNDS 20u
 /*
@@ -71,8 +72,8 @@
  */
 #define ROUNDING_FACTOR 4
 /*
- * The voltages are accepted as optimal if no round lowers the violation of the optimality (KKT)
- * conditions any more and it is below this multiple of its rounding-error bound.
+ * The voltages are accepted as optimal if no round of iterations lowers the violation of the
+ * optimality (KKT) conditions any more and it is below this multiple of its rounding-error bound.
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
@@ -81,18 +82,19 @@
  */
 #define LEAST_CURVATURE PZS_BY_BITS(PZS_R(3e-4), PZS_R(1e-9))
 /*
- * While the tableau (matrix of the optimiser) is computed anew, a voltage or limit row is left out
- * if it depends almost linearly on those that were already eliminated: its pivot must exceed this
- * fraction of the pivot that a linearly independent voltage or row of high stiffness would have.
+ * While the tableau (matrix of the optimiser) is computed anew, a voltage or limit row (limit of a
+ * sum of voltages) is left out if it depends almost linearly on those that were already eliminated:
+ * its pivot must exceed this fraction of the pivot that a linearly independent voltage or row of
+ * high stiffness would have.
  */
 #define LEAST_INDEPENDENCE PZS_BY_BITS(PZS_R(1e-2), PZS_R(1e-6))
 /* A pivot counts as different from zero only if it exceeds this multiple of its rounding error. */
 #define CERTAIN PZS_BY_BITS(16, 64)
 /*
- * While the optimiser moves one voltage or limit row (the first) away from its bound, another one
- * (the second) may reach a bound. If the second is linearly independent of the first, it is kept at
- * its bound, and the first moves on. The second counts as independent if the part of its pivot that
- * does not come from the first exceeds this fraction of the part that does.
+ * While the optimiser moves a voltage, or a limited sum of voltages (limit row), away from its
+ * bound, another one may reach a bound. If the other one is linearly independent of the moved one,
+ * it is kept at its bound, and the move goes on. It counts as independent if the part of its pivot
+ * that does not come from the moved one exceeds this fraction of the part that does.
  */
 #define OWN_PART PZS_R(0.01)
 /*
@@ -106,34 +108,42 @@
  */
 #define LOOSE_GAP (100 * GAP)
 /*
- * An active limit row counts as at its bound if its distance from the bound is below this multiple
- * of the margin by which rows are narrowed against rounding errors. The next step then moves the
- * row to its bound.
+ * An active limit row (limit of a sum of voltages) counts as at its bound if its distance from the
+ * bound is below this multiple of the margin by which rows are narrowed against rounding errors.
+ * The next step then moves the row to its bound.
  */
 #define NEAR_BOUND PZS_BY_BITS(2, 64)
 /*
- * Largest number of projections of the voltages on all limit rows at the end of a round of
- * iterations.
+ * Largest number of projections of the voltages on all limit rows (limits of sums of voltages) at
+ * the end of a round of iterations.
  */
 #define SWEEPS 4u
-/* Largest number of corrections of the active limit rows at the end of a round of iterations. */
+/*
+ * Largest number of corrections of the active limit rows (limits of sums of voltages) at the end of
+ * a round of iterations.
+ */
 #define CORRECTIONS 2u
 /*
  * The optimiser computes its pivoted matrix (tableau) anew after this number of pivot exchanges,
- * multiplied by the number of inputs and limit rows, because each exchange adds rounding errors.
+ * multiplied by the number of inputs and limit rows (limits of sums of voltages), because each
+ * exchange adds rounding errors.
  */
 #define WORN 64u
 
-/* The parts of the controller on which the optimiser with limit rows works. */
+/*
+ * The parts of the controller on which the optimiser with limit rows (limits of sums of voltages)
+ * works.
+ */
 typedef struct rows_run {
     const pzs_problem *problem;
     const pzs_limit_rows *rows;
     pzs_row_solver *solver;
-    pzs_optimiser *tableau;   /* tableau, active set, bounds and search direction of the inputs and
-                                 limit rows */
-    pzs_optimiser *optimiser; /* voltages, bounds and gradients of the inputs alone */
+    pzs_optimiser *tableau; /* tableau (pivoted matrix), active set, bounds and search direction of
+                               the inputs and limit rows (limits of sums of voltages) */
+    pzs_optimiser *optimiser; /* voltages of the inputs, with their bounds and gradients, without
+                                 the sums of voltages */
     uint32_t inputs, count; /* `inputs`: number of inputs; `count`: number of inputs plus number of
-                               limit rows */
+                               limit rows (limits of sums of voltages) */
 } rows_run;
 
 static rows_run run_of(pzs_control *control)
@@ -149,8 +159,8 @@ static rows_run run_of(pzs_control *control)
 }
 
 /*
- * Whether quantity k (the voltage of an input, or the sum of a limit row) is free, that is, not
- * kept at a bound.
+ * Whether quantity k, the voltage of an input or the sum of voltages that a limit row limits, is
+ * free, that is, not kept at a bound.
  */
 static inline bool is_free(const rows_run *run, uint32_t k)
 {
@@ -164,8 +174,8 @@ static uint32_t entry_count(const rows_run *run)
 
 /*
  * Whether the work limit of the optimiser allows another `cost` multiply-adds and, after them, the
- * end of the round: corrections of limit rows, sums of limit rows and the gradient computed from
- * the Hessian.
+ * end of the round of iterations: corrections of limit rows (limits of sums of voltages), sums of
+ * limit rows and the gradient computed from the Hessian.
  */
 static bool affords(const rows_run *run, uint64_t cost)
 {
@@ -191,8 +201,9 @@ static pzs_real shift_of(const rows_run *run)
 }
 
 /*
- * Begin to compute the tableau (pivoted matrix of the optimiser) anew from Hessian and limit rows.
- * No voltage or limit row is pivoted yet; all that were pivoted before wait to be pivoted again.
+ * Begin to compute the tableau (pivoted matrix of the optimiser) anew from Hessian and limit rows
+ * (limits of sums of voltages). No voltage or limit row is pivoted yet; all that were pivoted
+ * before wait to be pivoted again.
  */
 static void reset_tableau(const rows_run *run)
 {
@@ -225,8 +236,9 @@ static void reset_tableau(const rows_run *run)
 }
 
 /*
- * Update the largest absolute pivot among the free voltages and limit rows since the tableau was
- * last computed anew. This number scales the rounding errors of all pivots.
+ * Update the largest absolute pivot among the free voltages and limit rows (limits of sums of
+ * voltages) since the tableau (pivoted matrix) was last computed anew. This number scales the
+ * rounding errors of all pivots.
  */
 static void note_size(const rows_run *run)
 {
@@ -240,8 +252,9 @@ static void note_size(const rows_run *run)
 }
 
 /*
- * Return the size of a pivot of a free voltage or limit row below which rounding errors may explain
- * the pivot. The voltage or row then depends linearly on the active ones (V2/m2).
+ * Return the size of a pivot of a free voltage or limit row (limit of a sum of voltages) below
+ * which rounding errors may explain the pivot. The voltage or row then depends linearly on the
+ * active ones (V2/m2).
  */
 static pzs_real least_pivot(const rows_run *run)
 {
@@ -249,8 +262,9 @@ static pzs_real least_pivot(const rows_run *run)
 }
 
 /*
- * Make free quantity k (voltage or limit row) active, or active quantity k free, by a pivot
- * exchange in the tableau, the optimiser's matrix. The array tableau->next_voltage is overwritten.
+ * Make free quantity k active, or active quantity k free, by a pivot exchange in the tableau, the
+ * optimiser's matrix. A quantity is a voltage, or the sum of voltages that a limit row limits. The
+ * array tableau->next_voltage is overwritten.
  */
 static void exchange(const rows_run *run, uint32_t k)
 {
@@ -261,8 +275,8 @@ static void exchange(const rows_run *run, uint32_t k)
 }
 
 /*
- * Return the largest diagonal entry of the Hessian, including the shift that the tableau adds to
- * the diagonal (m2/V2).
+ * Return the largest diagonal entry of the Hessian, including the shift that the tableau (pivoted
+ * matrix) adds to the diagonal (m2/V2).
  */
 static pzs_real stiffest_of(const rows_run *run)
 {
@@ -270,9 +284,9 @@ static pzs_real stiffest_of(const rows_run *run)
 }
 
 /*
- * Return how far quantity k, a voltage or limit row that waits to be pivoted, is linearly
- * independent of the pivoted ones: its pivot divided by the pivot of a stiff and independent
- * quantity (1).
+ * Return how far quantity k, a voltage or limit row (limit of a sum of voltages) that waits to be
+ * pivoted, is linearly independent of the pivoted ones: its pivot divided by the pivot of a stiff
+ * and independent quantity (1).
  */
 static pzs_real independence_of(const rows_run *run, uint32_t k, pzs_real stiffest)
 {
@@ -286,9 +300,10 @@ static pzs_real independence_of(const rows_run *run, uint32_t k, pzs_real stiffe
 }
 
 /*
- * Return the next voltage or limit row to be pivoted while the tableau is computed anew: of those
- * that wait, the one that is most independent of the pivoted ones. If all waiting ones depend
- * linearly on the pivoted ones, return the number of quantities.
+ * Return the next voltage or limit row (limit of a sum of voltages) to be pivoted while the tableau
+ * (pivoted matrix) is computed anew: of those that wait, the one that is most independent of the
+ * pivoted ones. If all waiting ones depend linearly on the pivoted ones, return the number of
+ * quantities.
  */
 static uint32_t next_pivot(const rows_run *run, pzs_real stiffest)
 {
@@ -331,7 +346,7 @@ static bool complete_tableau(const rows_run *run)
  * Compute, into tableau->next_voltage, by how much the value of each free quantity (V) and the
  * multiplier of each active one (m2/V) change when the value of active quantity k rises by 1 V.
  * Returns the change of the multiplier of quantity k. A quantity is a voltage or the sum of a limit
- * row.
+ * row (limit of a sum of voltages).
  */
 static pzs_real find_response(const rows_run *run, uint32_t k)
 {
@@ -348,9 +363,10 @@ static pzs_real find_response(const rows_run *run, uint32_t k)
 /* ---- start of a round ------------------------------------------------------ */
 
 /*
- * Compute present value, bounds and margin of all voltages and limit rows. The margin of a voltage
- * is the largest margin of a limit row, because a row at its narrowed limit may change a voltage by
- * so much, but at most an eighth of the distance between the bounds of the voltage.
+ * Compute present value, bounds and margin of all voltages and limit rows (limits of sums of
+ * voltages). The margin of a voltage is the largest margin of a limit row, because a row at its
+ * narrowed limit may change a voltage by so much, but at most an eighth of the distance between the
+ * bounds of the voltage.
  */
 static void load_quantities(const rows_run *run)
 {
@@ -377,8 +393,9 @@ static void load_quantities(const rows_run *run)
 }
 
 /*
- * Return the value at which an active limit row is to be kept (V): its bound if the present sum
- * differs from the bound by rounding errors only, otherwise the present sum.
+ * Return the value at which an active limit row (limit of a sum of voltages) is to be kept (V): its
+ * bound if the present sum differs from the bound by rounding errors only, otherwise the present
+ * sum.
  */
 static pzs_real place_of_row(const rows_run *run, uint32_t row)
 {
@@ -392,8 +409,9 @@ static pzs_real place_of_row(const rows_run *run, uint32_t row)
 }
 
 /*
- * Subtract from a gradient [inputs] the contributions of the active limit rows: coefficients times
- * multiplier. Returns the largest absolute contribution, which scales the rounding error (m2/V).
+ * Subtract from a gradient [inputs] the contributions of the active limit rows (limits of sums of
+ * voltages): coefficients times multiplier. Returns the largest absolute contribution, which scales
+ * the rounding error (m2/V).
  *   multiplier [inputs + limit rows] in  multipliers, of which those of the rows are used (m2/V)
  */
 static pzs_real subtract_rows(const rows_run *run, const pzs_real *multiplier, pzs_real *gradient)
@@ -414,8 +432,9 @@ static pzs_real subtract_rows(const rows_run *run, const pzs_real *multiplier, p
 
 /*
  * Set the right-hand side of the linear equations for the search direction: the gradient at the
- * free voltages minus the contributions of the present multipliers of active limit rows, and, for
- * each active row, the distance from its present sum to the value at which it is to be kept.
+ * free voltages minus the contributions of the present multipliers of active limit rows (limits of
+ * sums of voltages), and, for each active row, the distance from its present sum to the value at
+ * which it is to be kept.
  */
 static void set_right_side(const rows_run *run)
 {
@@ -443,10 +462,10 @@ static void set_right_side(const rows_run *run)
 
 /*
  * Compute the step to the minimum of the objective over the free quantities, with the active ones
- * kept, into tableau->direction: for a free voltage or limit row its change (V), for an active one
- * its multiplier after the step (m2/V). The sums of active rows are set to their bounds exactly.
- * The equations are solved for the change of the present multipliers, so that rounding errors of
- * the tableau decay from round to round.
+ * kept, into tableau->direction: for a free voltage or limit row (limit of a sum of voltages) its
+ * change (V), for an active one its multiplier after the step (m2/V). The sums of active rows are
+ * set to their bounds exactly. The equations are solved for the change of the present multipliers,
+ * so that rounding errors of the tableau (pivoted matrix) decay from round of iterations to round.
  */
 static void find_direction(const rows_run *run)
 {
@@ -470,10 +489,10 @@ static void find_direction(const rows_run *run)
 }
 
 /*
- * Return by how much a multiplier (m2/V) of active quantity k, a voltage or limit row, violates the
- * optimality (KKT) conditions: zero or negative where its sign is right for the bound at which the
- * quantity is kept. A quantity within its margin from a bound counts as at the bound; one between
- * its bounds must have the multiplier zero.
+ * Return by how much a multiplier (m2/V) of active quantity k, a voltage or limit row (limit of a
+ * sum of voltages), violates the optimality (KKT) conditions: zero or negative where its sign is
+ * right for the bound at which the quantity is kept. A quantity within its margin from a bound
+ * counts as at the bound; one between its bounds must have the multiplier zero.
  */
 static pzs_real wrong_sign(const rows_run *run, uint32_t k, pzs_real multiplier)
 {
@@ -488,8 +507,8 @@ static pzs_real wrong_sign(const rows_run *run, uint32_t k, pzs_real multiplier)
 }
 
 /*
- * Return the largest absolute coefficient of a limit row. Times the multiplier of the row it is the
- * largest contribution of the row to a gradient.
+ * Return the largest absolute coefficient of a limit row (limit of a sum of voltages). Times the
+ * multiplier of the row it is the largest contribution of the row to a gradient.
  */
 static pzs_real coefficient_of(const rows_run *run, uint32_t row)
 {
@@ -503,8 +522,9 @@ static pzs_real coefficient_of(const rows_run *run, uint32_t row)
 
 /*
  * Return the largest violation of the optimality (KKT) conditions (m2/V) from gradient, limit rows
- * and the multipliers in tableau->direction, without the rounding errors of the tableau. Also
- * stores an upper bound of the distance of the objective from its minimum in solver->gap.
+ * (limits of sums of voltages) and the multipliers in tableau->direction, without the rounding
+ * errors of the tableau (pivoted matrix). Also stores an upper bound of the distance of the
+ * objective from its minimum in solver->gap.
  *   reduced [inputs] in  gradient minus the contributions of the active limit rows (m2/V)
  */
 static pzs_real largest_violation(const rows_run *run, const pzs_real *reduced)
@@ -530,9 +550,9 @@ static pzs_real largest_violation(const rows_run *run, const pzs_real *reduced)
 }
 
 /*
- * Compute the violation of the optimality (KKT) conditions at the start of a round, and its
- * rounding-error bound. The bound never falls below the bound in the first round of the control
- * step, so that an optimum with zero gradient counts as found.
+ * Compute the violation of the optimality (KKT) conditions at the start of a round of iterations,
+ * and its rounding-error bound. The bound never falls below the bound in the first round of the
+ * control step, so that an optimum with zero gradient counts as found.
  */
 static void measure_violation(const rows_run *run)
 {
@@ -554,14 +574,14 @@ static void measure_violation(const rows_run *run)
 
 typedef struct blocking_bound {
     pzs_real part; /* step length, as a fraction of the search direction, at which the first free
-                      quantity reaches a bound (1) */
-    uint32_t quantity; /* index of this first free quantity, a voltage or limit row; number of
-                          quantities if no quantity reaches a bound */
+                      voltage or limited sum of voltages reaches a bound (1) */
+    uint32_t quantity; /* index of this first free quantity, a voltage or limit row (limit of a sum
+                          of voltages); number of quantities if no quantity reaches a bound */
 } blocking_bound;
 
 /*
- * Whether free quantity k, a voltage or limit row, is linearly independent of the active ones, so
- * that its bound may end a step.
+ * Whether free quantity k, a voltage or limit row (limit of a sum of voltages), is linearly
+ * independent of the active ones, so that its bound may end a step.
  *   change     in  entry of the search direction for the quantity (V)
  *   curvature  in  second derivative of the objective along the search direction (m2/V2), or 0
  */
@@ -573,9 +593,9 @@ static inline bool may_block(const rows_run *run, uint32_t k, pzs_real change, p
 }
 
 /*
- * Find the first free voltage or limit row that reaches a bound on a step along sense * search,
- * with a step length of at most `most`. search [inputs + limit rows] is a search direction (V), and
- * `sense` is 1 or -1.
+ * Find the first free voltage or limit row (limit of a sum of voltages) that reaches a bound on a
+ * step along sense * search, with a step length of at most `most`. search [inputs + limit rows] is
+ * a search direction (V), and `sense` is 1 or -1.
  */
 static blocking_bound first_bound(const rows_run *run, const pzs_real *search, pzs_real sense,
                                   pzs_real most, pzs_real curvature)
@@ -598,8 +618,9 @@ static blocking_bound first_bound(const rows_run *run, const pzs_real *search, p
 }
 
 /*
- * Change all free voltages and limit rows by `part` times the search direction `search` [inputs +
- * limit rows] (V). The quantity that limits the step is set to its bound exactly.
+ * Change all free voltages and limit rows (limits of sums of voltages) by `part` times the search
+ * direction `search` [inputs + limit rows] (V). The quantity that limits the step is set to its
+ * bound exactly.
  */
 static void move_along(const rows_run *run, const pzs_real *search, pzs_real part,
                        blocking_bound first)
@@ -621,8 +642,9 @@ static void move_along(const rows_run *run, const pzs_real *search, pzs_real par
 }
 
 /*
- * Make free quantity k, a voltage or limit row, active at its present value. The search direction
- * of the other free quantities is corrected for the part of the step that quantity k does not make.
+ * Make free quantity k, a voltage or limit row (limit of a sum of voltages), active at its present
+ * value. The search direction of the other free quantities is corrected for the part of the step
+ * that quantity k does not make.
  */
 static void make_active(const rows_run *run, uint32_t k)
 {
@@ -652,8 +674,8 @@ static bool may_iterate(const rows_run *run)
 
 /*
  * Make one descent iteration: change the free voltages along the search direction to the minimum or
- * to the first bound; the voltage or limit row that reaches this bound becomes active. Returns
- * whether a bound ended the step.
+ * to the first bound; the voltage or limit row (limit of a sum of voltages) that reaches this bound
+ * becomes active. Returns whether a bound ended the step.
  */
 static bool descend(const rows_run *run)
 {
@@ -670,10 +692,10 @@ static bool descend(const rows_run *run)
 }
 
 /*
- * Choose the active voltage or limit row to be released from its bound: the one whose multiplier
- * violates the optimality (KKT) conditions most, or, if the last iterations changed no voltage, the
- * first one whose multiplier violates them. Returns the number of quantities if no multiplier
- * violates them by more than `rounding` (m2/V).
+ * Choose the active voltage or limit row (limit of a sum of voltages) to be released from its
+ * bound: the one whose multiplier violates the optimality (KKT) conditions most, or, if the last
+ * iterations changed no voltage, the first one whose multiplier violates them. Returns the number
+ * of quantities if no multiplier violates them by more than `rounding` (m2/V).
  */
 static uint32_t next_release(const rows_run *run, pzs_real rounding)
 {
@@ -697,8 +719,8 @@ static uint32_t next_release(const rows_run *run, pzs_real rounding)
 
 /*
  * Make active quantity k free, and free quantity `other`, which has reached its bound, active in
- * its place. A quantity is a voltage or limit row. The search direction becomes the step to the
- * minimum over the quantities that are free then.
+ * its place. A quantity is a voltage or limit row (limit of a sum of voltages). The search
+ * direction becomes the step to the minimum over the quantities that are free then.
  */
 static void change_roles(const rows_run *run, uint32_t k, uint32_t other, pzs_real curvature)
 {
@@ -713,8 +735,8 @@ static void change_roles(const rows_run *run, uint32_t k, uint32_t other, pzs_re
 }
 
 /*
- * Change the value of active quantity k, a voltage or limit row, by `change` (V). All free
- * quantities and the multipliers of all active ones change with it.
+ * Change the value of active quantity k, a voltage or limit row (limit of a sum of voltages), by
+ * `change` (V). All free quantities and the multipliers of all active ones change with it.
  */
 static void move_released(const rows_run *run, uint32_t k, pzs_real change, blocking_bound first)
 {
@@ -730,24 +752,24 @@ static void move_released(const rows_run *run, uint32_t k, pzs_real change, bloc
 }
 
 /*
- * What follows after one iteration of a release, which moves a voltage or limit row away from its
- * bound.
+ * What follows after one iteration of a release, which moves a voltage or limit row (limit of a sum
+ * of voltages) away from its bound.
  */
 typedef enum release_end {
     RELEASE_DONE,    /* the release is complete: the objective is minimal over the free voltages, or
-                        the voltage or limit row that was released from one bound has reached its
-                        other bound */
-    RELEASE_GOES_ON, /* another voltage or limit row has reached its bound and become active; the
-                        release needs another iteration */
-    RELEASE_DESCENDS /* the voltage or limit row that was released from its bound has become free,
-                        and the one that blocked it is now kept at its bound; descent iterations
-                        follow */
+                        the voltage or limit row (limit of a sum of voltages) that was released from
+                        one bound has reached its other bound */
+    RELEASE_GOES_ON, /* another voltage or limit row (limit of a sum of voltages) has reached its
+                        bound and become active; the release needs another iteration */
+    RELEASE_DESCENDS /* the voltage or limit row (limit of a sum of voltages) that was released from
+                        its bound has become free, and the one that blocked it is now kept at its
+                        bound; descent iterations follow */
 } release_end;
 
 /*
  * Make quantity `other` active at its bound, which it has reached while quantity k was released
  * from its own bound. If `other` depends almost linearly on quantity k, quantity k becomes free at
- * the same time. Quantities are voltages and limit rows.
+ * the same time. Quantities are voltages and limit rows (limits of sums of voltages).
  */
 static release_end block_release(const rows_run *run, uint32_t k, uint32_t other,
                                  pzs_real curvature)
@@ -764,9 +786,9 @@ static release_end block_release(const rows_run *run, uint32_t k, uint32_t other
 }
 
 /*
- * Make one iteration of the release of quantity k, an active voltage or limit row whose multiplier
- * violates the optimality (KKT) conditions: change its value until its multiplier is zero, or until
- * it or a free quantity reaches a bound.
+ * Make one iteration of the release of quantity k, an active voltage or limit row (limit of a sum
+ * of voltages) whose multiplier violates the optimality (KKT) conditions: change its value until
+ * its multiplier is zero, or until it or a free quantity reaches a bound.
  */
 static release_end release(const rows_run *run, uint32_t k)
 {
@@ -809,7 +831,8 @@ static void descend_fully(const rows_run *run)
 
 /*
  * Iterate until no multiplier violates the optimality (KKT) conditions: first descents to the
- * minimum over the free voltages, then releases of voltages and limit rows from their bounds.
+ * minimum over the free voltages, then releases of voltages and limit rows (limits of sums of
+ * voltages) from their bounds.
  */
 static void iterate(const rows_run *run)
 {
@@ -832,8 +855,8 @@ static void iterate(const rows_run *run)
 /* ---- end of a round -------------------------------------------------------- */
 
 /*
- * Correct the free voltages so that the sum of each active limit row is exactly the value at which
- * the row is kept. Returns false if no row needed a correction.
+ * Correct the free voltages so that the sum of each active limit row (limit of a sum of voltages)
+ * is exactly the value at which the row is kept. Returns false if no row needed a correction.
  */
 static bool correct_rows(const rows_run *run)
 {
@@ -864,9 +887,9 @@ static bool correct_rows(const rows_run *run)
 }
 
 /*
- * If the sum of limit row k is outside its narrowed limits by more than half of its margin, change
- * its voltages as little as possible (in the sum of squares) to bring it back, and clamp them to
- * their bounds. Returns whether the sum was outside.
+ * If the sum of limit row k (limit of a sum of voltages) is outside its narrowed limits by more
+ * than half of its margin, change its voltages as little as possible (in the sum of squares) to
+ * bring it back, and clamp them to their bounds. Returns whether the sum was outside.
  */
 static bool project_row(const rows_run *run, uint32_t k)
 {
@@ -890,9 +913,9 @@ static bool project_row(const rows_run *run, uint32_t k)
 }
 
 /*
- * Correct the voltages, one limit row after the other, until no sum is outside its narrowed limits.
- * These corrections are of the size of rounding errors, so that a row at its narrowed limit stays
- * inside its true limit.
+ * Correct the voltages, one limit row (limit of a sum of voltages) after the other, until no sum is
+ * outside its narrowed limits. These corrections are of the size of rounding errors, so that a row
+ * at its narrowed limit stays inside its true limit.
  */
 static void project_rows(const rows_run *run)
 {
@@ -907,7 +930,7 @@ static void project_rows(const rows_run *run)
 
 /*
  * Take the result of the iterations as the new voltages of the controller. They are corrected so
- * that they obey all bounds and limit rows without any rounding error.
+ * that they obey all bounds and limit rows (limits of sums of voltages) without any rounding error.
  */
 static void take_voltages(const rows_run *run)
 {
@@ -987,9 +1010,9 @@ static bool is_converged(const rows_run *run, bool is_whole)
 }
 
 /*
- * Make one round of the optimiser, whose tableau (pivoted matrix) must be complete: compute the
- * search direction, iterate, and keep the new voltages if the objective has decreased. Returns
- * whether another round may lower the objective.
+ * Make one round of iterations of the optimiser, whose tableau (pivoted matrix) must be complete:
+ * compute the search direction, iterate, and keep the new voltages if the objective has decreased.
+ * Returns whether another round may lower the objective.
  */
 static bool make_round(const rows_run *run)
 {

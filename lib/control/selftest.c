@@ -57,7 +57,7 @@
 #define LARGEST_GAIN PZS_R(2)
 /* Least noise of a sensor, relative to its largest plausible noise. */
 #define LEAST_NOISE PZS_R(0.01)
-/* Number of rounds that exclude silent amplifiers from the mean gain. */
+/* Number of repetitions in which the self-test excludes silent amplifiers from the mean gain. */
 #define GAIN_ROUNDS 3
 /*
  * SWAP_GAIN: two amplifiers, or two sensors, count as swapped if exchanging them divides their
@@ -428,7 +428,8 @@ typedef struct line_sums {
     pzs_real product;  /* sum of the products of measured and modelled responses (1/V2) */
     pzs_real size;     /* sum of the absolute values of the products of measured and modelled
                           responses (1/V2) */
-    pzs_real measured; /* sum of the squared measured responses (1/V2) */
+    pzs_real measured; /* sum of the squared measured responses of the sensors to the amplifiers
+                          (1/V2) */
     pzs_real modelled; /* sum of the squared responses that the model predicts, each times the
                           scale of its sensor (1/V2) */
     pzs_real noise;    /* expected contribution of noise and vibration to the sum of the squared

@@ -63,7 +63,9 @@ static pzs_status check(const pzs_supervision *tables, const pzs_problem *proble
 
 /* ---- transitions -------------------------------------------------------- */
 
-#define STAY PZS_MODES /* the event does not change the operating mode */
+#define STAY                                                                                       \
+    PZS_MODES /* entry of the transition table for an event that does not change the operating     \
+                 mode */
 
 /*
  * Transition table of the supervisor: the next operating mode for each operating mode (row) and

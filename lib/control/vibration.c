@@ -212,7 +212,8 @@ static void repeat_voltages(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
     if (tables->delay == 0)
-        return; /* a ring buffer of one row has no previous row */
+        return; /* Where the sensors have no delay, the ring buffer has one row and no previous row.
+                 */
     memcpy(equilibrium_of(damper, 0), equilibrium_of(damper, 1), tables->modes * sizeof(pzs_real));
     memcpy(expected_of(damper, 0), expected_of(damper, 1), tables->sensors * sizeof(pzs_real));
 }

@@ -179,8 +179,8 @@ int32_t pzs_linalg_scale(pzs_envelope *matrix, pzs_real *scale)
 }
 
 /*
- * The entries of the matrix are scaled in the order of memory, panel by panel and column by column.
- * Padding entries are zero and stay zero.
+ * The entries of the matrix are scaled in the order of memory, panel by panel (PZS_TILE rows each)
+ * and column by column. Padding entries are zero and stay zero.
  */
 void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale)
 {
@@ -216,7 +216,8 @@ static void add_sizes(const pzs_real *entry, uint32_t row, uint32_t past, uint32
 }
 
 /*
- * The entries of the matrix are read in the order of memory, panel by panel and column by column.
+ * The entries of the matrix are read in the order of memory, panel by panel (PZS_TILE rows each)
+ * and column by column.
  */
 pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 {
@@ -337,8 +338,9 @@ static uint32_t factor_tile(pzs_real *restrict tile, const pzs_real *restrict le
 }
 
 /*
- * Eliminate STRIP columns, beginning with column `at`, of the panels `panel` to `past` - 1, whose
- * diagonal tiles lie further right. With wide vectors, panels are eliminated in pairs.
+ * Eliminate STRIP columns, beginning with column `at`, of the panels `panel` to `past` - 1
+ * (PZS_TILE matrix rows each), whose diagonal tiles lie further right. With wide vectors, panels
+ * are eliminated in pairs.
  */
 static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t panel, uint32_t past)
 {

@@ -17,7 +17,9 @@
 
 #if PZS_VFP
 
-#define GROUP_LIMIT 15u /* largest number of matrix columns that one loop processes */
+#define GROUP_LIMIT                                                                                \
+    15u /* Largest number of matrix columns that one assembler loop processes, so that a row fits  \
+           into registers. */
 
 /*
  * Assembler instructions for the entries of one matrix row in the registers from s16 on and the
@@ -56,7 +58,8 @@
 #define SPREAD_14 SPREAD_13 "vmla.f32 s13, s15, s29\n\t"
 #define SPREAD_15 SPREAD_14 "vmla.f32 s14, s15, s30\n\t"
 
-/* List of the registers that the assembler code of a matrix product overwrites, for the compiler.
+/*
+ * List of the registers that the assembler code of a matrix product overwrites, for the compiler.
  */
 #define ALL_REGISTERS                                                                              \
     "s0", "s1", "s2", "s3", "s4", "s5", "s6", "s7", "s8", "s9", "s10", "s11", "s12", "s13", "s14", \

@@ -14,7 +14,9 @@
  * portable ones.
  */
 #define WIDE_COLUMNS 48u
-#define WIDE_BLOCK 8u /* number of columns of a block that pzs_wide_update updates */
+#define WIDE_BLOCK                                                                                 \
+    8u /* number of columns of a block of the optimiser's pivoted matrix that pzs_wide_update      \
+          updates */
 
 /* Return whether products of rows of `cols` entries use the loops with AVX2 instructions. */
 static inline bool product_is_wide(size_t cols)

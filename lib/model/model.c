@@ -237,7 +237,8 @@ typedef struct add_place {
 } add_place;
 
 /*
- * Find the places in the envelope matrix of the unconstrained degrees of freedom of `count` nodes.
+ * Find the places of the unconstrained degrees of freedom of `count` nodes in the stiffness matrix,
+ * which is stored in envelope form.
  *   place [count dof_per_node] out  places
  * Returns the number of places.
  */

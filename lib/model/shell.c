@@ -162,9 +162,9 @@ static void corner_stresses(const shape *base, const pzs_real stress[10], pzs_re
 }
 
 /*
- * Add the strains of one corner to the strain modes 00, 01, 10 and 11 of an element. Each strain
- * mode is the mean over the corners of the strains, multiplied by the sign (1 or -1) that the mode
- * has at the corner.
+ * Add the strains of one corner to the strain modes 00, 01, 10 and 11 (constant, linear in either
+ * direction, bilinear) of an element. Each strain mode is the mean over the corners of the strains,
+ * multiplied by the sign (1 or -1) that the mode has at the corner.
  */
 static void add_modes(pzs_real modes[4][10], const pzs_real strain[10], int corner)
 {
@@ -175,7 +175,8 @@ static void add_modes(pzs_real modes[4][10], const pzs_real strain[10], int corn
 
 /*
  * Compute the ten stresses at one corner of an element from the stress resultants of its four
- * strain modes (transpose of the map from strains at corners to strain modes).
+ * strain modes (constant, linear and bilinear over the element): the transpose of the map from the
+ * strains at the corners to those of the strain modes.
  */
 static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real stress[10])
 {
@@ -187,9 +188,9 @@ static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real st
 }
 
 /*
- * Number and list of the strain components that each strain mode of an element keeps; the other
- * components are left out. Mode 00 keeps all ten; mode 01 those of 11, 33 and 13; mode 10 those of
- * 22, 33 and 23; mode 11 those of 33.
+ * Number and list of the strain components that each strain mode (constant, linear or bilinear over
+ * the element) of an element keeps; the other components are left out. Mode 00 keeps all ten; mode
+ * 01 those of 11, 33 and 13; mode 10 those of 22, 33 and 23; mode 11 those of 33.
  */
 static const uint8_t kept_strains[4] = {10, 5, 5, 2};
 static const uint8_t kept_strain[4][10] = {
@@ -200,8 +201,9 @@ static const uint8_t kept_strain[4][10] = {
 };
 
 /*
- * Replace the strains of one strain mode of an element by the stress resultants of this mode.
- * `stiffness` is the packed lower triangle of a symmetric 10 x 10 matrix.
+ * Replace the strains of one strain mode (constant, linear or bilinear over the element) of an
+ * element by the stress resultants of this mode. `stiffness` is the packed lower triangle of a
+ * symmetric 10 x 10 matrix.
  */
 static void multiply_mode(const pzs_real *stiffness, int mode, pzs_real strain[10])
 {
@@ -232,8 +234,8 @@ static void add_warp(const pzs_element_type *type, pzs_real strain[4][10])
 }
 
 /*
- * Distribute the mean stress resultant 12 of strain mode 00 to other resultants of a warped element
- * (transpose of the correction of the strains for warp).
+ * Distribute the mean stress resultant 12 of strain mode 00 (constant over the element) to other
+ * resultants of a warped element (transpose of the correction of the strains for warp).
  */
 static void distribute_warp(const pzs_element_type *type, pzs_real resultant[4][10])
 {
@@ -250,8 +252,8 @@ static void distribute_warp(const pzs_element_type *type, pzs_real resultant[4][
 }
 
 /*
- * Correct the strains of all four strain modes of an element for the warp and the skew of the
- * element.
+ * Correct the strains of all four strain modes (constant, linear and bilinear over the element) of
+ * an element for the warp and the skew of the element.
  */
 static void correct_modes(const pzs_element_type *type, pzs_real strain[4][10])
 {
@@ -301,8 +303,9 @@ static void small_strains(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Compute the nodal forces [4 dof_per_node] of the stress resultants of all strain modes of an
- * element in the undeformed state. The resultants are overwritten.
+ * Compute the nodal forces [4 dof_per_node] of the stress resultants of all strain modes (constant,
+ * linear and bilinear over the element) of an element in the undeformed state. The resultants are
+ * overwritten.
  */
 static void small_force(const pzs_element_type *type, unsigned dof_per_node,
                         pzs_real resultant[4][10], pzs_real *nodal_force)
@@ -390,8 +393,9 @@ static void all_derivatives(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Add, to the strains of an element's four strain modes, their first variation for a displacement
- * increment v, taken at the fraction `part` of a displacement u.
+ * Add, to the strains of an element's four strain modes (constant, linear and bilinear over the
+ * element), their first variation for a displacement increment v, taken at the fraction `part` of a
+ * displacement u.
  *   derivative [4] in  derivatives of u at the four corners
  *   variation  [4] in  derivatives of v at the four corners
  */
@@ -408,9 +412,10 @@ static void add_variation(const pzs_element_type *type, const shell_corner deriv
 }
 
 /*
- * Compute the strains of an element's four strain modes at a displacement, plus their first
- * variation for the increment du (NULL: no increment). Strains are quadratic in the displacement u,
- * so they equal their first variation at u/2 for the increment u.
+ * Compute the strains of an element's four strain modes (constant, linear and bilinear over the
+ * element) at a displacement, plus their first variation for the increment du (NULL: no increment).
+ * Strains are quadratic in the displacement u, so they equal their first variation at u/2 for the
+ * increment u.
  */
 static void extrapolated_strains(const pzs_element_type *type, unsigned dof_per_node,
                                  const pzs_real *displacement, const pzs_real *du,

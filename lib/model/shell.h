@@ -72,7 +72,8 @@ typedef struct shell_corner {
 enum { SHELL_RESULTANTS = 22 };
 
 /*
- * Strains of the four strain modes of an element at a displacement.
+ * Strains of the four strain modes (constant, linear and bilinear over the element) of an element
+ * at a displacement.
  *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
  *   strain       [4][10]          out  ten strains of each mode, in the order of pzs_element_type.d
  */
@@ -82,7 +83,8 @@ void pzs_shell_strains_at(const pzs_element_type *type, unsigned dof_per_node,
 /*
  * Tangent stiffness and internal force of an element, for Newton's method with independent
  * resultants:
- *   f = sum over the strain modes m of L_m^T H_m,  H = D e(u) + H0
+ *   f = sum over the strain modes (constant, linear and bilinear over the element) m of L_m^T H_m,
+ *     H = D e(u) + H0
  *   K = sum over m of L_m^T D_m L_m + (resultants)_m A_m
  * with the strains e at the displacement u, their first variation L and second variation A, the
  * stiffness D, the resultants H and the prescribed resultants H0.
@@ -101,8 +103,8 @@ void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node,
  * Stress resultants of an element, extrapolated along an increment of the displacement: the
  * stiffness of the strains times (strains + their first variation), plus the prescribed resultants.
  *   du        [4 dof_per_node] in   increment (m and 1); NULL: no extrapolation
- *   given     [10]             in   prescribed resultants of strain mode 00, times the area of the
- *                                   element (N m); NULL: zero
+ *   given     [10]             in   prescribed resultants of strain mode 00 (constant over the
+ *                                   element), times the area of the element (N m); NULL: zero
  *   resultant [22]             out  resultants (N m)
  */
 void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node,
@@ -122,8 +124,8 @@ void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node,
                        const pzs_real *displacement, shell_corner shape[4]);
 
 /*
- * Stresses at the four corners of an element from the stress resultants of its strain modes, with
- * the corrections for warp and skew.
+ * Stresses at the four corners of an element from the stress resultants of its strain modes
+ * (constant, linear and bilinear over the element), with the corrections for warp and skew.
  *   resultant [22]    in   resultants (N m)
  *   stress    [4][10] out  ten stresses at each corner, in the strain order of pzs_element_type.d
  */
@@ -131,9 +133,9 @@ void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant,
                         pzs_real stress[4][10]);
 
 /*
- * Replace the strains of the four strain modes of a skewed element by their stress resultants, in
- * place. The strains include the correction for warp; of the ten strains of each mode, those that
- * the mode does not keep are not read.
+ * Replace the strains of the four strain modes (constant, linear and bilinear over the element) of
+ * a skewed element by their stress resultants, in place. The strains include the correction for
+ * warp; of the ten strains of each mode, those that the mode does not keep are not read.
  *   strain [4][10] in/out  in: strains; out: resultants times the area of the element (N m)
  */
 void pzs_shell_skewed_resultants(const pzs_element_type *type, pzs_real strain[4][10]);

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Correction of the strain modes of a quadrilateral that is not a parallelogram (shell_skew.h). */
+/*
+ * Correction of the strain modes (constant, linear and bilinear over the element) of a
+ * quadrilateral that is not a parallelogram (shell_skew.h).
+ */
 #include "shell_skew.h"
 #include "shell_corner.h"
 
 /*
- * Correct the in-plane strains of an element's strain modes for the skew of the element; the
- * strains are means (face = 0) or differences (face = 1) of the two faces. With the skew alpha_1,
- * alpha_2 and the length ratio r, the average over the corners exceeds the value at the centre by c
- * in strain 11 and by c/r^2 in strain 22:
+ * Correct the in-plane strains of an element's strain modes (constant, linear and bilinear over the
+ * element) for the skew of the element; the strains are means (face = 0) or differences (face = 1)
+ * of the two faces. With the skew alpha_1, alpha_2 and the length ratio r, the average over the
+ * corners exceeds the value at the centre by c in strain 11 and by c/r^2 in strain 22:
  *   c = [alpha_1 (e01_11 - alpha_1 e00_11) + alpha_2 r (r (e10_22 - alpha_2 e00_22) - alpha_1
  *     e00_12)]
  *       / (1 - alpha_1^2 - alpha_2^2)

@@ -16,8 +16,8 @@
 #include "pzs_model.h"
 
 /*
- * Return whether an element is not a parallelogram, so that its strain modes must be corrected for
- * the skew of the element.
+ * Return whether an element is not a parallelogram, so that its strain modes (constant, linear and
+ * bilinear over the element) must be corrected for the skew of the element.
  */
 static inline bool shell_is_skewed(const pzs_element_type *type)
 {
@@ -25,8 +25,8 @@ static inline bool shell_is_skewed(const pzs_element_type *type)
 }
 
 /*
- * Correct the strains of an element's four strain modes, in which warp is included, for the skew of
- * the element.
+ * Correct the strains of an element's four strain modes (constant, linear and bilinear over the
+ * element), in which warp is included, for the skew of the element.
  *   skew   [3]     in      alpha_1, alpha_2 and length ratio of pzs_element_type
  *   strain [4][10] in/out  ten strains of each mode; those that a mode does not keep are neither
  *                          read nor written

@@ -40,9 +40,9 @@ static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D,
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
 /*
- * Rows of one strain mode in the array of stress rows (stiffness of the mode times nodal strains):
- * number of rows, number of rows to which the seventh degree of freedom q contributes, index of the
- * first row, and strain of each row.
+ * Rows of one strain mode (constant, linear or bilinear over the element) in the array of stress
+ * rows (stiffness of the mode times nodal strains): number of rows, number of rows to which the
+ * seventh degree of freedom q contributes, index of the first row, and strain of each row.
  */
 typedef struct mode_rows {
     uint8_t count, with_q, start, strain[ROWS];
@@ -55,13 +55,14 @@ static const mode_rows rows_of_mode[4] = {
 };
 
 /*
- * A pair of stress rows (stiffness of a strain mode times nodal strains) of two strain modes that
- * contribute to the same stress. A node needs only the sum or the difference of the pair, depending
- * on two signs of the strain mode `mode`: its sign at the node, and its sign at the node to which a
- * column belongs. Sum and difference therefore replace the pair: in the columns of negative sign
- * the first row receives the sum, in the columns of positive sign the second row does. The first
- * row then serves all nodes of negative sign, the second row all nodes of positive sign. In the
- * columns of the seventh degree of freedom q only the first PAIRS_WITH_Q pairs are replaced.
+ * A pair of stress rows of two strain modes that contribute to the same stress. A strain mode is
+ * constant, linear or bilinear over the element; a stress row is a row of its stiffness times the
+ * nodal strains. A node needs only the sum or the difference of the pair, depending on two signs of
+ * the strain mode `mode`: its sign at the node, and its sign at the node to which a column belongs.
+ * Sum and difference therefore replace the pair: in the columns of negative sign the first row
+ * receives the sum, in the columns of positive sign the second row does. The first row then serves
+ * all nodes of negative sign, the second row all nodes of positive sign. In the columns of the
+ * seventh degree of freedom q only the first PAIRS_WITH_Q pairs are replaced.
  */
 typedef struct row_pair {
     uint8_t first, second, mode;
@@ -74,9 +75,10 @@ static const row_pair row_pairs[PAIRS] = {
 };
 
 /*
- * stress_row[p][k]: index of the stress row (stiffness of a strain mode times nodal strains) that
- * contains stress k of node p after the rows of the strain modes have been combined into rows of
- * the nodes. The stresses are in the order of the rows of the nodal strain array.
+ * stress_row[p][k]: index of the stress row that contains stress k of node p after the rows of the
+ * four strain modes have been combined into rows of the nodes. A stress row is a row of the
+ * stiffness of a strain mode (constant, linear or bilinear over the element) times the nodal
+ * strains. The stresses are in the order of the rows of the nodal strain array.
  */
 static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
@@ -263,8 +265,8 @@ static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, i
 }
 
 /*
- * Whether the seventh degree of freedom q contributes to a row in the list of rows of a strain
- * mode.
+ * Whether the seventh degree of freedom q contributes to a row in the list of rows of a strain mode
+ * (constant, linear or bilinear over the element).
  */
 static bool has_q(const mode_rows *mode, int row)
 {
@@ -272,8 +274,8 @@ static bool has_q(const mode_rows *mode, int row)
 }
 
 /*
- * Compute the stress rows of an element: the products of the stiffness of each strain mode with the
- * nodal strains.
+ * Compute the stress rows of an element: the products of the stiffness of each strain mode
+ * (constant, linear or bilinear over the element) with the nodal strains.
  *   nodal         [ROWS][COLUMNS] in   nodal strains
  *   stress_row_of [22][COLUMNS]   out  products, in the order of rows_of_mode
  */
@@ -302,9 +304,10 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
 }
 
 /*
- * Collect the strains of all four strain modes that a unit displacement of one degree of freedom
- * causes: one column of the nodal strains, which belongs to `node`. Strains to which the seventh
- * degree of freedom q does not contribute are zero in its columns.
+ * Collect the strains of all four strain modes (constant, linear and bilinear over the element)
+ * that a unit displacement of one degree of freedom causes: one column of the nodal strains, which
+ * belongs to `node`. Strains to which the seventh degree of freedom q does not contribute are zero
+ * in its columns.
  */
 static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
                           pzs_real strains[4][10])
@@ -319,8 +322,9 @@ static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
 }
 
 /*
- * Write the stress resultants that belong to one column of the nodal strains into the stress rows
- * (stiffness of each strain mode times nodal strains), without the signs of the node of the column.
+ * Write the stress resultants that belong to one column of the nodal strains into the stress rows,
+ * without the signs of the node of the column. A stress row is a row of the stiffness of a strain
+ * mode (constant, linear or bilinear over the element) times the nodal strains.
  */
 static void scatter_column(pzs_real resultant[4][10], int column, int node,
                            pzs_real stress_row_of[22][COLUMNS])
@@ -332,8 +336,9 @@ static void scatter_column(pzs_real resultant[4][10], int column, int node,
 }
 
 /*
- * Compute the stress rows (stiffness of each strain mode times nodal strains) of a skewed element,
- * whose strain modes are coupled, column by column.
+ * Compute the stress rows of a skewed element, whose strain modes are coupled, column by column. A
+ * stress row is a row of the stiffness of a strain mode (constant, linear or bilinear over the
+ * element) times the nodal strains.
  */
 static void skewed_stress_rows(const pzs_element_type *type, unsigned dof_per_node,
                                pzs_real nodal[ROWS][COLUMNS], pzs_real stress_row_of[22][COLUMNS])
@@ -363,8 +368,8 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
 }
 
 /*
- * Combine the stress rows of the four strain modes of an element into the stress rows of its four
- * nodes, in place.
+ * Combine the stress rows of the four strain modes (constant, linear and bilinear over the element)
+ * of an element into the stress rows of its four nodes, in place.
  */
 static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COLUMNS])
 {
