@@ -60,17 +60,20 @@ double plausible_voltage(const scene *scene, const scene_actuator *actuator, con
 
 /*
  * Store in found->value the electric field that an actuator's voltage causes in the layer of the
- * patch grid that it drives (V/m); NAN if the scene file gives a field limit for the material,
- * because the design then enforces this limit.
+ * patch grid that it drives (V/m). The value stays NAN if the scene file gives a field limit for
+ * the material, because the design then enforces this limit, and for a film actuator up to the
+ * voltage of its data sheet: electrodes of such a film may be fingers on its faces, so that voltage
+ * over thickness is not its field.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found)
 {
     const scene_layer *layer = &scene->layer[scene->patches[drive->patches].layer];
     const scene_material *material = &scene->material[layer->material];
-    if (material->field_limit > 0 || !isfinite(voltage))
+    const double applied = fabs(voltage * drive->factor);
+    if (material->field_limit > 0 || !isfinite(voltage) ||
+        (material->film_voltage > 0 && applied <= material->film_voltage))
         return;
-    found->value =
-        plausible_si(scene, fabs(voltage * drive->factor) / layer->thickness, &field_unit);
+    found->value = plausible_si(scene, applied / layer->thickness, &field_unit);
 }
 
 int measure_limit_field(const subject *of, int k, measured *found)

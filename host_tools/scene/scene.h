@@ -167,6 +167,7 @@ typedef struct scene_material {
     scene_strength strength; /* strengths, with which `pzs solve --stress` compares the stresses */
     double film_thickness; /* thickness of a film actuator whose constants come from its data sheet
                               (length unit of the scene file); 0: no film */
+    double film_voltage;   /* voltage of the data sheet of a film actuator (V); 0: no film */
     int poling; /* poling direction of a material: along the axis 1, 2 or 3 of its layer, negative
                    against that axis; the axis 3 is e3 of the surface */
     scene_at at;

@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 /* ---- element ---- */
@@ -138,12 +139,19 @@ static const char *first_given(const reader *reader, int node, const char *const
     return NULL;
 }
 
+/*
+ * Require all keys of a list in a material. Returns 0, or -1 after writing the error message of the
+ * YAML tree, which names the first missing key and all keys of the list.
+ */
 static int require(reader *reader, int node, const char *const *keys)
 {
+    char all[64] = "";
+    for (int i = 0; keys[i]; i++)
+        snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", i ? ", " : "", keys[i]);
     for (; *keys; keys++)
         if (!tree_find(reader->t, node, *keys))
-            return tree_fault(reader->t, node, "'%s' is missing in %.60s; add it", *keys,
-                              tree_name(reader->t, node));
+            return tree_fault(reader->t, node, "'%s' is missing in %.60s; add it (needed: %s)",
+                              *keys, tree_name(reader->t, node), all);
     return 0;
 }
 
@@ -278,20 +286,23 @@ static int elastic_stiffness(reader *reader, int node, material_text *text)
 /* Compute the material constants of a film from its data sheet. */
 static int take_film(reader *reader, int node, material_text *text)
 {
+    static const char *const modulus_keys[] = {"E1", "E", "nu", "stiffness", NULL};
     scene_material *material = &text->material;
-    const bool has_modulus = tree_find(reader->t, node, "E1") != 0;
+    const char *modulus = first_given(reader, node, modulus_keys);
     if (text->film.thickness <= 0)
         return 0;
     if (first_given(reader, node, d_keys) || first_given(reader, node, e_keys))
         return tree_fault(reader->t, node,
                           "%.60s has a film and piezoelectric constants; give one or the other",
                           tree_name(reader->t, node));
-    if (has_modulus && text->film.force > 0)
+    if (modulus && text->film.force > 0)
         return tree_fault(reader->t, node,
-                          "%.60s has 'E1' and the blocking force of a film; give one or the other",
-                          tree_name(reader->t, node));
+                          "%.60s has '%s' and the blocking force of a film, which gives E1; write "
+                          "E2, G12, nu12 beside the force, or leave the force out",
+                          tree_name(reader->t, node), modulus);
     if (text->film.force > 0)
         material->e[0] = scene_film_modulus(&text->film);
+    material->film_voltage = text->film.voltage;
     material->d31 = scene_film_constant(&text->film, 0);
     material->d32 = scene_film_constant(&text->film, 1);
     material->film_thickness = text->film.thickness;
@@ -323,8 +334,13 @@ static int check_material(reader *reader, int node, material_text *text)
     text->material.has_e = stress_constant != NULL;
     if (stiffness)
         return elastic_stiffness(reader, node, text);
-    return orthotropic ? elastic_orthotropic(reader, node, text)
-                       : elastic_isotropic(reader, node, text);
+    if (orthotropic || text->film.force > 0)
+        return elastic_orthotropic(reader, node, text);
+    if (isotropic)
+        return elastic_isotropic(reader, node, text);
+    return tree_fault(reader->t, node,
+                      "no stiffness in %.60s; give E and nu, or E1, E2, G12 and nu12, or stiffness",
+                      tree_name(reader->t, node));
 }
 
 static const form pair_form = {.type = FORM_LIST, .item = &above_zero_form, .least = 2, .most = 2};

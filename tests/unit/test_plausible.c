@@ -13,6 +13,10 @@
 #include <cmocka.h>
 #include "../rigs/scene_assert.h"
 
+/* Change of the ceramic into a film actuator whose data sheet holds at a voltage (V), a text. */
+#define FILM(voltage)                                                                              \
+    "materials.ceramic={E: 6e10, nu: 0.3, density: 7800, film: {voltage: " voltage                 \
+    ", strain: [1e-4, -5e-5], thickness: 0.5e-3}};"
 #define ACTUATED "sensors=[];outputs=[];actuators=[{name: v, drives: [{patches: up, factor: 2}]}];"
 #define METRES "units={length: m, force: N, voltage: V, temperature: K};"
 #define MILLIMETRES "units={length: mm, force: N, voltage: V, temperature: K};"
@@ -97,6 +101,8 @@ static const edge_case edges[] = {
     {"limit_field", METRES,
      ACTUATED "limits={voltage: [-9, 9], each: [{actuator: v, voltage: [0, 252.5]}]}",
      ACTUATED "limits={voltage: [-9, 9], each: [{actuator: v, voltage: [0, 247.5]}]}", 1.01e6},
+    {"limit_field", METRES, ACTUATED FILM("504.9") "limits={voltage: [-252.5, 1]}",
+     ACTUATED FILM("505.1") "limits={voltage: [-252.5, 1]}", 1.01e6},
     {"limit_field", METRES, ACTUATED "limits={voltage: [-900, 900]}",
      ACTUATED "limits={voltage: [-900, 900], each: [{actuator: v, hold: 0}]}", 3.6e6},
 };

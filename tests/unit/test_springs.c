@@ -861,6 +861,13 @@ static void test_refusals(void **state)
         {"materials.steel.film={voltage: 1, strain: [1e-3, 0], thickness: 0.02};materials.steel."
          "d31=1e-12",
          "give one or the other"},
+        {"materials.steel.film={voltage: 1, strain: [1e-3, 0], thickness: 0.02, blocking_force: 1, "
+         "width: 1}",
+         "'E' and the blocking force of a film, which gives E1"},
+        {"materials.steel={film: {voltage: 1, strain: [1e-3, 0], thickness: 0.02, blocking_force: "
+         "1, width: 1}}",
+         "'E2' is missing in steel; add it (needed: E2, G12, nu12)"},
+        {"materials.steel={density: 1}", "no stiffness in steel; give E and nu"},
         {"loads=[{point: {theta1: 0, theta2: 0}, about: z, moment: 1}]", "normal to the surface"},
         {"loads=[{point: {theta1: 0, theta2: 0}, about: y}]", "needs a direction"},
         {"loads=[{point: {theta1: 0, theta2: 0}, moment: 1}]", "add about"},
