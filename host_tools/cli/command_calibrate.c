@@ -51,7 +51,7 @@ static int complain(const char *text, const char *detail)
 static int read_table(number_table *table, const char *path)
 {
     char error[NUMBER_ERROR], place[NUMBER_NAME];
-    if (number_table_read(table, path, error) < 0)
+    if (number_table_read(table, path, error) < 0 || number_table_check(table, path, error) < 0)
         return complain(error, "");
     for (size_t i = 0; i < table->rows * table->columns; i++)
         if (!isfinite(table->value[i])) {

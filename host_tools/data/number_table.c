@@ -2,6 +2,7 @@
 /* Reading of tables of numbers from files of several formats (number_table.h). */
 #include "number_table.h"
 #include <errno.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -86,6 +87,10 @@ static int read_format(number_table *table, const char *path, const char *bytes,
                  "this is a ZIP or .npz archive; save one array alone, with numpy.save");
         return -1;
     }
+    if (count >= 2 && (memcmp(bytes, "\xff\xfe", 2) == 0 || memcmp(bytes, "\xfe\xff", 2) == 0)) {
+        snprintf(message, NUMBER_ERROR, "this is text in UTF-16; save it as UTF-8");
+        return -1;
+    }
     return table_text_read(table, bytes, count, message);
 }
 
@@ -106,6 +111,22 @@ int number_table_read(number_table *table, const char *path, char *error)
     }
     free(bytes);
     return failed;
+}
+
+int number_table_check(const number_table *table, const char *path, char *error)
+{
+    for (size_t i = 0; i < table->rows * table->columns; i++) {
+        char place[NUMBER_NAME], message[NUMBER_ERROR];
+        if (!isfinite(table->value[i]) || fabs(table->value[i]) <= NUMBER_LARGEST)
+            continue;
+        number_table_place(table, i / table->columns, i % table->columns, place);
+        snprintf(message, sizeof message,
+                 "%s holds %.4g, and numbers go up to %g; the file is damaged, or its numbers have "
+                 "another byte order",
+                 place, table->value[i], NUMBER_LARGEST);
+        return fault(path, message, error);
+    }
+    return 0;
 }
 
 void number_table_free(number_table *table)

@@ -18,6 +18,12 @@
  */
 enum { NUMBER_ERROR = 240, NUMBER_NAME = 64, NUMBER_BYTES = 64 << 20, NUMBER_VALUES = 1 << 23 };
 
+/*
+ * Largest magnitude of a measured number in a table, so that squares and products are finite; it is
+ * also the largest magnitude of a number in a scene file.
+ */
+#define NUMBER_LARGEST 1e60
+
 typedef char number_name[NUMBER_NAME];
 
 typedef struct number_table {
@@ -38,6 +44,15 @@ typedef struct number_table {
  */
 int number_table_read(number_table *table, const char *path, char *error);
 void number_table_free(number_table *table);
+
+/*
+ * Check that no finite number of a table exceeds NUMBER_LARGEST, as the numbers of a file with
+ * damaged bytes or another byte order do.
+ *   path                 in   file of the table, for the message
+ *   error [NUMBER_ERROR] out  message with the place and the value of the number
+ * Returns 0, or -1 with error filled.
+ */
+int number_table_check(const number_table *table, const char *path, char *error);
 
 /*
  * Return the index of a column that is given by its name, or by its number counted from 1 if no

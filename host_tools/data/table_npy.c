@@ -61,9 +61,10 @@ static int read_type(npy_header *header, const char *text, char *error)
                 header->is_big_endian = text[1] == '>';
                 return 0;
             }
+    const size_t named = quote == '\'' || quote == '"' ? strcspn(text + 1, "'\"") + 2 : 12;
     snprintf(error, NUMBER_ERROR,
-             "its numbers are of type %.12s; save the array as float64, with astype(float)",
-             text ? text : "nothing");
+             "its numbers are of type %.*s; save the array as float64, with astype(float)",
+             (int)(named < 12 ? named : 12), text ? text : "nothing");
     return -1;
 }
 

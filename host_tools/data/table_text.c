@@ -38,7 +38,7 @@ static int fault(const text_reader *reader, const char *message)
 
 static bool is_blank(char character)
 {
-    return character == ' ' || character == '\t' || character == '\r';
+    return character == ' ' || character == '\t';
 }
 
 /* ---- cells ------------------------------------------------------------ */
@@ -116,6 +116,20 @@ static bool is_binary(const char *from, const char *to)
 }
 
 /*
+ * Return the end of the present line, at the character that ends it or at the end of the text, and
+ * move the reader to the next line. A line ends with LF, CR LF, or CR alone.
+ */
+static const char *end_of_line(text_reader *reader)
+{
+    const char *to = reader->at;
+    while (to < reader->end && *to != '\n' && *to != '\r')
+        to++;
+    const bool is_pair = reader->end - to >= 2 && to[0] == '\r' && to[1] == '\n';
+    reader->at = to < reader->end ? to + 1 + is_pair : to;
+    return to;
+}
+
+/*
  * Find the next line of the text table that has cells. Returns 1 with the cells filled, 0 at the
  * end of the file, or -1 with error filled.
  */
@@ -123,9 +137,7 @@ static int next_line(text_reader *reader)
 {
     while (reader->at < reader->end) {
         const char *from = reader->at;
-        const char *stop = memchr(from, '\n', (size_t)(reader->end - from));
-        const char *to = stop ? stop : reader->end;
-        reader->at = stop ? stop + 1 : reader->end;
+        const char *to = end_of_line(reader);
         reader->line++;
         const cell all = trimmed(from, to);
         if (is_binary(from, to))
@@ -164,14 +176,17 @@ static bool is_number(const cell *cell, double *value)
 
 /*
  * Return whether a line of the text table contains names: none of its cells is a number or empty,
- * except the first cell if it is the empty corner above the names of the rows.
+ * except the first cell if it is the empty corner above the names of the rows, and the last cell if
+ * a delimiter ends the line.
  */
 static bool holds_names(const text_reader *reader)
 {
     double value;
-    for (size_t k = 0; k < reader->cells; k++)
-        if (is_number(&reader->cell[k], &value) || (k > 0 && reader->cell[k].length == 0))
+    for (size_t k = 0; k < reader->cells; k++) {
+        const bool is_inside = k > 0 && k + 1 < reader->cells;
+        if (is_number(&reader->cell[k], &value) || (is_inside && reader->cell[k].length == 0))
             return false;
+    }
     return reader->cells > 1 || reader->cell[0].length > 0;
 }
 
@@ -272,8 +287,11 @@ static int check_cell(const text_reader *reader, size_t k)
     keep_name(cell, name);
     name[30] = '\0';
     if (cell->length == 0)
-        snprintf(message, sizeof message, "value %lu is empty; write a number, or nan",
-                 (unsigned long)k + 1);
+        snprintf(message, sizeof message, "value %lu is empty; write a number, or nan%s",
+                 (unsigned long)k + 1,
+                 k > 0 && k + 1 == reader->cells
+                     ? ", or remove the delimiter at the end of the line"
+                     : "");
     else if (strchr(name, ',') && reader->delimiter != ',')
         snprintf(message, sizeof message,
                  "value %lu, '%s', has a comma; write a point for decimals", (unsigned long)k + 1,

@@ -142,7 +142,7 @@ static const struct rule {
      "scene in metres"},
     {"influence_shape", SUBJECT_SCENE, measure_matrix_shape, 0, 1, "",
      "the voltages are not unique; if the rows of the file are actuators, write rows: actuators"},
-    {"dead_actuator", SUBJECT_SCENE, measure_dead_column, 1e-4, HUGE_VAL, "",
+    {"dead_actuator", SUBJECT_SCENE, measure_dead_column, MATRIX_DEAD, HUGE_VAL, "",
      "hold it, as each: [{actuator: NAME, hold: 0}] in limits, or measure it again"},
     {"surface_points", SUBJECT_SCENE, measure_surface_misfit, 0, 1, "times the thickness",
      "remove the point if it is wrong, keep one of two points at one place, or write more cells"},

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include "../scene/scene_units.h"
 #include "matrix_facts.h"
 
@@ -13,6 +14,9 @@
  * with each other.
  */
 enum { COMPARED = 512 };
+
+/* Largest number of dead actuators that a warning names. */
+enum { NAMED_DEAD = 8 };
 
 /*
  * Return whether the measured influence matrix has a column for actuator k. If so, found->at is set
@@ -66,17 +70,41 @@ static int is_held(const scene *scene, int k)
     return held;
 }
 
+/*
+ * Append the name of an actuator to a list of dead actuators, which shows at most NAMED_DEAD names.
+ *   names [WHAT] in/out  text of the list
+ *   count        in      number of actuators that are already in the list
+ */
+static void name_dead(const char *name, int count, char *names)
+{
+    const size_t used = strlen(names);
+    if (count < NAMED_DEAD)
+        snprintf(names + used, WHAT - used, "%s '%s'", count > 0 ? "," : "", name);
+    else if (count == NAMED_DEAD)
+        snprintf(names + used, WHAT - used, " and others");
+}
+
 int measure_dead_column(const subject *of, int k, measured *found)
 {
-    double most = 0;
-    if (!has_column(of, k, found))
+    const scene *scene = of->scene;
+    char names[WHAT] = "";
+    double most = 0, least = HUGE_VAL;
+    int count = 0;
+    if (k > 0 || !has_column(of, k, found))
         return 0;
-    for (int i = 0; i < of->scene->amplifiers; i++)
-        most = fmax(most, matrix_column_size(of->scene, i));
-    if (!is_held(of->scene, k))
-        found->value = matrix_column_size(of->scene, k) / most;
-    snprintf(found->what, WHAT, "effect of actuator '%s' over that of the strongest",
-             of->scene->actuator[k].name);
+    for (int i = 0; i < scene->amplifiers; i++)
+        most = fmax(most, matrix_column_size(scene, i));
+    for (int i = 0; i < scene->amplifiers; i++) {
+        const double size = matrix_column_size(scene, i) / most;
+        if (is_held(scene, i) || !(size < MATRIX_DEAD))
+            continue;
+        name_dead(scene->actuator[i].name, count++, names);
+        least = fmin(least, size);
+    }
+    if (count > 0)
+        found->value = least;
+    snprintf(found->what, WHAT, "effect of actuator%s%.200s over that of the strongest%s",
+             count > 1 ? "s" : "", names, count > 1 ? ", the least" : "");
     return 1;
 }
 

@@ -36,6 +36,12 @@ typedef struct subject {
 enum { WHAT = 300 };
 
 /*
+ * Effect of an actuator, the norm of its column of a measured influence matrix divided
+ * by the largest norm of a column, below which the actuator counts as dead (1).
+ */
+#define MATRIX_DEAD 1e-4
+
+/*
  * A number that a plausibility rule has measured, the position in the scene file to which it
  * belongs, and its description.
  */

@@ -34,7 +34,11 @@ int scene_table_read(reader *reader, int node, number_table *table)
     char *path = scene_file_path(reader, node_text(reader, node));
     if (!path)
         return tree_fault(reader->t, node, "out of memory");
-    const int failed = number_table_read(table, path, error);
+    int failed = number_table_read(table, path, error);
+    if (!failed && number_table_check(table, path, error) < 0) {
+        number_table_free(table);
+        failed = -1;
+    }
     free(path);
     if (failed)
         return tree_fault(reader->t, node, "%s", error);

@@ -31,6 +31,17 @@ copied() {
     tap $? 'a copy of control builds and runs elsewhere'
 }
 
+# A copy with a matrix and a target of the user: files of any name, and new tables after a change of one.
+own_files() {
+    cp -r firmware_demo/examples/measured "$scratch/own"
+    (cd "$scratch/own" && mv mirror-matrix.csv B.csv && seq 19 | sed 's/$/e-4/' >target.csv &&
+        sed -i 's/mirror-matrix.csv/B.csv/; s/^target:.*/target: {value: {file: target.csv}}/' mirror.yaml &&
+        "${MAKE:-make}" -s "PZS=$top" "TOOL=$tool" build/mirror.h && cp build/mirror.h before.h && touch -d '1 minute ago' build/mirror.h &&
+        seq 19 | sed 's/$/e-5/' >target.csv && "${MAKE:-make}" -s "PZS=$top" "TOOL=$tool" build/mirror.h && ! cmp -s before.h build/mirror.h) \
+        >"$scratch/found" 2>&1
+    tap $? 'measured takes files of any name, and makes the tables anew when one has changed'
+}
+
 if tap_needs "$ARM_CC" 'examples' && tap_needs "$QEMU" 'examples'; then
     example control 'loop: ok, every voltage inside its limits'
     example control-cpp ok
@@ -49,5 +60,6 @@ if tap_needs "$ARM_CC" 'examples' && tap_needs "$QEMU" 'examples'; then
         firmware_demo/examples/control/main.c 2>"$scratch/found" && grep -q 'needs another precision' "$scratch/found"
     tap $? 'control does not compile in another precision than it asks for'
     copied
+    own_files
 fi
 tap_end

@@ -54,7 +54,7 @@ static void test_text_layouts(void **state)
     static const char *const layouts[] = {
         "1,-2.5,3e-3\n4,5,6\n",
         "1;-2.5;3e-3\r\n4;5;6\r\n",
-        "1\t-2.5\t3e-3\n4\t5\t6",
+        "1\t-2.5\t3e-3\r4\t5\t6",
         "  1   -2.5 3e-3  \n\n 4 5 6\n\n",
         "# a comment\n1, -2.5, 3e-3\n# another\n4, 5, 6\n",
         "a,b,c\n1,-2.5,3e-3\n4,5,6\n",
@@ -130,6 +130,10 @@ static void test_text_faults(void **state)
         {"1,2,3\n4,5,6,7\n", ":2: 4 values where line 1 has 3"},
         {"a,b\n1,2,3\n", ":2: 3 values where line 1 has 2"},
         {"1,2\n3,\n", ":2: value 2 is empty"},
+        {"a,b,\n1,2,\n", ":2: value 3 is empty; write a number, or nan, or remove the delimiter"},
+        {"\xff\xfe"
+         "1\0,\0",
+         "text in UTF-16"},
         {"1,2\n3,four\n", ":2: value 2, 'four', is not a number"},
         {"1,2x\n3,4\n", ":1: value 2, '2x', is not a number"},
         {"0,5;0,3\n1,5;1,3\n", ":1: value 1, '0,5', has a comma; write a point"},
@@ -294,7 +298,8 @@ static void test_npy_faults(void **state)
         {1, HEADER("<f8", "False", "(-2, 3)"), "not a list of numbers"},
         {1, HEADER("<f8", "False", "(0, 3)"), "empty or above"},
         {1, HEADER("<f8", "False", "(1, 2, 3)"), "more than two dimensions"},
-        {1, HEADER("<c16", "False", "(2, 3)"), "astype(float)"},
+        {1, HEADER("<c16", "False", "(2, 3)"),
+         "type '<c16'; save the array as float64, with astype(float)"},
         {1, HEADER("<f2", "False", "(2, 3)"), "astype(float)"},
         {1, HEADER("|O", "False", "(2, 3)"), "astype(float)"},
         {1, HEADER("<f8", "Maybe", "(2, 3)"), "fortran_order"},
@@ -447,6 +452,10 @@ static void test_csv(void **state)
     assert_int_equal(read_bytes(&table, bytes, count, error), 0);
     assert_memory_equal(table.value, matrix, sizeof matrix);
     assert_string_equal(table.column_name[1], "influence_2 (um/V)");
+    assert_int_equal(number_table_check(&table, "f.csv", error), -1);
+    assert_non_null(strstr(error, "f.csv: line 3, column 1 holds 1.798e+308, and numbers go up"));
+    table.value[3] = 1e60;
+    assert_int_equal(number_table_check(&table, "f.csv", error), 0);
     number_table_free(&table);
 }
 

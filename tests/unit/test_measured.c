@@ -634,6 +634,28 @@ static void test_faults(void **state)
     }
 }
 
+/* Law: one warning names every actuator that moves nothing, except those that are held. */
+static void test_dead_actuators(void **state)
+{
+    (void)state;
+    scene_run m;
+    plausible warnings;
+    memset(&warnings, 0, sizeof warnings);
+    write_text("matrix.csv", "a,b,c,d\n1e-7,0,1e-13,0\n2e-7,0,1e-13,0\n");
+    write_text("scene.yaml", "name: m\nunits: {length: m, force: N, voltage: V, temperature: K}\n"
+                             "influence: {file: matrix.csv, ignore: []}\n"
+                             "limits: {voltage: [-1, 1], each: [{actuator: d, hold: 0}]}\n");
+    open_run(&m, path_of("scene.yaml"), "");
+    plausible_scene(&warnings, &m.scene);
+    bool is_named = false;
+    for (int i = 0; i < warnings.count; i++)
+        is_named |= strstr(warnings.warning[i].text,
+                           "effect of actuators 'b', 'c' over that of the strongest, the least: 0, "
+                           "below 0.0001") != NULL;
+    assert_true(is_named);
+    scene_run_close(&m);
+}
+
 /* Law: unusual matrices are warned of, each by its rule and with its number. */
 static void test_warnings(void **state)
 {
@@ -731,19 +753,13 @@ static void test_without_structure(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_answer),
-        cmocka_unit_test(test_ignored),
-        cmocka_unit_test(test_held),
-        cmocka_unit_test(test_hash),
-        cmocka_unit_test(test_bimorph),
-        cmocka_unit_test(test_scattered_target),
-        cmocka_unit_test(test_simulation),
-        cmocka_unit_test(test_violated_rows),
-        cmocka_unit_test(test_schedule),
-        cmocka_unit_test(test_applied),
-        cmocka_unit_test(test_faults),
-        cmocka_unit_test(test_warnings),
-        cmocka_unit_test(test_without_structure),
+        cmocka_unit_test(test_same_answer),    cmocka_unit_test(test_ignored),
+        cmocka_unit_test(test_held),           cmocka_unit_test(test_hash),
+        cmocka_unit_test(test_bimorph),        cmocka_unit_test(test_scattered_target),
+        cmocka_unit_test(test_simulation),     cmocka_unit_test(test_violated_rows),
+        cmocka_unit_test(test_schedule),       cmocka_unit_test(test_applied),
+        cmocka_unit_test(test_faults),         cmocka_unit_test(test_warnings),
+        cmocka_unit_test(test_dead_actuators), cmocka_unit_test(test_without_structure),
         cmocka_unit_test(test_dependent),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
