@@ -204,8 +204,8 @@ const char *pzs_status_text(pzs_status status);
  */
 typedef struct pzs_rows {
     uint16_t count;        /* number of rows of the sparse matrix */
-    const uint32_t *start; /* [count + 1] index of the first entry of each of the `count` rows; the
-                              last element is the number of entries */
+    const uint32_t *start; /* [count + 1] index of the first entry of each row of the sparse matrix;
+                              the last element is the number of entries */
     const uint16_t *dof; /* [number of entries] column of each entry of the sparse matrix: the index
                             of a free degree of freedom */
     const pzs_real *value; /* [number of entries] numerical value of each entry of the sparse matrix

@@ -355,8 +355,8 @@ typedef struct pzs_fault_detector_state {
     pzs_real ridge; /* regularisation of the least-squares estimate of electrode voltages, relative
                        to the diagonal of its matrix (1) */
     uint16_t delay, oldest;
-    bool is_stale; /* whether the set of measured outputs has changed since the matrix `columns` was
-                      factored */
+    bool is_stale; /* whether the set of measured outputs has changed since the matrix for the
+                      least-squares estimate of electrode voltages was factored */
     uint8_t stage;
 } pzs_fault_detector_state;
 

@@ -93,8 +93,8 @@ typedef struct pzs_structure {
                                      and `stiffness` must not be NULL */
     pzs_rows input; /* force vector on the free degrees of freedom per unit of each input (N/V, N/K,
                        N/Pa or 1) */
-    pzs_rows output; /* coefficients of the free degrees of freedom in each output, a displacement
-                        (m) */
+    pzs_rows output; /* outputs of the structure, one row for each displacement (m): coefficients of
+                        the free degrees of freedom in the output */
     pzs_rows spring; /* one row for each spring: its elongation per unit of each free degree of
                         freedom (1); count 0: no springs */
     const pzs_real *spring_stiffness; /* [spring.count] stiffness of each spring (N/m), at least 0

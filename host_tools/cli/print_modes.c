@@ -4,8 +4,8 @@
 #include "print.h"
 
 /*
- * Print, for each pair of a lower and an upper voltage limit, a table of the shape error that is
- * left of each alternative shape of the target.
+ * Print, for each pair of a lower and an upper voltage limit, a table with the shape error that
+ * remains for each alternative shape of the target.
  */
 void print_modes(const design *design, const modes *modes)
 {

@@ -698,16 +698,23 @@ static int constant_stiffness(const laminate *laminate, const scene_element *ele
     return soften_shear(stiffness, 0, flexibility);
 }
 
-/* Prescribed resultants of a field and the strains that they cause in a free element. */
+/*
+ * Prescribed stress resultants of a field (voltage or temperature) and the strains that they cause
+ * in a free element.
+ */
 typedef struct free_field {
-    double resultants[N], strain[N]; /* [10] prescribed resultants per area of the element; [10]
-                                        free strains with their sign changed */
+    double resultants[N], strain[N]; /* [10] prescribed stress resultants of the field (voltage or
+                                        temperature) per area of the element; [10] free strains with
+                                        their sign changed */
     double uniform[N][N];  /* stiffness of all plies for transverse shear strains that are uniform
                               through the thickness */
     double constant[N][N]; /* stiffness of the strain mode that is constant over the element (00) */
 } free_field;
 
-/* Return whether a field causes a transverse shear stress in a ply of an element. */
+/*
+ * Return whether a field (voltage or temperature) causes a transverse shear stress in a ply of an
+ * element.
+ */
 static bool causes_shear(const laminate *laminate, const laminate_place *place,
                          const laminate_field *field)
 {
@@ -720,9 +727,9 @@ static bool causes_shear(const laminate *laminate, const laminate_place *place,
 }
 
 /*
- * Replace the prescribed resultants of a field that causes transverse shear, which are those of the
- * plies, by resultants that cause the same free strains with the stiffness of the strain mode 00
- * (constant over the element).
+ * Replace the prescribed resultants of a field (voltage or temperature) that causes transverse
+ * shear. Those of the plies are replaced by resultants that cause the same free strains with the
+ * stiffness of the strain mode that is constant over the element.
  */
 static void keep_free_strains(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, free_field *field)
@@ -758,8 +765,8 @@ static void ply_stress(const laminate_ply *ply, const scene_element *element,
 }
 
 /*
- * Return the thickness strain that a field would cause, as a mean over all plies, if every ply
- * thickened freely; the strain is measured along the director of the element.
+ * Return the thickness strain that a field (voltage or temperature) would cause, as a mean over all
+ * plies, if every ply thickened freely; the strain is measured along the director of the element.
  */
 static double free_thickening(const laminate *laminate, const laminate_place *place,
                               const laminate_field *field)
@@ -781,10 +788,10 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
 }
 
 /*
- * Compute the prescribed resultants of a field per area, and the free strains where it causes
- * transverse shear. With the element option lin33 every ply thickens freely, and the mean thickness
- * strain contains this thickening. The resultants of this strain are added to those of the plies'
- * stresses.
+ * Compute the prescribed resultants of a field (voltage or temperature) per area, and the free
+ * strains where it causes transverse shear. With the element option lin33 every ply thickens
+ * freely, and the mean thickness strain contains this thickening. The resultants of this strain are
+ * added to those of the plies' stresses.
  */
 static void field_resultants(const laminate *laminate, const scene_element *element,
                              const laminate_place *place, const laminate_field *field,

@@ -58,8 +58,8 @@ static int copy_influence(const calibration_model *model, analysis *analysis, co
 }
 
 /*
- * Compute the influence matrix of the scene with its material constants multiplied by the factors
- * of the model.
+ * Compute the influence matrix of the scene with its material constants multiplied by the fitted
+ * factors.
  */
 static int model_influence(const calibration_model *model, const scene *nominal, const pokes *pokes,
                            double *influence, char *error)

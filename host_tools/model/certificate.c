@@ -245,7 +245,7 @@ static void target_text(const certificate_target *target, char text[CERTIFICATE_
         target->storms - target->failed, target->storms);
 }
 
-/* Append all sentences on a loop with a vibration model. */
+/* Append all sentences on the certificate of a control loop with a vibration model. */
 static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
     verdict_text(loop, text);

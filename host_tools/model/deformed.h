@@ -17,8 +17,8 @@ typedef struct deformed {
     vibration vibration;
     modal modal;    /* vibration modes about the equilibrium at the target, with the amplifiers as
                        inputs */
-    double *offset; /* [outputs] displacement of each output row on the line through the equilibrium
-                       with the slope of the influence matrix, at 0 V */
+    double *offset; /* [outputs] displacement of each output row at 0 V, extrapolated linearly from
+                       the equilibrium with the influence matrix */
     double amplitude; /* largest displacement of a target node at the equilibrium, divided by the
                          thickness */
 } deformed;

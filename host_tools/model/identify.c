@@ -302,8 +302,8 @@ static void take_list(scene_short_list *list, const double *value, size_t count,
 }
 
 /*
- * Effect of the fitted model at 0 V before any other voltage was applied (V), in which the slopes
- * and weights are relative to fit->unit.
+ * Effect of the fitted hysteresis and creep model at 0 V before any other voltage was applied (V).
+ * The slopes and weights of the model are relative to fit->unit.
  */
 static double effect_at_start(const fit *fit)
 {

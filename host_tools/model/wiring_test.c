@@ -154,8 +154,10 @@ static double *open_tables(wiring_test *test, const design *design, const estima
 }
 
 /*
- * Complete tables of test pulses whose heights and durations are known.
- *   amplitude in  height of a pulse that the largest plausible noise refers to (V)
+ * Complete tables of test pulses whose heights and durations are known: scales of the sensors and
+ * largest plausible noise.
+ *   amplitude in  height of a test pulse (V), by whose mean response the smallest plausible noise
+ *                 is chosen
  */
 static void complete_tables(wiring_test *test, const design *design, double amplitude)
 {

@@ -86,8 +86,9 @@ static size_t find_node(const collection *collection, int64_t label)
 }
 
 /*
- * Mark the nodes of one cell of the file as used, if it is a quadrilateral. Returns 0, or -1 after
- * writing the error message of the mesh file if it has an undefined node or a node twice.
+ * Mark the nodes of one cell of the mesh file (point, edge or quadrilateral) as used, if it is a
+ * quadrilateral. Returns 0, or -1 after writing the error message of the mesh file if it has an
+ * undefined node or a node twice.
  */
 static int mark_cell(collection *collection, const quad_raw_cell *cell)
 {

@@ -120,9 +120,10 @@ static void add_square(const double product[TERMS], double weight, double matrix
 }
 
 /*
- * Compute the penalty of one cell: the integral of f_xx^2 + 2 f_xy^2 + f_yy^2 over the cell, by
- * Gauss's rule of four points along each coordinate, which is exact for it, divided by its area and
- * times the weight of the penalty.
+ * Compute the penalty of one cell of the bicubic spline function f: the integral of f_xx^2 + 2
+ * f_xy^2 + f_yy^2 over the cell, divided by its area and multiplied by the weight of the penalty.
+ * The subscripts are derivatives; Gauss's rule of four points along each coordinate is exact for
+ * this integral.
  */
 static void set_penalty(const bicubic *function, double matrix[TERMS][TERMS])
 {

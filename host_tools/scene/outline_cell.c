@@ -70,8 +70,8 @@ static void corner_areas(const outline_cell *cell, const int axis[2], int corner
 }
 
 /*
- * Fit a linear function, by least squares, to the ratios of the area of the surface to that of the
- * plane at the four corners of a cell (element or part of one).
+ * Fit a linear function, by least squares, to the ratios of two areas at the four corners of a cell
+ * (element or part of one): area of the surface over area in the plane of the electrode outlines.
  */
 static void fit_ratio(outline_cell *cell, const int axis[2], const double ratio[4])
 {

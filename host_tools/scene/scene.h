@@ -164,7 +164,8 @@ typedef struct scene_material {
                       */
     double density;  /* mass per volume; the weight per volume is density times gravity */
     double field_limit; /* depolarisation field of a piezoelectric material (V/m); 0: no limit */
-    scene_strength strength; /* strengths, with which `pzs solve --stress` compares the stresses */
+    scene_strength strength; /* strengths of the material, with which `pzs solve --stress` compares
+                                the stresses */
     double film_thickness; /* thickness of a film actuator whose constants come from its data sheet
                               (length unit of the scene file); 0: no film */
     double film_voltage;   /* voltage of the data sheet of a film actuator (V); 0: no film */

@@ -43,11 +43,12 @@ typedef enum dimension {
     OF_FORCE_CONSTANT,
     OF_MOMENT,
     DIMENSIONS,
-    OF_COORDINATE = DIMENSIONS, /* dimension of the coordinate theta1 or theta2, whichever is the
-                                   nearest enclosing key */
-    OF_POINT, /* dimension of a coordinate of a point, theta1, theta2 or x, y, z, by its position in
-                 a list */
-    OF_OUTLINE, /* dimension of a coordinate or length in the plane of electrode outlines */
+    OF_COORDINATE = DIMENSIONS, /* physical dimension of the surface coordinate theta1 or theta2,
+                                   whichever is the nearest enclosing key of the scene file */
+    OF_POINT,   /* physical dimension of a coordinate of a point, theta1, theta2 or x, y, z, by its
+                   position in a list */
+    OF_OUTLINE, /* physical dimension of a coordinate or length in the plane of electrode outlines
+                 */
     OF_SPRING,
     OF_SUPPORT,
     OF_LOAD,

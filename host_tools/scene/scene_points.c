@@ -176,7 +176,9 @@ static int check_list(reader *reader, int list)
     return 0;
 }
 
-/* Fit a function to the rows of a table of points. */
+/*
+ * Fit the height z of a surface as a function of x and y to points, which are the rows of a table.
+ */
 static int fit_table(reader *reader, int node, const number_table *table, const int column[3],
                      const int cells[2], bicubic *function)
 {

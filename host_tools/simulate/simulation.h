@@ -86,7 +86,7 @@ typedef struct simulate_phase {
     int first, events; /* index of the first event of the scene with which the phase begins, and
                           number of such events */
     double optimum;    /* relative shape error of the best shape that the plant can reach with the
-                          stroke of its electrodes; NAN until it is computed */
+                          voltages that can act on its ceramic; NAN until it is computed */
     simulate_course course[LAWS];
     double *target; /* [targets] wanted displacements at the end of the phase (interval between
                        events) */

@@ -272,8 +272,8 @@ static void set_limits(storm *storm)
 /* ---- ceramic ---------------------------------------------------------- */
 
 /*
- * State of the ceramic of electrode k, which is the outputs of its play operators (hysteresis) and
- * of its lags (creep); used for a ceramic that behaves as the scene file describes.
+ * State of the ceramic of electrode k: the outputs of its play operators (hysteresis) and of its
+ * lags (creep). It is used for a ceramic that behaves as the scene file describes.
  */
 static hysteresis_memory memory_of(const storm *storm, size_t k)
 {
@@ -406,7 +406,8 @@ static double offset_of(const storm *storm, size_t row)
 }
 
 /*
- * Compute the static shape of the simulated structure under voltages, into the member best_shape.
+ * Compute the static shape of the simulated structure under given voltages, and store it in the
+ * member best_shape.
  */
 static void compute_rest(storm *storm, const double *voltage)
 {

@@ -683,9 +683,10 @@ static void take_effects(const pzs_compensator *compensator, pzs_control *contro
 }
 
 /*
- * Compute the effect of input k at the voltage `given` of the last tick, and at the same voltage in
- * this tick, after the creep in between. The function also moves the plays (elements with backlash)
- * and the creep terms of the input.
+ * Compute the effect of input k (the voltage that would act alike without hysteresis) at the
+ * voltage `given` of the last tick, and at the same voltage in this tick, after the creep in
+ * between. The function also moves the plays (elements with backlash) and the creep terms of the
+ * input.
  *   rate [creeps] in  fraction of the way to its final value that each creep term goes (1)
  */
 static void find_effects(pzs_compensator *compensator, const electrode_tables *electrode,

@@ -32,7 +32,10 @@
  * monitor counts a tick as implausible.
  */
 #define NOISE_MARGIN 6
-/* Factor by which the deviation that changes of the target explain decays in each tick. */
+/*
+ * Factor by which a deviation of the measured from the predicted shape, as changes of the target
+ * cause it, decays in each tick.
+ */
 #define PEAK_FADING PZS_R(0.9)
 /*
  * Fraction of the way to its present value that a low-passed value of the divergence monitor goes

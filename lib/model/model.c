@@ -641,7 +641,9 @@ static pzs_status solve_force(pzs_model *model, pzs_real *displacement)
     solve_scaled(model, displacement);
     for (uint32_t i = 0; i < model->state.stiffness.n; i++)
         displacement[i] /= unit;
-    /* The comparison is written so that it is false if the error estimate is not a number (NaN). */
+    /*
+     * NaN is not below the bound, so that an error estimate that is not a number leads to an error.
+     */
     return model->info.error_estimate < PZS_SQRT(PZS_EPSILON) &&
                    pzs_guard_nonfinite(displacement, model->state.stiffness.n) < 0
                ? PZS_OK
