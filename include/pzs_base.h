@@ -194,7 +194,7 @@ const char *pzs_status_text(pzs_status status);
 
 /*
  * Entry of the table pzs_structure.node_turn for a node whose mean displacements act along the axes
- * of its triad.
+ * of its triad (local axes).
  */
 #define PZS_UNTURNED 0xFFFFu
 

@@ -101,13 +101,15 @@ typedef struct pzs_structure {
                                        */
     /*
      * Rotated axes at the nodes of oblique supports: the first three degrees of freedom of such a
-     * node are its mean displacements along other axes than those of its triad.
+     * node are its mean displacements along other axes than those of its triad (local axes).
      */
-    uint16_t turns;            /* number of rotations */
+    uint16_t turns; /* number of different rotated axes, which belong to nodes at oblique supports
+                     */
     const uint16_t *node_turn; /* [nodes] index of each node's rotation, or PZS_UNTURNED; not read
                                   where `turns` is 0 */
-    const pzs_real (*turn)[3][3]; /* [turns] components, in the triad of the node, of the unit
-                                     vectors (rows) along which its mean displacements act */
+    const pzs_real (*turn)[3][3]; /* [turns] components, in the triad (local axes) of the node, of
+                                     the unit vectors (rows) along which its mean displacements act
+                                   */
 } pzs_structure;
 
 /*

@@ -64,14 +64,14 @@ typedef struct mesh {
     laminate_place *place;  /* [types] plies, curvatures and lengths of each element type */
     double *stiffness; /* [types][packed] element stiffness matrices, lower triangles packed by rows
                         */
-    uint16_t *node_dof;  /* [nodes][dof_per_node] index of each dof of a node among the free dof, or
-                            PZS_CONSTRAINED */
-    int turns;           /* number of nodes at oblique supports, whose mean displacements act along
-                            other axes than those of their triads */
-    uint16_t *node_turn; /* [nodes] index of each node in `turn`, or PZS_UNTURNED; NULL: no node is
-                            turned */
-    double (*turn)[3][3];   /* [turns] components, in the triad of the node, of the unit vectors
-                               (rows) along which its mean displacements act */
+    uint16_t *node_dof; /* [nodes][dof_per_node] index of each dof of a node among the free dof, or
+                           PZS_CONSTRAINED */
+    int turns; /* number of nodes at oblique supports, whose mean displacements act along other axes
+                  than those of their triads (local axes) */
+    uint16_t *node_turn;  /* [nodes] index of each node in `turn`, or PZS_UNTURNED; NULL: no node is
+                             turned */
+    double (*turn)[3][3]; /* [turns] components, in the triad (local axes) of the node, of the unit
+                             vectors (rows) along which its mean displacements act */
     uint16_t *first_column; /* [free_dof] column of the first stored entry in each row of the factor
                                of the stiffness matrix */
     int prescribed_count;   /* number of free dof whose displacement is prescribed */
@@ -106,16 +106,17 @@ void mesh_free(mesh *mesh);
 void mesh_begin(mesh *mesh, const scene *scene);
 
 /*
- * Rotate the triads of the nodes of supports that give a direction, on a mesh of mesh lines, and
- * refuse other supports and loads that need another triad at these nodes. Returns 0, or -1 with
- * error filled.
+ * Rotate the triads (local axes) of the nodes of supports that give a direction, on a mesh of mesh
+ * lines, and refuse other supports and loads that need another triad at these nodes. Returns 0, or
+ * -1 with error filled.
  */
 int mesh_turn_axes(mesh *mesh, char *error);
 
 /*
  * Constrain the mean displacements that oblique supports hold, in directions that are no axes of
- * the triads of their nodes, and give these nodes rotated axes. To be called before the dof are
- * numbered, when all other supports have marked the dof that they constrain in node_dof.
+ * the triads (local axes) of their nodes, and give these nodes rotated axes. To be called before
+ * the dof are numbered, when all other supports have marked the dof that they constrain in
+ * node_dof.
  *   values [nodes][dof_per_node] in   prescribed displacement of each dof, NAN where none is
  *                                     prescribed
  *   node   [nodes]               out  work array
@@ -124,8 +125,8 @@ int mesh_turn_axes(mesh *mesh, char *error);
 int mesh_hold_oblique(mesh *mesh, const double *values, int *node, char *error);
 
 /*
- * Convert three components at a node between its triad and the axes along which its mean
- * displacements act. Both functions change only nodes at oblique supports.
+ * Convert three components at a node between its triad (local axes) and the axes along which its
+ * mean displacements act. Both functions change only nodes at oblique supports.
  *   mean [3] in/out  mean displacement, force, or weights of the mean displacements
  */
 void mesh_turn_to_dof(const mesh *mesh, int node, double mean[3]);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Oblique rigid supports: mean displacements that are held along directions in space which are no
- * axes of the triads of their nodes. The mean displacements of such a node act along rotated axes,
- * of which the first ones are held; the triad of the node and its elements do not change.
+ * axes of the triads (local axes) of their nodes. The mean displacements of such a node act along
+ * rotated axes, of which the first ones are held; the triad of the node and its elements do not
+ * change.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -16,18 +17,19 @@
  */
 static const double equal = 1e-6, distinct = 0.01;
 
-/* Directions that are held at one node. */
+/* Directions along which supports hold the mean displacement of one node. */
 typedef struct held_axes {
     int count;
-    double axis[3][3]; /* [count] orthogonal unit vectors in the triad of the node, which span the
-                          directions that are held; then any axes that complete them */
+    double axis[3][3]; /* [count] orthogonal unit vectors in the triad (local axes) of the node,
+                          which span the directions that are held; then any axes that complete them
+                        */
 } held_axes;
 
 /* ---- directions at a node ------------------------------------------------ */
 
 /*
- * Compute the direction of an oblique support at a node, in the triad of the node. Returns 0, or -1
- * with error filled if its formulas give no direction there.
+ * Compute the direction of an oblique support at a node, in the triad (local axes) of the node.
+ * Returns 0, or -1 with error filled if its formulas give no direction there.
  */
 static int find_direction(const mesh *mesh, const scene_support *support, int node,
                           double direction[3], char *error)
@@ -48,8 +50,9 @@ static int find_direction(const mesh *mesh, const scene_support *support, int no
 }
 
 /*
- * Add a direction, a unit vector in the triad of the node, to the held directions. Returns the sine
- * of its angle to the directions that were held before; below `distinct` nothing is added.
+ * Add a direction, a unit vector in the triad (local axes) of the node, to the held directions.
+ * Returns the sine of its angle to the directions that were held before; below `distinct` nothing
+ * is added.
  */
 static double add_direction(held_axes *held, const double direction[3])
 {
@@ -69,8 +72,8 @@ static double add_direction(held_axes *held, const double direction[3])
 }
 
 /*
- * Complete the held directions of a node by further orthogonal axes. Of the axes of the triad,
- * the one that is farthest from the axes so far determines the next axis.
+ * Complete the held directions of a node by further orthogonal axes. Of the axes of the triad
+ * (local axes), the one that is farthest from the axes so far determines the next axis.
  */
 static void complete(held_axes *held)
 {
@@ -140,7 +143,10 @@ static int begin_node(const mesh *mesh, const scene_support *support, int node,
     return 0;
 }
 
-/* Return whether each held direction of a node is an axis of its triad. */
+/*
+ * Return whether each direction along which supports hold a node is an axis of its triad (local
+ * axes).
+ */
 static bool along_triad(const held_axes *held)
 {
     int found = 0;
@@ -151,8 +157,8 @@ static bool along_triad(const held_axes *held)
 }
 
 /*
- * Constrain the held directions of a node: along axes of its triad if possible, else along rotated
- * axes, which are stored in the mesh.
+ * Constrain the held directions of a node: along axes of its triad (local axes) if possible, else
+ * along rotated axes, which are stored in the mesh.
  */
 static void hold_node(mesh *mesh, int node, held_axes *held)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Supports on a mesh of mesh lines that give a direction: they rotate the triads of their nodes
- * about the normal (mesh_turn_axes in mesh.h).
+ * Supports on a mesh of mesh lines that give a direction: they rotate the triads (local axes) of
+ * their nodes about the normal (mesh_turn_axes in mesh.h).
  */
 #include <math.h>
 #include <stdlib.h>
@@ -22,8 +22,8 @@ static bool depends_on_axes(const scene_support *support)
 }
 
 /*
- * Rotate the triad of a node so that e1 is the projection of a support's direction. Returns 0, or
- * -1 with error filled if the direction is normal to the surface.
+ * Rotate the triad (local axes) of a node so that e1 is the projection of a support's direction.
+ * Returns 0, or -1 with error filled if the direction is normal to the surface.
  */
 static int turn_node(mesh *mesh, const scene_support *support, int node, char *error)
 {
@@ -67,7 +67,7 @@ static int check_node(const mesh *mesh, const scene_support *support, int node,
 }
 
 /*
- * Rotate the triads of the nodes of all supports that give a direction.
+ * Rotate the triads (local axes) of the nodes of all supports that give a direction.
  *   turned  [nodes] out   1 for the nodes whose triads were rotated
  *   node    [nodes] out  work array
  * Returns 0, or -1 with error filled.

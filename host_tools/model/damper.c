@@ -36,8 +36,8 @@ typedef struct builder {
     const estimator *estimator; /* estimator of the controller; NULL: every target node is measured
                                  */
     const vibration *vibration;
-    vibration more; /* vibration modes that are computed here, where the certificate has too few
-                       modes */
+    vibration more; /* vibration modes that are computed for the tables, where the certificate has
+                       too few modes */
     damper_settings settings;
     damper_model model;
     double interval; /* time between two control ticks (s) */

@@ -44,8 +44,13 @@ damper_options damper_options_of(const analysis *analysis);
 
 /*
  * Make the tables of a control tick that damps vibration for given options, whether the loop needs
- * them or not. The other arguments are those of damper_open. Returns 0, or -1 with error filled and
- * `damper` unchanged.
+ * them or not.
+ *   analysis  in  analysis whose voltage problem and stability certificate are computed; must
+ *                 outlive the damper
+ *   estimator in  estimator of the controller; must outlive the damper; NULL: every target node is
+ *                 measured
+ *   options   in  tick rate, age of the readings and settings
+ * Returns 0, or -1 with error filled and `damper` unchanged.
  */
 int damper_make(damper *damper, const analysis *analysis, const estimator *estimator,
                 const damper_options *options, char *error);

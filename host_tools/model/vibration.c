@@ -28,8 +28,8 @@ enum { BLOCK = 3, BLOCK_LOOSE = 6, SWEEPS = 30, CHECKS = 8, SHIFTS = 80 };
 static const double converged_at = 1e-8;
 
 /*
- * Bounds relative to the shift of the Lanczos method: error of squared frequencies near 0, and
- * squared frequency below which a vibration mode counts as a rigid motion.
+ * Bounds for squared frequencies near 0, relative to the shift of the Lanczos method: their error,
+ * and the size below which a vibration mode counts as a rigid motion.
  */
 static const double known_to = 1e-6, rigid_below = 1e-8;
 

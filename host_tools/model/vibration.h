@@ -42,7 +42,7 @@ int vibration_most(const design *design);
 /*
  * Compute the lowest vibration modes.
  *   number in  number of modes, reduced to the number that the structure has
- *   lumped in  share of the lumped mass matrix, from 0 to 1, usually MASS_LUMPED
+ *   lumped in  part of the lumped mass matrix in the mass matrix, from 0 to 1, usually MASS_LUMPED
  * Returns 0, or -1 with error filled and the result empty where a density is missing, the iteration
  * did not converge, a mode is missing, or the scene has a measured matrix without modes.
  */
@@ -67,10 +67,10 @@ int vibration_take_measured(vibration *vibration, const design *design, size_t n
  * Compute the lowest modes of small vibrations about a deformed equilibrium, with the tangent
  * stiffness matrix there, which contains the prestress.
  *   solver in/out  solver of the same design at an equilibrium; the factors in its model are
- *       overwritten
+ *                  overwritten
  *   number in      number of modes
- *   lumped in      share of the lumped mass matrix, from 0 to 1
- * Returns 0, or -1 with error filled and the result empty, as vibration_solve does.
+ *   lumped in      part of the lumped mass matrix in the mass matrix, from 0 to 1
+ * Returns 0, or -1 with error filled and the result empty.
  */
 int vibration_solve_at(vibration *vibration, const design *design, pzs_solver *solver, int number,
                        double lumped, char *error);

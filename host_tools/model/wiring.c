@@ -51,7 +51,7 @@ typedef struct wiring {
                      */
     size_t *amplifier; /* [amplifiers] index of the amplifier to which each electrode is connected
                         */
-    double squares;    /* sum of squares of all values of the measured shapes */
+    double squares;    /* sum of the squares of all values of the measured shapes */
     double entries;    /* number of values in all measured shapes */
     double variance;   /* estimated variance of the measurement noise */
 } wiring;

@@ -32,9 +32,14 @@ bool wiring_test_open(wiring_test *test, const analysis *analysis, const estimat
 
 /*
  * Make the tables of the test pulses with which the fault detector of a loop that damps vibration
- * proves faults of electrodes. The heights are a part of the voltage ranges, and a pulse lasts four
+ * finds faulty electrodes. The heights are a part of the voltage ranges, and a pulse lasts four
  * periods of the first vibration mode. The member is_used is true if the scene asks for detected
- * faults. Arguments and result are those of wiring_test_open.
+ * faults.
+ *   analysis  in  analysis whose voltage problem and stability certificate are computed; must
+ *                 outlive the tables
+ *   estimator in  estimator of the controller, which must outlive the tables; NULL: every target
+ *                 node is measured
+ * Returns whether memory was available; call wiring_test_close in either case.
  */
 bool wiring_test_detector_open(wiring_test *test, const analysis *analysis,
                                const estimator *estimator);

@@ -9,13 +9,12 @@
 
 /*
  * Read a mesh file, check it, give its elements a common orientation, and determine the directors
- * (unit normals) and axes of the nodes, the sets and the order of the nodes.
- *
- * A director inside the mesh is the mean of the normals of the elements at the node, weighted with
- * their angles there and corrected by the fit of a quadric. On a free edge the director is
- * extrapolated from the directors inside, so that spheres and cylinders keep their exact normals.
- * Axes are those of quad_default_axis. All elements belong to one region.
- *   error  [QUAD_ERROR] out  message
+ * (unit normals) and axes of the nodes, the sets and the order of the nodes. A director inside the
+ * mesh is the mean of the normals of the elements at the node, weighted with their angles there and
+ * corrected by the fit of a quadric. On a free edge the director is extrapolated from the directors
+ * inside, so that spheres and cylinders keep their exact normals. Axis e1 of a node is the
+ * projection of a global axis. All elements belong to one region.
+ *   error [QUAD_ERROR] out  message
  * Returns 0, or -1 with error filled and the mesh empty.
  */
 int quad_read(quad_mesh *mesh, const char *path, const quad_options *options,

@@ -201,7 +201,7 @@ static void sum_rows(pzs_real *restrict product, const pzs_real *restrict table,
 
 /*
  * From this number of columns on, a row of a matrix is too long to be read in groups of columns.
- * Each row is then read at once, and its product with the vector is that of pzs_product_dot.
+ * Each row is then multiplied as a whole by the vector, as in a scalar product.
  */
 #define LONG_ROW 128u
 

@@ -88,7 +88,7 @@ static bool element_in_envelope(const pzs_structure *structure, const uint16_t n
     return true;
 }
 
-/* Whether the index of every node's rotation is below the number of rotations. */
+/* Whether the index of the rotated axes of every node is below the number of such axes. */
 static bool turns_in_range(const pzs_structure *structure)
 {
     for (uint32_t node = 0; structure->turns > 0 && node < structure->nodes; node++)
@@ -191,13 +191,16 @@ const pzs_real (*pzs_model_turn(const pzs_structure *structure, uint16_t node))[
     return structure->turn[structure->node_turn[node]];
 }
 
-/* Whether a rotation converts into the components in the triad, or from them. */
+/*
+ * Direction in which a rotation converts the mean displacements of a node at an oblique support:
+ * into components in the triad (local axes), or from them.
+ */
 typedef enum turn_way { OUT_OF_TRIAD, INTO_TRIAD } turn_way;
 
 /*
  * Convert the mean displacements of some nodes, or the forces on them, between the components in
- * the triads of the nodes and those along the axes of their degrees of freedom. Only nodes at
- * oblique supports change.
+ * the triads (local axes) of the nodes and those along the axes of their degrees of freedom. Only
+ * nodes at oblique supports change.
  *   gathered [count dof_per_node] in/out  degrees of freedom of the nodes
  */
 static void turn_nodes(const pzs_structure *structure, const uint16_t *node, unsigned count,
@@ -270,7 +273,7 @@ static bool has_turned_node(const pzs_structure *structure, const uint16_t *node
 
 /*
  * Compute one row of a symmetric matrix over the degrees of freedom of some nodes from the matrix
- * over the components in the triads of these nodes.
+ * over the components in the triads (local axes) of these nodes.
  *   entry [SHELL_PACKED(count dof_per_node)] in   packed lower triangle of the matrix in the triads
  *   i                                        in   index of the row
  *   row   [count dof_per_node]               out  row along the axes of the degrees of freedom

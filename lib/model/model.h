@@ -31,7 +31,8 @@ pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element);
 
 /*
  * Return the rotation of a node at an oblique support, whose rows are the components in the triad
- * of the node of the axes of its mean displacements, or NULL where these are the axes of the triad.
+ * (local axes) of the node of the axes of its mean displacements, or NULL where these are the axes
+ * of the triad.
  */
 const pzs_real (*pzs_model_turn(const pzs_structure *structure, uint16_t node))[3];
 

@@ -500,7 +500,7 @@ static bool is_fixed(const pzs_solver *solver, uint16_t dof)
 
 /*
  * Compute the unit vector in space along which degree of freedom k (0 to 5) of a node acts: an axis
- * of the node's triad, or of its rotated axes at an oblique support.
+ * of the node's triad (local axes), or of its rotated axes at an oblique support.
  */
 static void axis_of_dof(const pzs_structure *structure, const pzs_real triad[3][3], uint16_t node,
                         int k, pzs_real unit[3])
