@@ -91,6 +91,48 @@ static void test_older_readings(void **state)
     scene_run_close(&run);
 }
 
+/*
+ * Law: storms and the growth of small vibrations are simulated, too, where differences of the
+ * voltages are limited. Limits so wide that they never bind leave every result as it is without
+ * them; the growth is measured without any limits.
+ */
+static void test_limits_between_amplifiers(void **state)
+{
+    static const char *const changes[] = {"", "limits.difference={limit: 1e4}",
+                                          "limits.difference={limit: 30}"};
+    storm_result storm[3], growth[3];
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        const estimator none = {0};
+        const storm_plant jumping = {.gain = 1, .frequency = 1, .step_limit = 1, .seed = 1},
+                          ringing = {.gain = 1, .frequency = 1, .step_limit = HUGE_VAL, .seed = 1};
+        scene_run run;
+        damper damper;
+        loop_blocks blocks;
+        storm_rig rig;
+        assert_int_equal(scene_run_open(&run, PANEL, changes[i]), 0);
+        assert_int_equal(analysis_influence(&run.analysis, run.error), 0);
+        certificate_make(&run.analysis.certificate, &run.analysis);
+        const damper_options options = damper_options_of(&run.analysis);
+        assert_int_equal(damper_make(&damper, &run.analysis, NULL, &options, run.error), 0);
+        loop_blocks_fill(&blocks, &run.analysis.design, &none, &damper);
+        assert_int_equal(storm_open(&rig, &run.analysis, NULL, run.error), 0);
+        storm_use(&rig, blocks.block, blocks.count, options.delay);
+        if (storm_run(&rig, &jumping, &storm[i], run.error) < 0 ||
+            storm_growth(&rig, &ringing, 400, &growth[i], run.error) < 0)
+            fail_msg("%s: %s", changes[i], run.error);
+        storm_close(&rig);
+        damper_close(&damper);
+        scene_run_close(&run);
+    }
+    assert_true(storm[0].passed && storm[1].passed && storm[2].passed);
+    assert_int_equal(storm[1].ticks, storm[0].ticks);
+    assert_true(fabs(storm[1].end - storm[0].end) < 1e-3);
+    assert_true(growth[0].growth < 1);
+    assert_true(fabs(growth[1].growth - growth[0].growth) < 1e-12);
+    assert_true(fabs(growth[2].growth - growth[0].growth) < 1e-12);
+}
+
 /* The text of a certificate explains its words and states the tolerance of a storm. */
 static void test_text(void **state)
 {
@@ -114,6 +156,22 @@ static void test_text(void **state)
     for (size_t i = 0; i < sizeof says / sizeof *says; i++)
         assert_non_null(strstr(text, says[i]));
     assert_non_null(strstr(text, "88.5 to 32000 a second"));
+    assert_null(strstr(text, "About the shape of the target"));
+    c.loop.target.is_made = true;
+    c.loop.target.older = 1;
+    certificate_text(&c, text);
+    assert_non_null(strstr(text, "target every storm settles with readings 1 tick older."));
+    assert_null(strstr(text, "ONE TICK OLDER"));
+    c.loop.delay = c.loop.newer = 2;
+    c.loop.target.older = 0;
+    certificate_text(&c, text);
+    assert_non_null(strstr(
+        text, "settles NOT with readings 1 tick older, and NOT with readings 1 tick newer."));
+    assert_non_null(strstr(text, "ONE TICK OLDER"));
+    assert_int_equal(certificate_older(&c.loop), 0);
+    assert_int_equal(certificate_newer(&c.loop), 0);
+    c.loop.target.is_made = false;
+    assert_int_equal(certificate_newer(&c.loop), 2);
     c.loop.observed = 0;
     c.loop.older = 0;
     certificate_text(&c, text);
@@ -215,9 +273,9 @@ static void test_tolerated_load(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_older_readings), cmocka_unit_test(test_text),
-        cmocka_unit_test(test_supervised),     cmocka_unit_test(test_tolerated_load),
-        cmocka_unit_test(test_warning),
+        cmocka_unit_test(test_older_readings), cmocka_unit_test(test_limits_between_amplifiers),
+        cmocka_unit_test(test_text),           cmocka_unit_test(test_supervised),
+        cmocka_unit_test(test_tolerated_load), cmocka_unit_test(test_warning),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
