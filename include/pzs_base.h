@@ -138,8 +138,8 @@ typedef enum pzs_status {
     PZS_E_LATCHED, /* Error: the supervisor has taken control away, and the voltages are at the park
                       voltages (voltages of rest); only pzs_loop_init starts the loop again. */
     PZS_E_NONFINITE, /* Error: an input array contains NaN or infinity at index info.where. */
-    PZS_E_LIMITS, /* Error: the lower limit of input info.where exceeds its upper limit, or one of
-                     the two limits is not a number. */
+    PZS_E_LIMITS, /* Error: the lower limit of input info.where exceeds its upper limit, one of the
+                     two limits is not a number, or a park voltage is outside its limits. */
     PZS_E_LOOSE, /* Error: the free degree of freedom info.where has no stiffness, because a part is
                     loose or a support is missing. */
     PZS_E_NEGATIVE,  /* Error: the stiffness matrix of the undeformed structure has a negative pivot

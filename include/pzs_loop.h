@@ -485,7 +485,7 @@ typedef struct pzs_supervision {
     uint16_t waits; /* 1: the supervisor leaves its first operating mode, PZS_MODE_INITIALISE, by
                        the command ARM; 0: it leaves the mode without a command */
     const pzs_real *park; /* [inputs] park voltages, to which the output ramps when control ends,
-                             clamped to the limits (V) */
+                             inside voltage limits and limit rows (V) */
     pzs_real fading; /* factor, between 0 and 1, by which the tolerated deviation of measured from
                         predicted shape decays in each tick after a target change */
     pzs_real noise;  /* RMS noise of the measured shape (m) */
@@ -544,7 +544,8 @@ pzs_supervisor_mode pzs_supervisor_next(pzs_supervisor_mode mode, pzs_supervisor
 /*
  * The supervisor as a block of the loop, in PZS_PHASE_SUPERVISE. Tables: pzs_supervision. Memory
  * returned by pzs_loop_find: pzs_supervisor. Errors of its initialisation: PZS_E_ARGUMENT (also for
- * tables of other sizes), PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE.
+ * tables of other sizes), PZS_E_FORMAT, PZS_E_CRC, PZS_E_NONFINITE, PZS_E_LIMITS (the park voltage
+ * of input info.where is outside its voltage limits, or the park voltages violate a limit row).
  */
 extern const pzs_block_type pzs_supervisor_block;
 #define PZS_SUPERVISOR_BLOCK_BYTES(outputs)                                                        \

@@ -197,6 +197,53 @@ static int allocate_control(design *design)
            design->lower && design->upper && design->step_limit && design->reference_voltage;
 }
 
+/*
+ * Check park voltages [amplifiers] that violate a limit of a weighted sum of voltages. Returns 0,
+ * or -1 with error filled.
+ */
+static int check_park_rows(const design *design, char *error)
+{
+    char name[4 * SCENE_LABEL];
+    const int violated = design_rows_violated(design, design->park);
+    if (violated < 0)
+        return 0;
+    const scene_limit_row *row = &design->limits.row[violated];
+    design_row_name(design, violated, name, sizeof name);
+    return scene_fault(design->scene->safety.at, error,
+                       "park: with all amplifiers at %g V, %s leaves its limits, %g to %g; write "
+                       "another voltage, or leave park out",
+                       design->scene->safety.park, name, row->lower, row->upper);
+}
+
+/*
+ * Compute the park voltages: the voltage of the scene file, which must be inside the limits of
+ * every amplifier that is not held at one voltage. Without it, the voltages inside the limits that
+ * are nearest to 0, or, where these violate limits between amplifiers, voltages that obey them.
+ * Returns 0, or -1 with error filled.
+ */
+static int build_park(design *design, char *error)
+{
+    const scene_safety *safety = &design->scene->safety;
+    const bool is_given = !isnan(safety->park);
+    const size_t amplifiers = (size_t)design->amplifiers;
+    for (size_t k = 0; k < amplifiers; k++) {
+        const double lower = design->lower[k], upper = design->upper[k],
+                     wanted = is_given ? safety->park : 0;
+        if (is_given && lower < upper && (wanted < lower || wanted > upper))
+            return scene_fault(safety->at, error,
+                               "park: %g V is outside the limits of %s, %g to %g; write a voltage "
+                               "inside the limits of all amplifiers, or leave park out, with which "
+                               "each parks at the allowed voltage nearest to 0",
+                               wanted, design->amplifier_name[k], lower, upper);
+        design->park[k] = fmin(fmax(wanted, lower), upper);
+    }
+    if (is_given)
+        return check_park_rows(design, error);
+    if (design_rows_violated(design, design->park) >= 0)
+        memcpy(design->park, design->rows.safe, amplifiers * sizeof *design->park);
+    return 0;
+}
+
 int design_control(design *design, const double *influence, char *error)
 {
     const size_t amplifiers = (size_t)design->amplifiers, inputs = design->structure.input.count;
@@ -226,9 +273,6 @@ int design_control(design *design, const double *influence, char *error)
     problem->regularisation = build_hessian(design);
     if (build_limits(design, error) < 0)
         return -1;
-    for (size_t k = 0; k < amplifiers; k++)
-        design->park[k] =
-            fmin(fmax(design->scene->safety.park, design->lower[k]), design->upper[k]);
     problem->format = PZS_TABLE_FORMAT;
     problem->scene = design->scene->hash;
     problem->inputs = (uint16_t)amplifiers;
@@ -240,7 +284,7 @@ int design_control(design *design, const double *influence, char *error)
     problem->upper = design->upper;
     problem->step_limit = design->step_limit;
     problem->reference_voltage = design->reference_voltage;
-    if (design_rows_build(design, error) < 0)
+    if (design_rows_build(design, error) < 0 || build_park(design, error) < 0)
         return -1;
     problem->crc = pzs_problem_crc(problem);
     return 0;

@@ -163,6 +163,17 @@ int design_rows_safe(const design *design, const double *lower, const double *up
     return refuse_clash(design, lower, upper, safe, error);
 }
 
+int design_rows_violated(const design *design, const double *voltage)
+{
+    for (int k = 0; k < design->limits.rows; k++) {
+        const scene_limit_row *row = &design->limits.row[k];
+        const double sum = row_sum(row, voltage), margin = safe_margin(design, k) / 2;
+        if (!(sum >= row->lower + margin && sum <= row->upper - margin))
+            return k;
+    }
+    return -1;
+}
+
 /*
  * Check that all amplifiers that occur in limit rows (limits of sums of voltages) have finite
  * voltage limits. Returns 0, or -1 with error filled.

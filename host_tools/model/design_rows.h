@@ -27,6 +27,13 @@ int design_rows_safe(const design *design, const double *lower, const double *up
                      char *error);
 
 /*
+ * Return the first limit row (limit of a weighted sum of voltages) that voltages [amplifiers]
+ * violate, or from whose limits they are no farther than a controller in single precision rounds;
+ * -1 if there is none.
+ */
+int design_rows_violated(const design *design, const double *voltage);
+
+/*
  * Write the name of limit row k, a limit of a weighted sum of voltages, such as `v_1 - v_2`, to
  * `text` of `size` bytes.
  */

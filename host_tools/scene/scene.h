@@ -770,7 +770,8 @@ typedef struct scene_safety {
     bool given;    /* true: the scene asks for a supervisor by the section `safety` */
     bool left_out; /* true: the scene says `safety: none`; otherwise a loop that damps vibration has
                       a supervisor even if the scene does not ask for it */
-    double park;   /* park voltage of all amplifiers (V), clamped to the limits of each amplifier */
+    double park;   /* park voltage of all amplifiers (V); NAN: the scene file gives none */
+    scene_at at;   /* position of the section `safety` in the scene file */
     int timeout; /* number of ticks without usable readings after which the supervisor takes control
                     away; 0: never */
     int ramp_ticks; /* shortest duration of the voltage ramp to the park voltages (ticks) */

@@ -46,7 +46,9 @@ static int read_arming(reader *reader, int node, void *to, const void *rule)
 
 static const field safety_fields[] = {
     {"park", read_real, offsetof(scene_safety, park), NULL, .of = OF_VOLTAGE,
-     .help = "Park voltage of all amplifiers, clamped to the limits of each; default 0."},
+     .help =
+         "Park voltage of all amplifiers, inside the limits of each; default the voltage nearest "
+         "to 0 that the limits of each allow."},
     {"timeout", read_int, offsetof(scene_safety, timeout), &waited, .of = OF_NUMBER,
      .form = &waited_form,
      .help = "Ticks without usable readings after which control is taken away; 0: never; default "
@@ -75,5 +77,6 @@ int read_safety(reader *reader, int node, void *to, const void *rule)
     if (reader->t->node[node].kind == TREE_SCALAR)
         return read_either(reader, node, &scene->safety.left_out, without);
     scene->safety.given = true;
+    scene->safety.at = node_at(reader, node);
     return read_map(reader, node, safety_fields, &scene->safety);
 }

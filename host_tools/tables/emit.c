@@ -124,20 +124,46 @@ static double float_inside(double value, int upper)
     return (double)(outside ? nextafterf(nearest, inwards) : nearest);
 }
 
-void emit_limits(emitter *emitter, const char *name, const double *value, size_t count, int upper,
-                 const char *meaning)
+/*
+ * Begin the definition of an array of reals, preceded by a comment with the meaning of the array.
+ */
+static void begin_reals(const emitter *emitter, const char *name, size_t count, const char *meaning)
 {
     emit_comment(emitter, "%s", meaning);
     fprintf(emitter->file, "static const pzs_real %s_%s[%zu] = {", emitter->prefix, name, count);
+}
+
+/*
+ * Write entry i of an array of reals that has one value in single and another one in double
+ * precision.
+ */
+static void list_by_bits(emitter *emitter, size_t i, double single, double value)
+{
+    fputs(i % 4 == 0 ? "\n    PZS_R(" : " PZS_R(", emitter->file);
+    if (single < value || single > value)
+        fprintf(emitter->file, "PZS_BY_BITS(%.17g, %.17g)", single, value);
+    else
+        emit_real(emitter->file, value);
+    fputs("),", emitter->file);
+    emit_count_reals(emitter, &single, 1);
+}
+
+void emit_limits(emitter *emitter, const char *name, const double *value, size_t count, int upper,
+                 const char *meaning)
+{
+    begin_reals(emitter, name, count, meaning);
+    for (size_t i = 0; i < count; i++)
+        list_by_bits(emitter, i, float_inside(value[i], upper), value[i]);
+    fputs("\n};\n", emitter->file);
+}
+
+void emit_inside(emitter *emitter, const char *name, const double *value, const double *lower,
+                 const double *upper, size_t count, const char *meaning)
+{
+    begin_reals(emitter, name, count, meaning);
     for (size_t i = 0; i < count; i++) {
-        const double inside = float_inside(value[i], upper);
-        fputs(i % 4 == 0 ? "\n    PZS_R(" : " PZS_R(", emitter->file);
-        if (inside < value[i] || inside > value[i])
-            fprintf(emitter->file, "PZS_BY_BITS(%.17g, %.17g)", inside, value[i]);
-        else
-            emit_real(emitter->file, value[i]);
-        fputs("),", emitter->file);
-        emit_count_reals(emitter, &inside, 1);
+        const double least = float_inside(lower[i], 0), most = float_inside(upper[i], 1);
+        list_by_bits(emitter, i, fmin(fmax((double)(float)value[i], least), most), value[i]);
     }
     fputs("\n};\n", emitter->file);
 }

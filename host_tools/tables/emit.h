@@ -61,6 +61,14 @@ void emit_limits(emitter *emitter, const char *name, const double *value, size_t
                  const char *meaning);
 
 /*
+ * Write voltages inside limits (V). In single precision they are clamped to the limits that
+ * emit_limits writes.
+ *   lower, upper [count] in  voltage limits (V)
+ */
+void emit_inside(emitter *emitter, const char *name, const double *value, const double *lower,
+                 const double *upper, size_t count, const char *meaning);
+
+/*
  * Write an array PREFIX_NAME[count] whose entries are blocks of reals, such as matrices, all of the
  * same dimensions.
  *   length [depth] in  dimensions of one block

@@ -410,8 +410,8 @@ static void write_supervision(emitter *emitter, const loop_blocks *blocks)
                                 tables->alarm_ticks, tables->waits};
     const double settings[3] = {tables->fading, tables->noise, tables->load};
     emitter->crc32 = pzs_guard_crc(GUARD_CRC_START, counts, sizeof counts);
-    emit_reals(emitter, "park", tables->park, tables->inputs,
-               "voltages to which the supervisor parks the amplifiers (V)");
+    emit_inside(emitter, "park", tables->park, blocks->design->lower, blocks->design->upper,
+                tables->inputs, "voltages to which the supervisor parks the amplifiers (V)");
     emitter->crc32 = emit_crc_reals(emitter->crc32, settings, 3);
     emit_begin(emitter, "supervision", "supervision", tables->scene, tables->crc);
     fprintf(emitter->file, " %u, %u, %u, %u, %u,\n    %s_park, ", counts[0], counts[1], counts[2],

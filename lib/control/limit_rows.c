@@ -265,5 +265,6 @@ static bool bring_inside(pzs_control *control, int32_t *where)
 }
 
 const struct pzs_limit_row_calls pzs_limit_rows_calls = {
-    check_rows,   pzs_arrange_rows,   pzs_prepare_rows,    pzs_repair_rows, pzs_optimise_rows,
-    bring_inside, pzs_violation_rows, pzs_scale_back_rows, take_back,       add_row_limits};
+    check_rows,          pzs_limit_rows_hold, pzs_arrange_rows, pzs_prepare_rows,
+    pzs_repair_rows,     pzs_optimise_rows,   bring_inside,     pzs_violation_rows,
+    pzs_scale_back_rows, take_back,           add_row_limits};

@@ -8,6 +8,7 @@
  */
 #include <string.h>
 #include "control.h"
+#include "limit_rows.h"
 #include "monitor.h"
 #include "supervisor.h"
 #include "scrub.h"
@@ -47,6 +48,23 @@ static bool are_in_range(const pzs_supervision *tables)
            number_is_finite(tables->noise + tables->load);
 }
 
+/* Return the first input whose park voltage is outside its voltage limits, or -1. */
+static int32_t first_outside(const pzs_supervision *tables, const pzs_problem *problem)
+{
+    uint32_t i = 0;
+    while (i < problem->inputs && tables->park[i] >= problem->lower[i] &&
+           tables->park[i] <= problem->upper[i])
+        i++;
+    return i < problem->inputs ? (int32_t)i : -1;
+}
+
+/* Whether the park voltages violate no limit of a weighted sum of voltages. */
+static bool obeys_rows(const pzs_supervision *tables, const pzs_problem *problem)
+{
+    const pzs_limit_rows *rows = problem->limit_rows;
+    return rows == NULL || rows->call->hold(rows, tables->park);
+}
+
 static pzs_status check(const pzs_supervision *tables, const pzs_problem *problem, int32_t *where)
 {
     if (tables->format != PZS_TABLE_FORMAT || tables->scene != problem->scene)
@@ -58,6 +76,9 @@ static pzs_status check(const pzs_supervision *tables, const pzs_problem *proble
     *where = pzs_guard_nonfinite(tables->park, tables->inputs);
     if (*where >= 0)
         return PZS_E_NONFINITE;
+    *where = first_outside(tables, problem);
+    if (*where >= 0 || !obeys_rows(tables, problem))
+        return PZS_E_LIMITS;
     return are_in_range(tables) ? PZS_OK : PZS_E_ARGUMENT;
 }
 

@@ -475,12 +475,15 @@ static void test_tables(void **state)
     assert_int_equal(pzs_supervision_seal(&r.supervision), PZS_OK);
     assert_int_equal(init(&r), PZS_E_NONFINITE);
     assert_int_equal(r.loop.info.where, 2);
-    r.park[2] = LIMIT + 1; /* is clamped to the limit */
-    assert_int_equal(pzs_supervision_seal(&r.supervision), PZS_OK);
-    assert_int_equal(init(&r), PZS_OK);
-    for (int t = 0; t < 40; t++)
-        (void)tick(&r, 1, false);
-    assert_true(r.given[2] >= LIMIT);
+    for (int side = -1; side <= 1; side += 2) {
+        r.park[2] = (pzs_real)side * LIMIT * (1 + PZS_EPSILON);
+        assert_int_equal(pzs_supervision_seal(&r.supervision), PZS_OK);
+        assert_int_equal(init(&r), PZS_E_LIMITS);
+        assert_int_equal(r.loop.info.where, 2);
+        r.park[2] = (pzs_real)side * LIMIT;
+        assert_int_equal(pzs_supervision_seal(&r.supervision), PZS_OK);
+        assert_int_equal(init(&r), PZS_OK);
+    }
     r.park[2] = 0;
     r.supervision.fading = 1;
     assert_int_equal(pzs_supervision_seal(&r.supervision), PZS_OK);
