@@ -756,7 +756,7 @@ static void warn_of_loop(analysis *analysis)
 {
     const certificate_loop *loop = &analysis->certificate.loop;
     if (loop->is_made && loop->is_stable)
-        plausible_loop(&analysis->warnings, analysis->design.scene, loop->older,
+        plausible_loop(&analysis->warnings, analysis->design.scene, certificate_older(loop),
                        target_amplitude(&analysis->design));
 }
 

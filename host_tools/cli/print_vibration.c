@@ -193,6 +193,10 @@ static void json_stability(json *json, const certificate *certificate)
                     loop->target.is_made ? loop->target.radius : (double)NAN);
         json_number(json, "target_storms", loop->target.storms);
         json_number(json, "target_storms_failed", loop->target.failed);
+        json_number(json, "target_readings_older",
+                    loop->target.is_made ? loop->target.older : (double)NAN);
+        json_number(json, "target_readings_newer",
+                    loop->target.is_made ? loop->target.newer : (double)NAN);
         json_number(json, "modes_observed", loop->observed);
         json_number(json, "readings_older", loop->older);
         json_number(json, "readings_newer", loop->newer);

@@ -89,6 +89,18 @@ void certificate_free(certificate *certificate)
     memset(certificate, 0, sizeof *certificate);
 }
 
+int certificate_older(const certificate_loop *loop)
+{
+    const bool is_less = loop->target.is_made && loop->target.older < loop->older;
+    return is_less ? loop->target.older : loop->older;
+}
+
+int certificate_newer(const certificate_loop *loop)
+{
+    const bool is_less = loop->target.is_made && loop->target.newer < loop->newer;
+    return is_less ? loop->target.newer : loop->newer;
+}
+
 bool certificate_refuses(const certificate *certificate)
 {
     return certificate->is_assessed && certificate->rate > 0 && !(certificate->radius < 1);
@@ -201,7 +213,15 @@ static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
         text_append(text, CERTIFICATE_TEXT, ",\nand %d tick%s newer", loop->newer,
                     plural(loop->newer));
     text_append(text, CERTIFICATE_TEXT, ".");
-    if (loop->older == 0)
+    if (loop->target.is_made)
+        text_append(
+            text, CERTIFICATE_TEXT,
+            "\nAbout the shape of the target every storm settles %s readings 1 tick older%s",
+            loop->target.older > 0 ? "with" : "NOT with", loop->delay > 0 ? "" : ".");
+    if (loop->target.is_made && loop->delay > 0)
+        text_append(text, CERTIFICATE_TEXT, ", and %s readings 1 tick newer.",
+                    loop->target.newer > 0 ? "with" : "NOT with");
+    if (certificate_older(loop) == 0)
         text_append(text, CERTIFICATE_TEXT,
                     "\nREADINGS ONE TICK OLDER CAN MAKE THE LOOP SWING WITHOUT END.");
 }

@@ -47,6 +47,9 @@ typedef struct certificate_target {
     double radius;  /* largest growth factor of small vibrations per tick, without limits */
     int storms, failed; /* number of storms (simulations with fast jumps of the target); number of
                            those that did not settle */
+    int older, newer;   /* number of ticks, 0 or 1, by which all readings may be older or newer than
+                           the scene file states on the structure at its target: vibrations decay, and
+                           the shape settles after fast jumps of the target */
     double worst; /* largest distance from the shape at which the loop comes to rest, at the end of
                      a storm (simulation with fast target jumps), relative to the norm of the target
                    */
@@ -138,6 +141,13 @@ typedef struct certificate {
 } certificate;
 
 void certificate_free(certificate *certificate);
+
+/*
+ * Number of ticks by which all readings may be older, or newer, than the scene file states, on the
+ * undeformed structure and, where the loop was certified there, on the structure at its target.
+ */
+int certificate_older(const certificate_loop *loop);
+int certificate_newer(const certificate_loop *loop);
 
 /* Whether the loop is known to be unstable at the scene's tick rate. */
 bool certificate_refuses(const certificate *certificate);

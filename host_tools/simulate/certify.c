@@ -293,20 +293,21 @@ static int certify_target(const trial *trial, certificate_target *target, char *
 
 /*
  * Determine whether small vibrations decay and the shape settles after fast jumps of the target on
- * every structure, with readings that are `older` ticks older than the scene file states. Returns
- * 0, or -1 with error filled.
+ * every structure, with readings that are `older` ticks older than the scene file states.
+ *   storms in  number of storms (simulations with fast jumps of the target) to run
+ * Returns 0, or -1 with error filled.
  */
-static int try_age(const trial *trial, int older, bool *settles, char *error)
+static int try_age(const storm_rig *rig, int storms, int older, bool *settles, char *error)
 {
     storm_result result = {.passed = true};
-    for (int i = 0; i < STORMS && result.passed; i++) {
-        const storm_plant plant = plant_of(STORMS - 1 - i, older);
-        progress_count(i, STORMS);
-        if (storm_run(&trial->rig, &plant, &result, error) < 0)
+    for (int i = 0; i < storms && result.passed; i++) {
+        const storm_plant plant = plant_of(storms - 1 - i, older);
+        progress_count(i, storms);
+        if (storm_run(rig, &plant, &result, error) < 0)
             return -1;
     }
     for (int i = 0; i < PLANTS && result.passed; i++)
-        if (grow(&trial->rig, storm_gain[i], storm_frequency[i], older, &result, error) < 0)
+        if (grow(rig, storm_gain[i], storm_frequency[i], older, &result, error) < 0)
             return -1;
     *settles = result.passed;
     return 0;
@@ -315,18 +316,39 @@ static int try_age(const trial *trial, int older, bool *settles, char *error)
 /*
  * Count the ticks by which readings may be older (sign = 1) or newer (sign = -1) than the scene
  * file states.
- *   stood in/out  number of ticks known to be tolerated
- *   most  in      largest number of ticks to try
+ *   storms in      number of storms (simulations with fast jumps of the target) for each age
+ *   most   in      largest number of ticks to try
+ *   stood  in/out  number of ticks known to be tolerated
  */
-static int count_ages(const trial *trial, int sign, int most, int *stood, char *error)
+static int count_ages(const storm_rig *rig, int storms, int sign, int most, int *stood, char *error)
 {
     bool settles = true;
     while (settles && *stood < most) {
-        if (try_age(trial, sign * (*stood + 1), &settles, error) < 0)
+        if (try_age(rig, storms, sign * (*stood + 1), &settles, error) < 0)
             return -1;
         *stood += settles;
     }
     return 0;
+}
+
+/*
+ * Determine for a stable loop whether the readings may be one tick older or newer than the scene
+ * file states, on the undeformed structure and, where it is simulated, on the structure at its
+ * target. Returns 0, or -1 with error filled.
+ */
+static int try_neighbouring_ages(const trial *trial, certificate_loop *loop, char *error)
+{
+    const int newest = loop->delay < 1 ? 0 : 1, few = STORMS / SEEDS;
+    certificate_target *target = &loop->target;
+    if (count_ages(&trial->rig, STORMS, 1, 1, &loop->older, error) < 0 ||
+        count_ages(&trial->rig, STORMS, -1, newest, &loop->newer, error) < 0)
+        return -1;
+    if (!target->is_made)
+        return 0;
+    return count_ages(&trial->at_target, few, 1, 1, &target->older, error) < 0 ||
+                   count_ages(&trial->at_target, few, -1, newest, &target->newer, error) < 0
+               ? -1
+               : 0;
 }
 
 /* ---- choice ----------------------------------------------------------- */
@@ -360,22 +382,17 @@ static int try_choice(trial *trial, int choice, damper_options *options, certifi
     }
     loop->delay = trial->analysis->design.simulate.delay;
     loop->less_hysteresis = trial->blocks.compensation.is_used ? less_hysteresis : 0;
-    if (!loop->is_stable)
-        return 0;
-    const int newest = loop->delay < 1 ? 0 : 1;
-    const bool is_counted = count_ages(trial, 1, 1, &loop->older, error) == 0 &&
-                            count_ages(trial, -1, newest, &loop->newer, error) == 0;
-    return is_counted ? 0 : -1;
+    return loop->is_stable ? try_neighbouring_ages(trial, loop, error) : 0;
 }
 
 /*
  * Return a score for the tolerance of a loop to an error of one tick in the readings' age: 2 if it
- * tolerates older readings, plus 1 if it tolerates newer ones. Older readings count more, because
- * filters and queues outside the model increase the age.
+ * tolerates older readings on every simulated structure, plus 1 if it tolerates newer ones. Older
+ * readings count more, because filters and queues outside the model increase the age.
  */
 static int tolerance_of(const certificate_loop *loop)
 {
-    return 2 * (loop->older > 0) + (loop->newer > 0);
+    return 2 * (certificate_older(loop) > 0) + (certificate_newer(loop) > 0);
 }
 
 /*
@@ -505,8 +522,9 @@ static int bisect(const trial *trial, bool is_gain, double end, double *margin, 
 static int find_ages(const trial *trial, certificate_loop *loop, char *error)
 {
     const int newest = loop->delay < OLDER_MOST ? loop->delay : OLDER_MOST;
-    if ((loop->older > 0 && count_ages(trial, 1, OLDER_MOST, &loop->older, error) < 0) ||
-        (loop->newer > 0 && count_ages(trial, -1, newest, &loop->newer, error) < 0))
+    const storm_rig *rig = &trial->rig;
+    if ((loop->older > 0 && count_ages(rig, STORMS, 1, OLDER_MOST, &loop->older, error) < 0) ||
+        (loop->newer > 0 && count_ages(rig, STORMS, -1, newest, &loop->newer, error) < 0))
         return -1;
     loop->ends_at_most = loop->older == OLDER_MOST;
     return 0;

@@ -498,7 +498,7 @@ static void write_verdict(const emitter *emitter, const certificate_loop *loop)
         "ticks by which readings may be older and newer than %s_DELAY: every storm settles",
         prefix);
     fprintf(emitter->file, "#define %s_READINGS_OLDER %d\n#define %s_READINGS_NEWER %d\n", prefix,
-            loop->older, prefix, loop->newer);
+            certificate_older(loop), prefix, certificate_newer(loop));
     if (!loop->has_margins)
         return;
     emit_comment(emitter, "relative to the model: largest stable gain of the structure, and lowest "

@@ -14,6 +14,7 @@
 #include "../../host_tools/model/certificate_make.h"
 #include "../../host_tools/model/deformed.h"
 #include "../../host_tools/model/mass.h"
+#include "../../host_tools/simulate/certify.h"
 #include "../../host_tools/simulate/storm.h"
 #include "../rigs/scene_run.h"
 
@@ -149,10 +150,61 @@ static void test_settings_at_target(void **state)
     scene_run_close(&run);
 }
 
+/*
+ * Law: the certificate states for the structure at its target what the storms show there: with the
+ * chosen settings and readings one tick older every storm of its first sequence of targets settles,
+ * or the certificate says that the loop does not tolerate them.
+ */
+static void test_older_readings_at_target(void **state)
+{
+    static const double gain[] = {1, 0.8, 0.8, 1.33, 1.33}, frequency[] = {1, 0.9, 1.1, 0.9, 1.1};
+    scene_run run;
+    deformed at;
+    storm_rig rig;
+    damper damper;
+    loop_blocks blocks;
+    char error[SCENE_ERROR];
+    const estimator none = {0};
+    int settled = 0;
+    (void)state;
+    open_panel(&run, STRONG COARSE TWO_THICKNESSES);
+    certificate_make(&run.analysis.certificate, &run.analysis);
+    if (certify_loop(&run.analysis, error) < 0)
+        fail_msg("%s", error);
+    const certificate_loop *loop = &run.analysis.certificate.loop;
+    assert_true(loop->is_stable && loop->target.is_made);
+    open_deformed(&at, &run, 40);
+    assert_int_equal(storm_open(&rig, &run.analysis, NULL, error), 0);
+    assert_true(storm_deform(&rig, &at));
+    const damper_options options = damper_options_of(&run.analysis);
+    assert_int_equal(damper_make(&damper, &run.analysis, NULL, &options, error), 0);
+    loop_blocks_fill(&blocks, &run.analysis.design, &none, &damper);
+    storm_use(&rig, blocks.block, blocks.count, options.delay - options.settings.later);
+    for (int i = 0; i < 10; i++) {
+        const storm_plant plant = {.gain = gain[i % 5],
+                                   .frequency = frequency[i % 5],
+                                   .step_limit = i < 5 ? 1 : 0.25,
+                                   .more_delay = 1,
+                                   .seed = 1,
+                                   .is_uninformed = true};
+        storm_result result;
+        assert_int_equal(storm_run(&rig, &plant, &result, error), 0);
+        settled += result.passed;
+    }
+    print_message("    %d of 10 storms settle with older readings; tolerated %d, undeformed %d\n",
+                  settled, loop->target.older, loop->older);
+    assert_int_equal(loop->target.older > 0, settled == 10);
+    assert_int_equal(certificate_older(loop) > 0, loop->older > 0 && settled == 10);
+    storm_close(&rig);
+    damper_close(&damper);
+    deformed_close(&at);
+    scene_run_close(&run);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_small_target),
-                                       cmocka_unit_test(test_modes_sum_to_influence),
-                                       cmocka_unit_test(test_settings_at_target)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_small_target), cmocka_unit_test(test_modes_sum_to_influence),
+        cmocka_unit_test(test_settings_at_target), cmocka_unit_test(test_older_readings_at_target)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
