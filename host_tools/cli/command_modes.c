@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* The command `pzs calibrate --vibration` (command_modes.h). */
 #include "command_modes.h"
+#include <math.h>
 #include <stdio.h>
 #include "../model/identify_modes.h"
 #include "../text/json.h"
@@ -8,35 +9,76 @@
 
 enum { USUAL_MODES = 5 };
 
+/* Print the numbers of a list in YAML, and the end of the list. */
+static void print_list(FILE *file, const double *value, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        fprintf(file, "%s%.6g", i ? ", " : "", value[i]);
+    fputs("]\n", file);
+}
+
 /*
  * Print measured vibration modes as the key `modes` of the section `influence` of a scene file in
  * YAML.
  */
-static void print_modes(FILE *file, const identified_modes *found, size_t outputs)
+static void print_modes(FILE *file, const identified_modes *found, const pokes *samples)
 {
     fputs("influence:\n  modes:\n", file);
     for (int mode = 0; mode < found->modes; mode++) {
         fprintf(file, "    - frequency: %.7g\n      damping: %.4g\n      shape: [",
                 found->frequency[mode], found->damping[mode]);
-        for (size_t i = 0; i < outputs; i++)
-            fprintf(file, "%s%.6g", i ? ", " : "", found->shape[(size_t)mode * outputs + i]);
-        fputs("]\n", file);
+        print_list(file, found->shape + (size_t)mode * samples->outputs, samples->outputs);
+        if (!found->has_response)
+            continue;
+        fputs("      response: [", file);
+        print_list(file, found->response + (size_t)mode * samples->actuators, samples->actuators);
     }
 }
 
-static int write_modes(const identified_modes *found, size_t outputs, const char *path)
+static int write_modes(const identified_modes *found, const pokes *samples, const char *path)
 {
     outfile output;
     if (outfile_begin(&output, path))
         return 1;
-    print_modes(output.file, found, outputs);
+    print_modes(output.file, found, samples);
     return outfile_end(&output, ferror(output.file));
 }
 
-static void print_result(const identified_modes *found, const pokes *samples, const char *path)
+/* Largest standard error of the static responses, relative to the largest response. */
+static double response_error(const identified_modes *found, size_t actuators)
 {
-    printf("%lu samples, %d intervals of constant voltages: %d mode%s\n",
-           (unsigned long)samples->count, found->steps, found->modes, found->modes == 1 ? "" : "s");
+    double most = 0, error = 0;
+    for (size_t i = 0; i < (size_t)found->modes * actuators; i++) {
+        most = fmax(most, fabs(found->response[i]));
+        error = fmax(error, found->response_error[i]);
+    }
+    return error / most;
+}
+
+/* Print whether the static responses to the voltages are identified, and how late they act. */
+static void print_responses(const identified_modes *found, const pokes *samples, double rate)
+{
+    if (found->has_response)
+        printf(
+            "  response to the voltages: standard error at most %.2g%% of the largest; it begins "
+            "%.3g s (%.3g samples) after the voltages\n"
+            "  (delay of amplifiers, converters and filters); shapes of another unit of length "
+            "than the scene's need another response\n",
+            100 * response_error(found, samples->actuators), found->delay, found->delay * rate);
+    else
+        printf("  response to the voltages: not identified, because %s.\n"
+               "  The scene fits it to the matrix, or takes the key response\n",
+               found->no_response);
+}
+
+static void print_result(const identified_modes *found, const pokes *samples,
+                         const options *options)
+{
+    const char *path = options->output;
+    printf(
+        "%lu samples, %d intervals of constant voltages, which show %.3g to %.3g Hz: %d mode%s\n",
+        (unsigned long)samples->count, found->steps, found->shown[0], found->shown[1], found->modes,
+        found->modes == 1 ? "" : "s");
     printf("  %16s %12s %14s %12s\n", "frequency (Hz)", "std. error", "damping ratio",
            "std. error");
     for (int mode = 0; mode < found->modes; mode++)
@@ -44,19 +86,24 @@ static void print_result(const identified_modes *found, const pokes *samples, co
                found->frequency_error[mode], found->damping[mode], found->damping_error[mode]);
     printf("  the modes leave %.3g (standard deviation) of a reading, %.3g%% of the vibration\n",
            found->noise, 100 * found->left);
+    print_responses(found, samples, options->vibration_rate);
     if (path)
         printf("%s: the key modes for the section influence of a scene\n", path);
     else
-        print_modes(stdout, found, samples->outputs);
+        print_modes(stdout, found, samples);
 }
 
-static void print_json(const identified_modes *found)
+static void print_json(const identified_modes *found, const pokes *samples)
 {
     json json = {.file = stdout};
     json_open(&json, NULL, '{');
     json_number(&json, "intervals", found->steps);
     json_number(&json, "noise", found->noise);
     json_number(&json, "left", found->left);
+    json_numbers(&json, "shown", found->shown, 2);
+    json_number(&json, "delay", found->has_response ? found->delay : (double)NAN);
+    if (!found->has_response)
+        json_string(&json, "no_response", found->no_response);
     json_open(&json, "modes", '[');
     for (int mode = 0; mode < found->modes; mode++) {
         json_open(&json, NULL, '{');
@@ -64,6 +111,9 @@ static void print_json(const identified_modes *found)
         json_number(&json, "frequency_error", found->frequency_error[mode]);
         json_number(&json, "damping", found->damping[mode]);
         json_number(&json, "damping_error", found->damping_error[mode]);
+        if (found->has_response)
+            json_numbers(&json, "response", found->response + (size_t)mode * samples->actuators,
+                         (int)samples->actuators);
         json_close(&json, '}');
     }
     json_close(&json, ']');
@@ -111,11 +161,11 @@ int command_modes(const options *options, const pokes *samples)
         status = OPTIONS_WRONG;
     }
     if (status == 0 && options->output)
-        status = write_modes(&found, samples->outputs, options->output);
+        status = write_modes(&found, samples, options->output);
     if (status == 0 && options->as_json)
-        print_json(&found);
+        print_json(&found, samples);
     else if (status == 0)
-        print_result(&found, samples, options->output);
+        print_result(&found, samples, options);
     if (status == 0)
         warn_of_modes(&found);
     identified_modes_free(&found);

@@ -73,12 +73,36 @@ static void print_json(const identification *found, const pokes *samples)
     json_close(&json, '}');
 }
 
+/*
+ * Shortest and longest duration of a sweep (s). A sweep of another duration has another number of
+ * samples a second than was stated.
+ */
+static const double shortest = 1e-4, longest = 1e8;
+
+/*
+ * Check the duration of a sweep, on which the identified creep depends. Returns 0, or an exit code.
+ */
+static int check_duration(const pokes *samples, double rate)
+{
+    char text[200];
+    const double duration = (double)samples->count / rate;
+    if (duration >= shortest && duration <= longest)
+        return 0;
+    snprintf(text, sizeof text,
+             "--hysteresis %g: a sweep of %lu samples would last %.3g s, and sweeps last %g to %g "
+             "s; write the samples a second of the sweep",
+             rate, (unsigned long)samples->count, duration, shortest, longest);
+    return complain(text);
+}
+
 int command_sweep(const options *options, const pokes *samples)
 {
     char error[SCENE_ERROR];
     identification found;
     if (samples->actuators != 1)
         return complain("a sweep has one column of voltages; sweep all electrodes alike");
+    if (check_duration(samples, options->sample_rate) != 0)
+        return OPTIONS_WRONG;
     double *position = calloc(samples->count + 1, sizeof *position);
     if (!position)
         return complain("out of memory");

@@ -299,6 +299,27 @@ static int parse(options *options, int argc, char **argv)
 }
 
 /*
+ * Refuse options of calibrate that would be ignored: a second purpose, a number of modes without
+ * modes, a scene that the purpose does not use. Returns 0, or an exit code.
+ */
+static int check_calibrate(const options *options)
+{
+    const bool is_sweep = options->sample_rate > 0, has_modes = options->vibration_rate > 0;
+    if (is_sweep && has_modes)
+        return options_refuse("write either --hysteresis or --vibration for", "calibrate");
+    if (options->number && !has_modes)
+        return options_refuse("only calibrate --vibration takes", "--number");
+    if (options->scene && (is_sweep || has_modes))
+        return options_refuse(is_sweep ? "calibrate --hysteresis takes no scene; unexpected"
+                                       : "calibrate --vibration takes no scene; unexpected",
+                              options->scene);
+    if (!options->scene && options->sets > 0)
+        return options_refuse("--set changes a scene, and there is none; unexpected",
+                              options->set[0]);
+    return 0;
+}
+
+/*
  * Check that all required arguments are present and that the prefix is not reserved for the
  * library. Returns 0, or an exit code.
  */
@@ -313,7 +334,7 @@ static int check_words(const options *options)
         return options_refuse("write either --plant or --controller for", entry->name);
     if ((options->command == COMMAND_TABLES || options->command == COMMAND_FMU) && !options->output)
         return options_refuse("say where to write with -o FILE for", entry->name);
-    return 0;
+    return options->command == COMMAND_CALIBRATE ? check_calibrate(options) : 0;
 }
 
 /* ---- files ------------------------------------------------------------ */

@@ -13,6 +13,7 @@
 #include "../../lib/core/linalg.h"
 #include "../mesh/invert.h"
 #include "eigen.h"
+#include "identify_responses.h"
 
 enum {
     CHANNELS = 10, /* largest number of channels (weighted sums of the readings) in which
@@ -22,6 +23,8 @@ enum {
     LEAST_ROWS = 40,    /* smallest number of delayed samples of all channels together in the signal
                            subspace */
     LEAST_SAMPLES = 40, /* smallest number of samples of an interval of constant voltages */
+    SKIPPED = 4, /* number of samples at the beginning of an interval of constant voltages that are
+                    not fitted, as the voltages may act up to so many samples late */
     SWEEPS = 12, /* number of sweeps of Jacobi's method, which computes the eigenvalues of the
                     covariance of the signals */
     SUBSPACE_ROUNDS = 20,
@@ -99,8 +102,8 @@ static bool has_step(const pokes *samples, size_t sample)
 }
 
 /*
- * List the intervals of constant voltages. The first sample of an interval is left out, because it
- * may have been read before or after the step of the voltages.
+ * List the intervals of constant voltages. The first samples of an interval are left out, because
+ * they may have been read before the step of the voltages acts.
  */
 static void list_intervals(fit *fit)
 {
@@ -111,7 +114,7 @@ static void list_intervals(fit *fit)
             continue;
         const size_t length = sample - first;
         if (length > LEAST_SAMPLES) {
-            fit->interval[fit->intervals++] = (interval){first + 1, length - 1};
+            fit->interval[fit->intervals++] = (interval){first + SKIPPED, length - SKIPPED};
             fit->longest = length > fit->longest ? length : fit->longest;
         }
         first = sample;
@@ -770,6 +773,41 @@ static void find_shape(const double *part, size_t outputs, size_t columns, doubl
     }
 }
 
+/*
+ * Compute the complex amplitudes of the free vibration of all modes in all intervals of constant
+ * voltages, and from these the static responses to the voltages.
+ *   part [modes][outputs][2 intervals] in  coefficients of cosine and sine of the modes
+ * Returns 0, or -1 with error filled.
+ */
+static int find_responses(identified_modes *result, const fit *fit, const double *part, char *error)
+{
+    const size_t modes = (size_t)fit->modes, outputs = fit->samples->outputs,
+                 intervals = fit->intervals;
+    size_t *ends = calloc(2 * intervals + 1, sizeof *ends);
+    double complex *amplitude = calloc(modes * intervals + 1, sizeof *amplitude);
+    for (size_t i = 0; i < intervals && ends; i++) {
+        ends[i] = fit->interval[i].first;
+        ends[intervals + i] = fit->interval[i].first + fit->interval[i].count;
+    }
+    for (size_t row = 0; row < modes * outputs && amplitude; row++)
+        for (size_t i = 0; i < intervals; i++)
+            amplitude[row / outputs * intervals + i] +=
+                result->shape[row] / (double)outputs *
+                (part[(row * intervals + i) * 2] -
+                 part[(row * intervals + i) * 2 + 1] * (double complex)I);
+    const free_vibration record = {.samples = fit->samples,
+                                   .rate = fit->rate,
+                                   .intervals = intervals,
+                                   .skipped = SKIPPED,
+                                   .first = ends,
+                                   .behind = ends + intervals,
+                                   .amplitude = amplitude};
+    const bool is_done = ends && amplitude && identify_responses(result, &record);
+    free(ends);
+    free(amplitude);
+    return is_done ? 0 : refuse(error, "out of memory");
+}
+
 static int take_result(identified_modes *result, fit *fit, const normal *normal,
                        const double *inverse, char *error)
 {
@@ -802,8 +840,9 @@ static int take_result(identified_modes *result, fit *fit, const normal *normal,
     for (size_t k = 0; k < modes; k++)
         find_shape(part + k * outputs * columns, outputs, columns, part + modes * outputs * columns,
                    result->shape + k * outputs);
+    const int failed = find_responses(result, fit, part, error);
     free(part);
-    return 0;
+    return failed;
 }
 
 static bool take_memory(fit *fit)
@@ -820,6 +859,31 @@ static bool take_memory(fit *fit)
     return fit->mixer && fit->signal && fit->function && fit->slope && fit->column;
 }
 
+/*
+ * Frequencies between which structures vibrate (Hz). A record that shows no frequency of this range
+ * has another number of samples a second than was stated.
+ */
+static const double slowest = 1e-3, fastest = 1e7;
+
+/*
+ * Determine the range of frequencies that the record can show. Returns 0, or -1 with error filled
+ * where no structure vibrates in this range.
+ */
+static int check_range(const fit *fit, identified_modes *result, char *error)
+{
+    result->shown[0] = 2 * fit->rate / (double)fit->longest;
+    result->shown[1] = fit->rate / 2;
+    if (result->shown[1] > slowest && result->shown[0] < fastest)
+        return 0;
+    snprintf(error, SCENE_ERROR,
+             "--vibration %g: with %g samples a second voltages held for at most %zu samples show "
+             "vibration from %.3g to %.3g Hz, and structures vibrate between %g and %g Hz; write "
+             "the samples a second of the record",
+             fit->rate, fit->rate, fit->longest, result->shown[0], result->shown[1], slowest,
+             fastest);
+    return -1;
+}
+
 static int run(fit *fit, identified_modes *result, int most, char *error)
 {
     normal normal;
@@ -828,6 +892,8 @@ static int run(fit *fit, identified_modes *result, int most, char *error)
     if (fit->intervals == 0)
         return refuse(error, "no interval of constant voltages has more than 40 samples; step the "
                              "voltages and hold them for several periods of the lowest mode");
+    if (check_range(fit, result, error) < 0)
+        return -1;
     if (!take_memory(fit) || !choose_channels(fit) || !estimate(fit, most))
         return refuse(error, "out of memory");
     keep_significant(fit, &normal, inverse);
@@ -865,5 +931,6 @@ int identify_modes(identified_modes *result, const pokes *samples, double rate, 
 void identified_modes_free(identified_modes *result)
 {
     free(result->frequency);
+    free(result->response);
     memset(result, 0, sizeof *result);
 }

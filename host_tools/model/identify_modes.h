@@ -23,8 +23,17 @@ typedef struct identified_modes {
                       mean square of 1 */
     double noise; /* standard deviation of the part of a reading that the modes do not explain (unit
                      of the readings) */
-    double left;  /* root mean square of the part of the readings that the modes do not explain,
-                     relative to that of the vibration */
+    double shown[2]; /* lowest and highest frequency that the longest interval of constant voltages
+                        and the samples a second can show (Hz) */
+    bool has_response;             /* true where the static responses are identified */
+    char no_response[SCENE_ERROR]; /* why the static responses are not identified; otherwise empty
+                                    */
+    double *response; /* [modes][actuators] static response of each mode to 1 V of each actuator, as
+                         a multiple of its shape (unit of the readings per volt) */
+    double *response_error; /* [modes][actuators] standard errors of the static responses */
+    double delay;           /* time between a recorded step of the voltages and its effect (s) */
+    double left; /* root mean square of the part of the readings that the modes do not explain,
+                    relative to that of the vibration */
 } identified_modes;
 
 enum {

@@ -532,7 +532,14 @@ done
 run 1 simulate plate-closed-loop $quick --set 'safety={}' --set 'simulate.amplifiers={reversed: [v]}' && grep -q 'control was taken away' "$dir/err"
 check 'safety: reversed amplifiers end parked' $?
 run 2 check plate-closed-loop --set 'safety={timeout: -1}' && grep -q 'must be from 0 to 60000 ticks' "$dir/err"; check 'safety: a negative time-out is refused' $?
-run 0 tables plate-closed-loop --quasi-static --set 'safety={park: 400, arm: command}' --prefix safe -o "$dir/safe.h" &&
+run 2 check plate-closed-loop --set 'safety={park: 400}' && says 'safety=.*park: 400 V is outside the limits of v_1_1, -300 to 300; write' &&
+    run 2 tables plate-closed-loop $quick --set 'safety={park: 100}' --set 'limits.sum={voltage: [-500, 500]}' -o "$dir/park.h" && says 'with all amplifiers at 100 V, v_1_1 + .* leaves its limits, -500 to 500' && [ ! -f "$dir/park.h" ]
+check 'safety: park voltages outside the limits are refused' $?
+run 0 tables plate-closed-loop --quasi-static --set 'safety={arm: command}' --set 'limits.voltage=[20, 60]' --set 'limits.sum={voltage: [600, 700]}' --prefix high -o "$dir/high.h" &&
+    awk '/high_park\[/ {on = 1; next} /};/ {on = 0} on' "$dir/high.h" | grep -o '[0-9][0-9.]*' | awk '$1 < 20 || $1 > 60 {bad = 1} {sum += $1} END {exit bad || sum < 600 || sum > 700}'
+check 'safety: without a park voltage the amplifiers park inside all limits' $?
+# The float nearest to 300.1 is above 300.1: limit and park voltage are rounded alike.
+run 0 tables plate-closed-loop --quasi-static --set 'limits.voltage=[-300.1, 300.1]' --set 'safety={park: 300.1, arm: command}' --prefix safe -o "$dir/safe.h" &&
     printf '#include "pzs.h"\n#include "safe.h"\nstatic double work[SAFE_LOOP_BYTES / 8 + 2];\nstatic pzs_loop loop;\nint main(void) {\n%s\n%s\n%s\n}\n' \
         'const pzs_status s = pzs_loop_init(&loop, safe_blocks, SAFE_BLOCKS, NULL, work, sizeof work);' \
         'static const pzs_real wanted[SAFE_OUTPUTS]; if (s != PZS_OK) return 1;' \
@@ -564,6 +571,20 @@ run 0 calibrate --vibration 1000 --voltages "$dir/never.csv" --shapes "$dir/ring
 check 'calibrate --vibration: voltages that were never applied are warned of' $?
 run 2 calibrate --vibration -1 --voltages "$dir/steps.csv" --shapes "$dir/ringing.csv" && says '--vibration is the samples a second of the record, not'
 check 'calibrate --vibration: a rate below 0 is refused' $?
+for rate in 1e-9 1e12; do
+    run 2 calibrate --vibration $rate --voltages "$dir/steps.csv" --shapes "$dir/ringing.csv" && says 'show vibration from .* Hz, and structures vibrate between' &&
+        run 2 calibrate --hysteresis $rate --voltages "$dir/sweep.csv" --shapes "$dir/place.csv" && says 'a sweep of 500 samples would last'
+    check "calibrate: $rate samples a second are refused" $?
+done
+files="--voltages $dir/steps.csv --shapes $dir/ringing.csv"
+# shellcheck disable=SC2086
+{
+    run 2 calibrate --vibration 1000 --hysteresis 1000 $files && says 'either --hysteresis or --vibration' &&
+        run 2 calibrate --number 3 $files && says 'only calibrate --vibration takes' &&
+        run 2 calibrate plate-50-patches --vibration 1000 $files && says 'takes no scene' &&
+        run 2 calibrate --set a=b $files && says 'there is none'
+}
+check 'calibrate: options that would be ignored are refused' $?
 run 2 calibrate --hysteresis 0 --voltages "$dir/sweep.csv" --shapes "$dir/place.csv" && says '--hysteresis is the samples a second of the sweep, not'
 check 'hysteresis: a sweep without a rate is refused' $?
 run 0 tables plate-closed-loop --quasi-static --set "$ceramic" --prefix bent -o "$dir/bent.h" &&

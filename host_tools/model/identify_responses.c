@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Identification of the static responses of vibration modes (identify_responses.h). */
+#include "identify_responses.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../mesh/invert.h"
+
+enum {
+    TRIED = 400,    /* number of delays of the voltages that are compared */
+    NARROWINGS = 60 /* number of steps that narrow the interval around the best delay */
+};
+
+static const double two_pi = 6.283185307179586;
+
+/*
+ * Smallest pivot of the scaled normal matrix of the voltage steps (diagonal entries 1) at which the
+ * steps move all actuators independently.
+ */
+static const double independent = 1e-6;
+
+/*
+ * Largest part of the vibration, as a root mean square, that static responses may leave
+ * unexplained.
+ */
+static const double most_left = 0.2;
+
+/* Voltage steps of a record and the vibration that they add. */
+typedef struct steps {
+    identified_modes *modes;
+    const free_vibration *record;
+    size_t count, actuators;
+    size_t *interval;  /* [count] number of the interval of constant voltages that each step begins
+                        */
+    double *voltage;   /* [count][actuators] voltage steps (V) */
+    double *inverse;   /* [actuators][actuators] inverse of the normal matrix of the voltage steps
+                          (1/V^2) */
+    double *value;     /* [count] work vector: static values of a modal coordinate */
+    double *projected; /* [2][actuators] work vectors of the least-squares fit */
+} steps;
+
+/* ---- voltage steps -------------------------------------------------------- */
+
+/*
+ * List the steps between two intervals of constant voltages that follow each other without a gap.
+ */
+static void list_steps(steps *steps)
+{
+    const free_vibration *record = steps->record;
+    const size_t actuators = steps->actuators;
+    for (size_t i = 1; i < record->intervals; i++) {
+        if (record->first[i] != record->behind[i - 1] + record->skipped)
+            continue;
+        const double *after = record->samples->voltage + record->first[i] * actuators,
+                     *before = record->samples->voltage + record->first[i - 1] * actuators;
+        for (size_t k = 0; k < actuators; k++)
+            steps->voltage[steps->count * actuators + k] = after[k] - before[k];
+        steps->interval[steps->count++] = i;
+    }
+}
+
+/*
+ * Find the first actuator whose steps are a combination of those of the actuators before it, by
+ * Cholesky's method on the normal matrix of the voltage steps, scaled to a diagonal of 1.
+ *   factor [actuators][actuators] work
+ * Returns the number of actuators if there is none.
+ */
+static size_t find_dependent(const steps *steps, double *factor)
+{
+    const size_t n = steps->actuators;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j <= i; j++) {
+            const double scale = sqrt(steps->inverse[i * (n + 1)] * steps->inverse[j * (n + 1)]);
+            double sum = scale > 0 ? steps->inverse[i * n + j] / scale : 0;
+            for (size_t k = 0; k < j; k++)
+                sum -= factor[i * n + k] * factor[j * n + k];
+            if (i == j && !(sum > independent))
+                return i;
+            factor[i * n + j] = i == j ? sqrt(sum) : sum / factor[j * (n + 1)];
+        }
+    return n;
+}
+
+/*
+ * Compute the inverse of the normal matrix of the voltage steps. Returns whether the steps move all
+ * actuators independently; if not, the member `no_response` of the modes is filled.
+ */
+static bool invert_steps(steps *steps, double *factor)
+{
+    const size_t n = steps->actuators;
+    for (size_t step = 0; step < steps->count; step++)
+        for (size_t i = 0; i < n; i++)
+            for (size_t j = 0; j < n; j++)
+                steps->inverse[i * n + j] +=
+                    steps->voltage[step * n + i] * steps->voltage[step * n + j];
+    const size_t dependent = find_dependent(steps, factor);
+    if (dependent < n)
+        snprintf(steps->modes->no_response, sizeof steps->modes->no_response,
+                 "the %zu steps between held voltages do not move column %zu of the voltages "
+                 "independently of the columns before it; step each actuator",
+                 steps->count, dependent + 1);
+    return dependent == n && invert(steps->inverse, (int)n, (int)n) == 0;
+}
+
+/* ---- responses ------------------------------------------------------------ */
+
+/*
+ * Compute the static values of a modal coordinate by which the steps change it, if the voltages act
+ * `delay` samples after they were recorded: minus the jumps of the free vibration.
+ *   value [count] out  real parts (multiples of the mode's shape)
+ * Returns the sum of the squares of the imaginary parts, which are 0 for the true delay, and adds
+ * the sum of all squares to *total.
+ */
+static double static_values(const steps *steps, size_t mode, double delay, double *value,
+                            double *total)
+{
+    const identified_modes *modes = steps->modes;
+    const free_vibration *record = steps->record;
+    const double ratio = modes->damping[mode], natural = two_pi * modes->frequency[mode],
+                 damped = natural * sqrt(1 - ratio * ratio);
+    const double complex pole = (-ratio * natural + damped * (double complex)I) / record->rate;
+    const double complex begin = (1 - ratio * natural / damped * (double complex)I) *
+                                 cexp(pole * ((double)record->skipped - delay));
+    const double complex *amplitude = record->amplitude + mode * record->intervals;
+    double squares = 0;
+    for (size_t step = 0; step < steps->count; step++) {
+        const size_t i = steps->interval[step];
+        const double samples = (double)(record->first[i] - record->first[i - 1]);
+        const double complex jump = amplitude[i] - amplitude[i - 1] * cexp(pole * samples);
+        const double complex moved = -jump / begin;
+        value[step] = creal(moved);
+        squares += pow(cimag(moved), 2);
+        *total += pow(cabs(moved), 2);
+    }
+    return squares;
+}
+
+/*
+ * Fit the static responses of one mode to the static values of its coordinate by least squares.
+ *   response [actuators] out  static responses (multiples of the mode's shape per volt)
+ * Returns the sum of the squares that the fit leaves.
+ */
+static double fit_response(const steps *steps, double *response)
+{
+    const size_t n = steps->actuators;
+    double squares = 0;
+    for (size_t j = 0; j < n; j++) {
+        steps->projected[j] = 0;
+        for (size_t step = 0; step < steps->count; step++)
+            steps->projected[j] += steps->voltage[step * n + j] * steps->value[step];
+    }
+    for (size_t i = 0; i < n; i++) {
+        response[i] = 0;
+        for (size_t j = 0; j < n; j++)
+            response[i] += steps->inverse[i * n + j] * steps->projected[j];
+    }
+    for (size_t step = 0; step < steps->count; step++) {
+        double left = steps->value[step];
+        for (size_t j = 0; j < n; j++)
+            left -= steps->voltage[step * n + j] * response[j];
+        squares += left * left;
+    }
+    return squares;
+}
+
+/*
+ * Return the part of the jumps of all modes, as a ratio of squares, that static responses leave
+ * unexplained if the voltages act with the given delay.
+ *   squares out  sum of the squares that they leave (multiples of the shapes)
+ */
+static double unexplained(const steps *steps, double delay, double *squares)
+{
+    double total = 0;
+    *squares = 0;
+    for (size_t mode = 0; mode < (size_t)steps->modes->modes; mode++) {
+        *squares += static_values(steps, mode, delay, steps->value, &total);
+        *squares += fit_response(steps, steps->projected + steps->actuators);
+    }
+    return total > 0 ? *squares / total : 1;
+}
+
+/*
+ * Find the delay of the voltages (samples) that explains the jumps best: from one sample early to a
+ * quarter of a period of the lowest mode late, beyond which the sign of a single mode is unknown.
+ */
+static double find_delay(const steps *steps)
+{
+    const double quarter = steps->record->rate / steps->modes->frequency[0] / 4;
+    const double earliest = -fmin(1, quarter), width = (quarter - earliest) / TRIED;
+    double best = earliest, least = HUGE_VAL, squares;
+    for (int k = 0; k <= TRIED; k++) {
+        const double left = unexplained(steps, earliest + k * width, &squares);
+        if (left < least) {
+            least = left;
+            best = earliest + k * width;
+        }
+    }
+    double from = best - width, to = best + width;
+    for (int k = 0; k < NARROWINGS; k++) {
+        const double third = (to - from) / 3;
+        if (unexplained(steps, from + third, &squares) < unexplained(steps, to - third, &squares))
+            to -= third;
+        else
+            from += third;
+    }
+    return (from + to) / 2;
+}
+
+/* Fill the static responses of all modes, their standard errors and the delay. */
+static void fill_responses(const steps *steps)
+{
+    identified_modes *modes = steps->modes;
+    const size_t n = steps->actuators, count = (size_t)modes->modes;
+    double squares, total = 0;
+    const double delay = find_delay(steps), left = sqrt(unexplained(steps, delay, &squares));
+    if (!(left <= most_left)) {
+        snprintf(modes->no_response, sizeof modes->no_response,
+                 "%.0f%% of the vibration does not begin with the steps of the voltages",
+                 100 * left);
+        return;
+    }
+    const double variance =
+        squares / (double)(count * (2 * steps->count - n > 1 ? 2 * steps->count - n : 1));
+    for (size_t mode = 0; mode < count; mode++) {
+        (void)static_values(steps, mode, delay, steps->value, &total);
+        (void)fit_response(steps, modes->response + mode * n);
+        for (size_t i = 0; i < n; i++)
+            modes->response_error[mode * n + i] = sqrt(variance * steps->inverse[i * (n + 1)]);
+    }
+    modes->has_response = true;
+    modes->delay = delay / steps->record->rate;
+}
+
+bool identify_responses(identified_modes *result, const free_vibration *record)
+{
+    const size_t n = record->samples->actuators, intervals = record->intervals;
+    steps steps = {.modes = result, .record = record, .actuators = n};
+    steps.interval = calloc(intervals + 1, sizeof *steps.interval);
+    steps.voltage = calloc((intervals + 2 * n + 2) * (n + 1) + intervals, sizeof *steps.voltage);
+    result->response = calloc(2 * (size_t)result->modes * n + 1, sizeof *result->response);
+    const bool has_memory = steps.interval && steps.voltage && result->response;
+    if (has_memory) {
+        result->response_error = result->response + (size_t)result->modes * n;
+        steps.inverse = steps.voltage + intervals * n;
+        double *factor = steps.inverse + n * n;
+        steps.projected = factor + n * n;
+        steps.value = steps.projected + 2 * n;
+        list_steps(&steps);
+        if (invert_steps(&steps, factor))
+            fill_responses(&steps);
+    }
+    free(steps.interval);
+    free(steps.voltage);
+    return has_memory;
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Identification of the static responses of vibration modes to the voltages. A step of the voltages
+ * moves the static value of a modal coordinate, and the coordinate itself keeps its place: the
+ * deviation from the static value jumps by minus the static response times the voltage step, and
+ * vibrates from there. The size of the free vibration that a step adds therefore is the static
+ * response, and its phase tells how late the voltages act.
+ */
+#ifndef IDENTIFY_RESPONSES_H
+#define IDENTIFY_RESPONSES_H
+
+#include <complex.h>
+#include "identify_modes.h"
+
+/* Free vibration of the modes in the intervals of constant voltages of a record. */
+typedef struct free_vibration {
+    const pokes *samples;
+    double rate;      /* samples a second */
+    size_t intervals; /* number of intervals of constant voltages */
+    size_t skipped; /* number of samples between a step of the voltages and the first fitted sample
+                     */
+    const size_t *first;  /* [intervals] number of the first sample that was fitted in each interval
+                           */
+    const size_t *behind; /* [intervals] number of the first sample behind each interval */
+    const double complex *amplitude; /* [modes][intervals] complex amplitude of the free vibration
+                                        of each mode at the first fitted sample of each interval, as
+                                        a multiple of the mode's shape */
+} free_vibration;
+
+/*
+ * Identify the static responses of the modes to 1 V of each actuator, and the delay of the
+ * voltages, into the members `response`, `response_error`, `delay` and `no_response` of the result,
+ * whose modes are known. Returns whether memory sufficed.
+ */
+bool identify_responses(identified_modes *result, const free_vibration *record);
+
+#endif
