@@ -3,7 +3,42 @@
 #include "print_matrix.h"
 #include <stdio.h>
 #include "../model/matrix_facts.h"
+#include "../model/matrix_modes.h"
 #include "../text/words.h"
+
+void print_matrix_modes(const design *design)
+{
+    enum { LISTED = 12 };
+    const scene_influence *influence = &design->measured;
+    matrix_modes found;
+    if (influence->modes > 0 &&
+        matrix_modes_find(&found, influence, (size_t)design->amplifiers, false) == 0) {
+        printf(
+            "  share of the influence matrix (squares) that the measured modes explain: %.4g%%;\n"
+            "  static part of each mode:",
+            100 * found.share);
+        for (int mode = 0; mode < influence->modes && mode < LISTED; mode++)
+            printf(" %.3g%%", 100 * found.of_mode[mode]);
+        puts(influence->modes > LISTED ? " ..." : "");
+        matrix_modes_free(&found);
+    }
+}
+
+/*
+ * Write the shares of the influence matrix that the measured modes explain as members of a JSON
+ * object.
+ */
+static void json_modes(json *json, const design *design)
+{
+    const scene_influence *influence = &design->measured;
+    matrix_modes found;
+    if (influence->modes > 0 &&
+        matrix_modes_find(&found, influence, (size_t)design->amplifiers, false) == 0) {
+        json_number(json, "modes_share", found.share);
+        json_numbers(json, "mode_shares", found.of_mode, influence->modes);
+        matrix_modes_free(&found);
+    }
+}
 
 void print_matrix(const analysis *analysis)
 {
@@ -25,6 +60,7 @@ void print_matrix(const analysis *analysis)
         printf("; rank %d, singular values %.3g to %.3g (ratio %.3g)", facts.rank, facts.most,
                facts.least, facts.most / facts.least);
     putchar('\n');
+    print_matrix_modes(design);
 }
 
 void print_matrix_json(json *json, const analysis *analysis)
@@ -33,6 +69,7 @@ void print_matrix_json(json *json, const analysis *analysis)
     matrix_facts facts;
     json_string(json, "influence_file", design->measured.file);
     json_number(json, "outputs", design->measured.outputs);
+    json_modes(json, design);
     json_number(json, "ignored_outputs", design->measured.file_outputs - design->measured.outputs);
     if (matrix_facts_find(&facts, &design->measured, (size_t)design->amplifiers) < 0)
         return;

@@ -5,8 +5,17 @@
 
 #include "../model/analysis.h"
 
-/* Print the size, the rank and the singular values of the influence matrix of a scene. */
+/*
+ * Print the size, the rank and the singular values of the influence matrix of a scene, and the
+ * shares of it that the measured modes explain.
+ */
 void print_matrix(const analysis *analysis);
+
+/*
+ * Print the shares of a measured influence matrix that the measured modes of the scene explain;
+ * nothing where the scene has no measured modes.
+ */
+void print_matrix_modes(const design *design);
 
 /*
  * Write the size, the rank and the singular values of the influence matrix of a scene as members of

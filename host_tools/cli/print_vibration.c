@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include "print_matrix.h"
 #include "print_mesh_error.h"
 #include "../text/words.h"
 
@@ -93,6 +94,7 @@ void print_vibration(const design *design, const vibration *vibration, const mes
         print_mode(design, vibration, i);
     if (vibration->mass > 0)
         print_sum(vibration);
+    print_matrix_modes(design);
     print_mesh_error(mesh_error);
 }
 

@@ -172,6 +172,16 @@ static const struct rule {
      "a column of coordinates is no actuator: name it x, y or z; or measure the actuator again"},
     {"repeated_actuator", SUBJECT_SCENE, measure_repeated_column, 1e-4, HUGE_VAL, "",
      "the two cannot be told apart; a column may have been written twice"},
+    {"modes_share", SUBJECT_SCENE, measure_modes_share, 0.5, HUGE_VAL, "",
+     "compare the unit of the responses with that of the matrix, and their order with the actuators"},
+    {"mode_share", SUBJECT_SCENE, measure_mode_share, 0, 1, "",
+     "a mode cannot be larger than the whole: compare the unit of its response with the matrix, or "
+     "leave out one of two modes with nearly equal shapes"},
+    {"shuffled_modes", SUBJECT_SCENE, measure_shuffled_modes, 0, 0.95, "",
+     "write the outputs of the shapes in the order of the matrix, or give the modes that the "
+     "actuators move most"},
+    {"swapped_outputs", SUBJECT_SCENE, measure_swapped_outputs, 0, 1.5, "",
+     "write the outputs of the shapes in the order of the matrix"},
 };
 
 /*

@@ -8,6 +8,7 @@
 #include <string.h>
 #include "../scene/scene_units.h"
 #include "matrix_facts.h"
+#include "matrix_modes.h"
 
 /*
  * Largest number of actuators for which the columns of a measured influence matrix are compared
@@ -156,5 +157,83 @@ int measure_repeated_column(const subject *of, int k, measured *found)
     }
     snprintf(found->what, WHAT, "sine of the angle between the columns of actuators '%s' and '%s'",
              of->scene->actuator[other].name, of->scene->actuator[k].name);
+    return 1;
+}
+
+/* ---- measured modes --------------------------------------------------------- */
+
+/*
+ * Compare the measured modes of a scene with its influence matrix. Returns whether the scene has
+ * modes that can be compared; if so, matrix_modes_free must be called.
+ */
+static bool compare_modes(const subject *of, bool with_swaps, matrix_modes *compared,
+                          measured *found)
+{
+    const scene_influence *influence = &of->scene->influence;
+    if (!influence->given || influence->modes == 0)
+        return false;
+    found->at = influence->at;
+    if (matrix_modes_find(compared, influence, (size_t)of->scene->amplifiers, with_swaps) == 0)
+        return true;
+    matrix_modes_free(compared);
+    return false;
+}
+
+int measure_modes_share(const subject *of, int k, measured *found)
+{
+    matrix_modes compared;
+    if (k > 0 || !compare_modes(of, false, &compared, found))
+        return 0;
+    found->value = compared.share / (1 - compared.rest);
+    snprintf(found->what, WHAT,
+             "the given responses explain %.3g%% of the influence matrix, others would explain "
+             "%.3g%%: ratio",
+             100 * compared.share, 100 * (1 - compared.rest));
+    matrix_modes_free(&compared);
+    return 1;
+}
+
+int measure_shuffled_modes(const subject *of, int k, measured *found)
+{
+    matrix_modes compared;
+    if (k > 0 || !compare_modes(of, false, &compared, found))
+        return 0;
+    found->value = compared.rest / compared.random_rest;
+    snprintf(
+        found->what, WHAT,
+        "the measured modes leave %.3g%% of the influence matrix, with their outputs in random "
+        "order %.3g%%: ratio",
+        100 * compared.rest, 100 * compared.random_rest);
+    matrix_modes_free(&compared);
+    return 1;
+}
+
+int measure_mode_share(const subject *of, int k, measured *found)
+{
+    matrix_modes compared;
+    if (k >= of->scene->influence.modes || !compare_modes(of, false, &compared, found))
+        return 0;
+    found->value = compared.of_mode[k];
+    snprintf(found->what, WHAT, "static part of mode %d over the influence matrix (squares)",
+             k + 1);
+    matrix_modes_free(&compared);
+    return 1;
+}
+
+int measure_swapped_outputs(const subject *of, int k, measured *found)
+{
+    static const double smallest = 1e-6;
+    const int *row = of->scene->influence.row;
+    matrix_modes compared;
+    if (k > 0 || !compare_modes(of, true, &compared, found))
+        return 0;
+    if (compared.swaps > 0)
+        found->value = (compared.rest + smallest) / (compared.swapped_rest + smallest);
+    snprintf(found->what, WHAT,
+             "the modes leave %.3g%% of the influence matrix, and %.3g%% with outputs %d and %d "
+             "of the shapes swapped%s: factor",
+             100 * compared.rest, 100 * compared.swapped_rest, row[compared.swapped[0]] + 1,
+             row[compared.swapped[1]] + 1, compared.swaps > 1 ? " and others" : "");
+    matrix_modes_free(&compared);
     return 1;
 }

@@ -101,7 +101,8 @@ measure measure_sharp_edge, measure_slit;
  * (plausible_matrix.c).
  */
 measure measure_matrix_entry, measure_matrix_shape, measure_dead_column, measure_repeated_column;
-measure measure_strong_column;
+measure measure_strong_column, measure_modes_share, measure_mode_share, measure_shuffled_modes,
+    measure_swapped_outputs;
 
 /*
  * Functions that measure computed voltages and displacements for the plausibility rules

@@ -7,17 +7,10 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "../../lib/core/linalg.h"
+#include "matrix_modes.h"
 #include "vibration.h"
 
 static const double two_pi = 6.283185307179586;
-
-/*
- * Smallest norm of the part of a mode shape that is orthogonal to the shapes of all lower modes,
- * relative to the norm of the shape. Below it, the outputs cannot distinguish the mode from the
- * lower modes.
- */
-static const double distinct = 1e-6;
 
 static void fill_modes(vibration *vibration, const design *design)
 {
@@ -38,63 +31,6 @@ static void fill_modes(vibration *vibration, const design *design)
 /* ---- static response from the influence matrix --------------------------- */
 
 /*
- * Compute an orthonormal basis of the shapes of all modes, by Gram-Schmidt orthogonalisation.
- *   basis    [modes][outputs] out  orthonormal vectors
- *   triangle [modes][modes]   out  the shape of mode k is the sum over j <= k of triangle[j][k]
- *                                  times vector j of the basis
- *
- * Returns the number of the first mode whose shape is a combination of the shapes before it, or -1
- * if there is none.
- */
-static int make_basis(const scene_influence *measured, double *basis, double *triangle)
-{
-    const size_t outputs = (size_t)measured->outputs, modes = (size_t)measured->modes;
-    for (size_t k = 0; k < modes; k++) {
-        double *vector = basis + k * outputs;
-        memcpy(vector, measured->mode[k].shape, outputs * sizeof *vector);
-        const double before = sqrt(pzs_linalg_inner(vector, vector, (uint32_t)outputs));
-        for (int repeat = 0; repeat < 2; repeat++)
-            for (size_t j = 0; j < k; j++) {
-                const double part =
-                    pzs_linalg_inner(basis + j * outputs, vector, (uint32_t)outputs);
-                triangle[j * modes + k] += part;
-                for (size_t i = 0; i < outputs; i++)
-                    vector[i] -= part * basis[j * outputs + i];
-            }
-        const double size = sqrt(pzs_linalg_inner(vector, vector, (uint32_t)outputs));
-        if (!(size > distinct * before))
-            return (int)k;
-        triangle[k * modes + k] = size;
-        for (size_t i = 0; i < outputs; i++)
-            vector[i] /= size;
-    }
-    return -1;
-}
-
-/*
- * Compute the static modal coordinates per volt of one amplifier: the least-squares fit of all mode
- * shapes to its column of the influence matrix.
- *   basis [modes][outputs]  in   orthonormal basis of the mode shapes
- *   triangle [modes][modes] in   coefficients of the mode shapes in this basis, from make_basis
- *   column [outputs]        out  work array: column of the influence matrix
- *   fitted [modes]          out  static modal coordinates per volt
- */
-static void fit_column(const design *design, size_t amplifier, const double *basis,
-                       const double *triangle, double *column, double *fitted)
-{
-    const scene_influence *measured = &design->measured;
-    const size_t outputs = (size_t)measured->outputs, modes = (size_t)measured->modes;
-    for (size_t i = 0; i < outputs; i++)
-        column[i] = measured->matrix[i * (size_t)design->amplifiers + amplifier];
-    for (size_t k = modes; k-- > 0;) {
-        fitted[k] = pzs_linalg_inner(basis + k * outputs, column, (uint32_t)outputs);
-        for (size_t j = k + 1; j < modes; j++)
-            fitted[k] -= triangle[k * modes + j] * fitted[j];
-        fitted[k] /= triangle[k * modes + k];
-    }
-}
-
-/*
  * Fit the static modal coordinates per volt of all modes and amplifiers to the influence matrix.
  * Returns 0, or -1 with error filled.
  */
@@ -103,14 +39,13 @@ static int fit_responses(vibration *vibration, const design *design, char *error
     const scene_influence *measured = &design->measured;
     const size_t outputs = (size_t)measured->outputs, modes = (size_t)measured->modes,
                  inputs = design->structure.input.count;
-    double *basis = calloc(modes * (outputs + modes + 1) + outputs + 1, sizeof *basis);
+    double *basis = calloc(modes * (outputs + modes + 1) + 1, sizeof *basis);
     if (!basis)
         return scene_fault(measured->at, error, "out of memory");
-    double *triangle = basis + modes * outputs, *fitted = triangle + modes * modes,
-           *column = fitted + modes;
-    (void)make_basis(measured, basis, triangle);
+    double *triangle = basis + modes * outputs, *fitted = triangle + modes * modes;
+    (void)matrix_modes_basis(measured, basis, triangle);
     for (size_t input = 0; input < inputs; input++) {
-        fit_column(design, input, basis, triangle, column, fitted);
+        matrix_modes_response(measured, (size_t)design->amplifiers, input, basis, triangle, fitted);
         for (size_t k = 0; k < (size_t)vibration->count; k++)
             vibration->response[k * inputs + input] = fitted[k];
     }
@@ -126,7 +61,7 @@ int vibration_check_measured(const scene_influence *measured, char *error)
     double *basis = calloc(modes * (outputs + modes) + 1, sizeof *basis);
     if (!basis)
         return scene_fault(measured->at, error, "out of memory");
-    const int same = make_basis(measured, basis, basis + modes * outputs);
+    const int same = matrix_modes_basis(measured, basis, basis + modes * outputs);
     free(basis);
     return same < 0 ? 0
                     : scene_fault(measured->at, error,

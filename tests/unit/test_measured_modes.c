@@ -18,6 +18,8 @@
 #include "../../host_tools/model/certificate_make.h"
 #include "../../host_tools/model/damper.h"
 #include "../../host_tools/model/mass.h"
+#include "../../host_tools/model/matrix_modes.h"
+#include "../../host_tools/model/plausible.h"
 #include "../../host_tools/simulate/certify.h"
 #include "../../host_tools/simulate/plant.h"
 #include "../rigs/scene_assert.h"
@@ -339,6 +341,90 @@ static void test_fitted_plate(void **state)
     scene_run_close(&measured);
 }
 
+/* ---- shapes that do not belong to the matrix ------------------------------ */
+
+/* Value of a warning on the scene, or 0 where the rule gives none. */
+static double warned(const scene_run *m, const char *rule)
+{
+    plausible warnings;
+    memset(&warnings, 0, sizeof warnings);
+    plausible_scene(&warnings, &m->scene);
+    for (int i = 0; i < warnings.count; i++)
+        if (strcmp(warnings.warning[i].rule, rule) == 0)
+            return warnings.warning[i].value;
+    return 0;
+}
+
+/* Swap two outputs in the shapes of all modes of a scene. */
+static void swap_outputs(scene_run *m, int i, int j)
+{
+    for (int mode = 0; mode < MODES; mode++) {
+        double *shape = m->scene.influence.mode[mode].shape, kept = shape[i];
+        shape[i] = shape[j];
+        shape[j] = kept;
+    }
+}
+
+/* Multiply the static responses of all modes of a scene by a factor. */
+static void scale_responses(scene_run *m, double factor)
+{
+    for (int mode = 0; mode < MODES; mode++)
+        for (int k = 0; k < m->scene.amplifiers; k++)
+            m->scene.influence.mode[mode].response[k] *= factor;
+}
+
+/*
+ * Law: the modes of a plate explain its matrix, each at most the whole, and nothing is warned of.
+ * With two outputs of the shapes swapped, the swap is found and undone; with all outputs in another
+ * order, the modes explain no more than in random order; responses in another unit are told.
+ */
+static void test_shares(void **state)
+{
+    static const char *const rules[] = {"modes_share", "mode_share", "shuffled_modes",
+                                        "swapped_outputs"};
+    scene_run plate, m;
+    matrix_modes found;
+    double sum = 0;
+    (void)state;
+    open_both(&plate, &m, 0);
+    const scene_influence *influence = &m.scene.influence;
+    const size_t amplifiers = (size_t)m.scene.amplifiers;
+    for (int i = 0; i < 4; i++)
+        if (warned(&m, rules[i]) != 0)
+            fail_msg("%s warns of %g", rules[i], warned(&m, rules[i]));
+    assert_int_equal(matrix_modes_find(&found, influence, amplifiers, true), 0);
+    for (int mode = 0; mode < MODES; mode++)
+        sum += found.of_mode[mode];
+    print_message(
+        "    share %.5f, of single modes together %.5f; rest %.2g, in random order %.2g\n",
+        found.share, sum, found.rest, found.random_rest);
+    assert_true(found.share > 0.9 && found.share <= 1 && found.rest <= 1 - found.share);
+    assert_int_equal(found.swaps, 0);
+    const double rest = found.rest;
+    matrix_modes_free(&found);
+    swap_outputs(&m, 3, 17);
+    assert_int_equal(matrix_modes_find(&found, influence, amplifiers, true), 0);
+    assert_int_equal(found.swaps, 1);
+    assert_int_equal(found.swapped[0], 3);
+    assert_int_equal(found.swapped[1], 17);
+    assert_true(fabs(found.swapped_rest - rest) < 1e-9);
+    assert_true(found.rest > 1.5 * rest);
+    matrix_modes_free(&found);
+    assert_true(warned(&m, "swapped_outputs") > 1.5);
+    swap_outputs(&m, 3, 17);
+    scale_responses(&m, 1e-3);
+    assert_near("share of responses in mm", warned(&m, "modes_share"), 2e-3, 0.1);
+    scale_responses(&m, 1e6);
+    assert_true(warned(&m, "modes_share") < -1e5 && warned(&m, "mode_share") > 1e5);
+    scale_responses(&m, 1e-3);
+    assert_true(warned(&m, "modes_share") == 0 && warned(&m, "swapped_outputs") == 0);
+    for (int i = 0; i < influence->outputs; i++)
+        swap_outputs(&m, i, (i * 7 + 5) % influence->outputs);
+    assert_true(warned(&m, "shuffled_modes") > 0.95);
+    scene_run_close(&plate);
+    scene_run_close(&m);
+}
+
 /* Law: without modes nothing is known of vibration, and the certificate says how to change that. */
 static void test_without_modes(void **state)
 {
@@ -423,10 +509,11 @@ static void test_double_modes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_tick),    cmocka_unit_test(test_same_certificate),
-        cmocka_unit_test(test_plant),        cmocka_unit_test(test_fitted),
-        cmocka_unit_test(test_fitted_plate), cmocka_unit_test(test_without_modes),
-        cmocka_unit_test(test_wrong),        cmocka_unit_test(test_double_modes),
+        cmocka_unit_test(test_same_tick),     cmocka_unit_test(test_same_certificate),
+        cmocka_unit_test(test_plant),         cmocka_unit_test(test_fitted),
+        cmocka_unit_test(test_shares),        cmocka_unit_test(test_fitted_plate),
+        cmocka_unit_test(test_without_modes), cmocka_unit_test(test_wrong),
+        cmocka_unit_test(test_double_modes),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

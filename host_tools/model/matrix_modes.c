@@ -1,0 +1,282 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Measured vibration modes compared with a measured influence matrix (matrix_modes.h). */
+#include "matrix_modes.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "../../lib/core/linalg.h"
+
+enum { SWAPS = 40 }; /* largest number of pairs of outputs that are swapped */
+
+/*
+ * Smallest norm of the part of a mode shape that is orthogonal to the shapes of all lower modes,
+ * relative to the norm of the shape. Below it, the outputs cannot distinguish the mode from the
+ * lower modes.
+ */
+static const double distinct = 1e-6;
+
+/*
+ * Smallest reduction of the unexplained share of the matrix by a swap of two outputs: relative to
+ * that share, and absolute (a multiple of its rounding error).
+ */
+static const double least_gain = 0.05, rounding = 1e-9;
+
+/* ---- responses ------------------------------------------------------------ */
+
+int matrix_modes_basis(const scene_influence *measured, double *basis, double *triangle)
+{
+    const size_t outputs = (size_t)measured->outputs, modes = (size_t)measured->modes;
+    for (size_t k = 0; k < modes; k++) {
+        double *vector = basis + k * outputs;
+        memcpy(vector, measured->mode[k].shape, outputs * sizeof *vector);
+        const double before = sqrt(pzs_linalg_inner(vector, vector, (uint32_t)outputs));
+        for (int repeat = 0; repeat < 2; repeat++)
+            for (size_t j = 0; j < k; j++) {
+                const double part =
+                    pzs_linalg_inner(basis + j * outputs, vector, (uint32_t)outputs);
+                triangle[j * modes + k] += part;
+                for (size_t i = 0; i < outputs; i++)
+                    vector[i] -= part * basis[j * outputs + i];
+            }
+        const double size = sqrt(pzs_linalg_inner(vector, vector, (uint32_t)outputs));
+        if (!(size > distinct * before))
+            return (int)k;
+        triangle[k * modes + k] = size;
+        for (size_t i = 0; i < outputs; i++)
+            vector[i] /= size;
+    }
+    return -1;
+}
+
+/*
+ * Product of vector k of the basis with one column of the influence matrix.
+ *   vector [outputs] in  vector of the basis
+ */
+static double along_basis(const scene_influence *measured, size_t amplifiers, size_t amplifier,
+                          const double *vector)
+{
+    double sum = 0;
+    for (size_t i = 0; i < (size_t)measured->outputs; i++)
+        sum += vector[i] * measured->matrix[i * amplifiers + amplifier];
+    return sum;
+}
+
+void matrix_modes_response(const scene_influence *measured, size_t amplifiers, size_t amplifier,
+                           const double *basis, const double *triangle, double *response)
+{
+    const size_t outputs = (size_t)measured->outputs, modes = (size_t)measured->modes;
+    for (size_t k = modes; k-- > 0;) {
+        if (measured->mode[k].response) {
+            response[k] = measured->mode[k].response[amplifier];
+            continue;
+        }
+        response[k] = along_basis(measured, amplifiers, amplifier, basis + k * outputs);
+        for (size_t j = k + 1; j < modes; j++)
+            response[k] -= triangle[k * modes + j] * response[j];
+        response[k] /= triangle[k * modes + k];
+    }
+}
+
+/* ---- shares --------------------------------------------------------------- */
+
+/* Influence matrix and basis of the mode shapes, with the work arrays of the comparison. */
+typedef struct comparison {
+    const scene_influence *measured;
+    size_t outputs, modes, amplifiers;
+    double size;      /* sum of the squares of all entries of the influence matrix */
+    double *matrix;   /* [outputs][amplifiers] influence matrix with swapped rows */
+    double *basis;    /* [modes][outputs] orthonormal basis of the mode shapes */
+    double *triangle; /* [modes][modes] mode shapes in this basis */
+    double *part;     /* [modes][amplifiers] basis times influence matrix */
+    double *seen;     /* [outputs][modes] influence matrix times the transpose of `part` */
+    double *response; /* [modes] work vector */
+} comparison;
+
+static bool take_memory(comparison *c)
+{
+    const size_t count = c->outputs * c->amplifiers + 2 * c->modes * c->outputs +
+                         c->modes * (c->modes + c->amplifiers + 1);
+    c->matrix = calloc(count + 1, sizeof *c->matrix);
+    if (!c->matrix)
+        return false;
+    memcpy(c->matrix, c->measured->matrix, c->outputs * c->amplifiers * sizeof *c->matrix);
+    c->basis = c->matrix + c->outputs * c->amplifiers;
+    c->seen = c->basis + c->modes * c->outputs;
+    c->triangle = c->seen + c->modes * c->outputs;
+    c->part = c->triangle + c->modes * c->modes;
+    c->response = c->part + c->modes * c->amplifiers;
+    return true;
+}
+
+/* Compute the shares of the influence matrix that each mode and all modes together explain. */
+static void find_shares(const comparison *c, matrix_modes *found)
+{
+    double left = 0;
+    for (size_t amplifier = 0; amplifier < c->amplifiers; amplifier++) {
+        matrix_modes_response(c->measured, c->amplifiers, amplifier, c->basis, c->triangle,
+                              c->response);
+        for (size_t i = 0; i < c->outputs; i++) {
+            double rest = c->matrix[i * c->amplifiers + amplifier];
+            for (size_t k = 0; k < c->modes; k++) {
+                const double part = c->measured->mode[k].shape[i] * c->response[k];
+                found->of_mode[k] += part * part / c->size;
+                rest -= part;
+            }
+            left += rest * rest;
+        }
+    }
+    found->share = 1 - left / c->size;
+}
+
+/* ---- swapped outputs ------------------------------------------------------ */
+
+/*
+ * Compute the products of the basis with the rows of the matrix. Returns the share of the matrix
+ * that no responses explain.
+ */
+static double find_rest(const comparison *c)
+{
+    double explained = 0;
+    memset(c->part, 0, c->modes * c->amplifiers * sizeof *c->part);
+    for (size_t k = 0; k < c->modes; k++)
+        for (size_t i = 0; i < c->outputs; i++)
+            for (size_t j = 0; j < c->amplifiers; j++)
+                c->part[k * c->amplifiers + j] +=
+                    c->basis[k * c->outputs + i] * c->matrix[i * c->amplifiers + j];
+    for (size_t k = 0; k < c->modes * c->amplifiers; k++)
+        explained += c->part[k] * c->part[k];
+    for (size_t i = 0; i < c->outputs; i++)
+        for (size_t k = 0; k < c->modes; k++)
+            c->seen[i * c->modes + k] =
+                pzs_linalg_inner(c->part + k * c->amplifiers, c->matrix + i * c->amplifiers,
+                                 (uint32_t)c->amplifiers);
+    return fmax(1 - explained / c->size, 0);
+}
+
+/*
+ * Return by how much the explained share of the matrix grows if rows i and j of the matrix are
+ * swapped. With the basis Q [modes][outputs] and the difference b of row j and row i, the product Q
+ * B grows by the difference of the columns i and j of Q times b.
+ */
+static double gain_of_swap(const comparison *c, size_t i, size_t j)
+{
+    const double *first = c->matrix + i * c->amplifiers, *second = c->matrix + j * c->amplifiers;
+    double turned = 0, product = 0, square = 0;
+    for (size_t k = 0; k < c->modes; k++) {
+        const double difference = c->basis[k * c->outputs + i] - c->basis[k * c->outputs + j];
+        turned += difference * difference;
+        product += difference * (c->seen[j * c->modes + k] - c->seen[i * c->modes + k]);
+    }
+    for (size_t k = 0; k < c->amplifiers; k++)
+        square += (second[k] - first[k]) * (second[k] - first[k]);
+    return (2 * product + turned * square) / c->size;
+}
+
+/* Find the pair of outputs whose swap explains most. Returns the growth of the explained share. */
+static double best_swap(const comparison *c, size_t pair[2])
+{
+    double most = 0;
+    for (size_t i = 0; i < c->outputs; i++)
+        for (size_t j = 0; j < i; j++) {
+            const double gain = gain_of_swap(c, i, j);
+            if (!(gain > most))
+                continue;
+            most = gain;
+            pair[0] = j;
+            pair[1] = i;
+        }
+    return most;
+}
+
+static void swap_rows(const comparison *c, const size_t pair[2])
+{
+    double *first = c->matrix + pair[0] * c->amplifiers,
+           *second = c->matrix + pair[1] * c->amplifiers;
+    for (size_t k = 0; k < c->amplifiers; k++) {
+        const double kept = first[k];
+        first[k] = second[k];
+        second[k] = kept;
+    }
+}
+
+/* Swap pairs of outputs as long as each swap explains clearly more of the matrix. */
+static void find_swaps(const comparison *c, matrix_modes *found)
+{
+    while (found->swaps < SWAPS && c->outputs <= MATRIX_SWAPPED_OUTPUTS) {
+        size_t pair[2] = {0, 0};
+        const double gain = best_swap(c, pair);
+        if (!(gain > fmax(least_gain * found->swapped_rest, rounding)))
+            return;
+        if (found->swaps++ == 0) {
+            found->swapped[0] = (int)pair[0];
+            found->swapped[1] = (int)pair[1];
+        }
+        swap_rows(c, pair);
+        found->swapped_rest = find_rest(c);
+    }
+}
+
+/*
+ * Sum of the entries of a vector, and sum of their squares.
+ *   stride in  distance of the entries in the array
+ */
+static void sum_up(const double *value, size_t count, size_t stride, double *sum, double *squares)
+{
+    *sum = *squares = 0;
+    for (size_t i = 0; i < count; i++) {
+        *sum += value[i * stride];
+        *squares += value[i * stride] * value[i * stride];
+    }
+}
+
+/*
+ * Mean share of the matrix that no responses would explain if the outputs of the shapes were in
+ * random order. For vectors x and y of n entries the mean of the squared product of x and of y in
+ * random order is |x|^2 |y|^2/n + (sum(x)^2 - |x|^2)(sum(y)^2 - |y|^2)/(n (n - 1)).
+ */
+static double random_rest(const comparison *c)
+{
+    const double n = (double)c->outputs;
+    double explained = 0, sum, squares, column_sum, column_squares;
+    for (size_t k = 0; k < c->modes; k++) {
+        sum_up(c->basis + k * c->outputs, c->outputs, 1, &sum, &squares);
+        for (size_t j = 0; j < c->amplifiers; j++) {
+            sum_up(c->matrix + j, c->outputs, c->amplifiers, &column_sum, &column_squares);
+            explained += squares * column_squares / n;
+            if (c->outputs > 1)
+                explained += (sum * sum - squares) * (column_sum * column_sum - column_squares) /
+                             (n * (n - 1));
+        }
+    }
+    return 1 - explained / c->size;
+}
+
+int matrix_modes_find(matrix_modes *found, const scene_influence *measured, size_t amplifiers,
+                      bool with_swaps)
+{
+    comparison c = {.measured = measured,
+                    .outputs = (size_t)measured->outputs,
+                    .modes = (size_t)measured->modes,
+                    .amplifiers = amplifiers};
+    memset(found, 0, sizeof *found);
+    found->of_mode = calloc(c.modes + 1, sizeof *found->of_mode);
+    for (size_t i = 0; i < c.outputs * amplifiers; i++)
+        c.size += measured->matrix[i] * measured->matrix[i];
+    const bool is_ready = found->of_mode && take_memory(&c) && c.size > 0 &&
+                          matrix_modes_basis(measured, c.basis, c.triangle) < 0;
+    if (is_ready) {
+        find_shares(&c, found);
+        found->random_rest = random_rest(&c);
+        found->rest = found->swapped_rest = find_rest(&c);
+        if (with_swaps)
+            find_swaps(&c, found);
+    }
+    free(c.matrix);
+    return is_ready ? 0 : -1;
+}
+
+void matrix_modes_free(matrix_modes *found)
+{
+    free(found->of_mode);
+    memset(found, 0, sizeof *found);
+}

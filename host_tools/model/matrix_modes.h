@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Measured vibration modes compared with a measured influence matrix B [outputs][amplifiers]: the
+ * static part of mode k is its shape times its static response to each amplifier, and the static
+ * parts of all modes explain B but for a rest. Where the order of the outputs in the shapes is not
+ * that in the matrix, the rest is large, and falls when rows of the matrix are swapped.
+ */
+#ifndef MATRIX_MODES_H
+#define MATRIX_MODES_H
+
+#include "../scene/scene.h"
+
+typedef struct matrix_modes {
+    double share; /* share of the sum of the squares of all entries of the influence matrix that the
+                     static parts of all modes explain; negative where responses have a wrong unit
+                   */
+    double *of_mode; /* [modes] sum of the squares of the static part of each mode, as a share of
+                        that of the matrix; the sum of these shares is the member `share` if the
+                        static parts are orthogonal */
+    int swaps;      /* number of pairs of outputs that were swapped to explain more of the matrix */
+    int swapped[2]; /* outputs of the first swap, counted from 0 */
+    double random_rest;  /* mean of the share `rest` if the outputs of the shapes were in random
+                            order */
+    double rest;         /* share of the matrix that no responses to the given shapes explain */
+    double swapped_rest; /* the share `rest` after all swaps */
+} matrix_modes;
+
+/*
+ * Largest number of outputs for which swapped outputs are searched.
+ */
+enum { MATRIX_SWAPPED_OUTPUTS = 400 };
+
+/*
+ * Compute an orthonormal basis of the shapes of all modes, by Gram-Schmidt orthogonalisation.
+ *   basis    [modes][outputs] out  orthonormal vectors
+ *   triangle [modes][modes]   out  the shape of mode k is the sum over j <= k of triangle[j][k]
+ *                                  times vector j of the basis; 0 before the call
+ * Returns the number of the first mode whose shape is a combination of the shapes before it, or -1
+ * if there is none.
+ */
+int matrix_modes_basis(const scene_influence *measured, double *basis, double *triangle);
+
+/*
+ * Compute the static responses of all modes to one amplifier: the given ones, or else the
+ * least-squares fit of all mode shapes to the amplifier's column of the influence matrix.
+ *   basis    [modes][outputs] in   basis of the mode shapes, from matrix_modes_basis
+ *   triangle [modes][modes]   in   mode shapes in this basis
+ *   response [modes]          out  static responses, multiples of the shapes per volt
+ */
+void matrix_modes_response(const scene_influence *measured, size_t amplifiers, size_t amplifier,
+                           const double *basis, const double *triangle, double *response);
+
+/*
+ * Compare the measured modes of a scene with its influence matrix.
+ *   with_swaps in  whether to search for swapped outputs
+ * Returns 0, or -1 where memory runs out or a shape is a combination of others; call
+ * matrix_modes_free in either case.
+ */
+int matrix_modes_find(matrix_modes *found, const scene_influence *measured, size_t amplifiers,
+                      bool with_swaps);
+void matrix_modes_free(matrix_modes *found);
+
+#endif
