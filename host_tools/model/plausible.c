@@ -173,7 +173,8 @@ static const struct rule {
     {"repeated_actuator", SUBJECT_SCENE, measure_repeated_column, 1e-4, HUGE_VAL, "",
      "the two cannot be told apart; a column may have been written twice"},
     {"modes_share", SUBJECT_SCENE, measure_modes_share, 0.5, HUGE_VAL, "",
-     "compare the unit of the responses with that of the matrix, and their order with the actuators"},
+     "compare the unit of the responses with that of the matrix, and their order with the "
+     "actuators"},
     {"mode_share", SUBJECT_SCENE, measure_mode_share, 0, 1, "",
      "a mode cannot be larger than the whole: compare the unit of its response with the matrix, or "
      "leave out one of two modes with nearly equal shapes"},
