@@ -28,10 +28,11 @@ static void print_modes(FILE *file, const identified_modes *found, const pokes *
         fprintf(file, "    - frequency: %.7g\n      damping: %.4g\n      shape: [",
                 found->frequency[mode], found->damping[mode]);
         print_list(file, found->shape + (size_t)mode * samples->outputs, samples->outputs);
-        if (!found->has_response)
+        if (!found->responses.is_found)
             continue;
         fputs("      response: [", file);
-        print_list(file, found->response + (size_t)mode * samples->actuators, samples->actuators);
+        print_list(file, found->responses.value + (size_t)mode * samples->actuators,
+                   samples->actuators);
     }
 }
 
@@ -49,8 +50,8 @@ static double response_error(const identified_modes *found, size_t actuators)
 {
     double most = 0, error = 0;
     for (size_t i = 0; i < (size_t)found->modes * actuators; i++) {
-        most = fmax(most, fabs(found->response[i]));
-        error = fmax(error, found->response_error[i]);
+        most = fmax(most, fabs(found->responses.value[i]));
+        error = fmax(error, found->responses.error[i]);
     }
     return error / most;
 }
@@ -58,17 +59,18 @@ static double response_error(const identified_modes *found, size_t actuators)
 /* Print whether the static responses to the voltages are identified, and how late they act. */
 static void print_responses(const identified_modes *found, const pokes *samples, double rate)
 {
-    if (found->has_response)
+    if (found->responses.is_found)
         printf(
             "  response to the voltages: standard error at most %.2g%% of the largest; it begins "
             "%.3g s (%.3g samples) after the voltages\n"
             "  (delay of amplifiers, converters and filters); shapes of another unit of length "
             "than the scene's need another response\n",
-            100 * response_error(found, samples->actuators), found->delay, found->delay * rate);
+            100 * response_error(found, samples->actuators), found->responses.delay,
+            found->responses.delay * rate);
     else
         printf("  response to the voltages: not identified, because %s.\n"
                "  The scene fits it to the matrix, or takes the key response\n",
-               found->no_response);
+               found->responses.reason);
 }
 
 static void print_result(const identified_modes *found, const pokes *samples,
@@ -101,9 +103,9 @@ static void print_json(const identified_modes *found, const pokes *samples)
     json_number(&json, "noise", found->noise);
     json_number(&json, "left", found->left);
     json_numbers(&json, "shown", found->shown, 2);
-    json_number(&json, "delay", found->has_response ? found->delay : (double)NAN);
-    if (!found->has_response)
-        json_string(&json, "no_response", found->no_response);
+    json_number(&json, "delay", found->responses.is_found ? found->responses.delay : (double)NAN);
+    if (!found->responses.is_found)
+        json_string(&json, "no_response", found->responses.reason);
     json_open(&json, "modes", '[');
     for (int mode = 0; mode < found->modes; mode++) {
         json_open(&json, NULL, '{');
@@ -111,8 +113,9 @@ static void print_json(const identified_modes *found, const pokes *samples)
         json_number(&json, "frequency_error", found->frequency_error[mode]);
         json_number(&json, "damping", found->damping[mode]);
         json_number(&json, "damping_error", found->damping_error[mode]);
-        if (found->has_response)
-            json_numbers(&json, "response", found->response + (size_t)mode * samples->actuators,
+        if (found->responses.is_found)
+            json_numbers(&json, "response",
+                         found->responses.value + (size_t)mode * samples->actuators,
                          (int)samples->actuators);
         json_close(&json, '}');
     }

@@ -47,9 +47,9 @@ typedef struct certificate_target {
     double radius;  /* largest growth factor of small vibrations per tick, without limits */
     int storms, failed; /* number of storms (simulations with fast jumps of the target); number of
                            those that did not settle */
-    int older, newer;   /* number of ticks, 0 or 1, by which all readings may be older or newer than
-                           the scene file states on the structure at its target: vibrations decay, and
-                           the shape settles after fast jumps of the target */
+    int older, newer;   /* ticks, 0 or 1, by which all readings may be older or newer than the scene
+                           file states on the structure at its target: the shape settles after fast
+                           jumps of the target */
     double worst; /* largest distance from the shape at which the loop comes to rest, at the end of
                      a storm (simulation with fast target jumps), relative to the norm of the target
                    */

@@ -13,7 +13,6 @@
 #include "../../lib/core/linalg.h"
 #include "../mesh/invert.h"
 #include "eigen.h"
-#include "identify_responses.h"
 
 enum {
     CHANNELS = 10, /* largest number of channels (weighted sums of the readings) in which
@@ -796,13 +795,16 @@ static int find_responses(identified_modes *result, const fit *fit, const double
                 (part[(row * intervals + i) * 2] -
                  part[(row * intervals + i) * 2 + 1] * (double complex)I);
     const free_vibration record = {.samples = fit->samples,
+                                   .modes = modes,
+                                   .frequency = fit->frequency,
+                                   .damping = fit->damping,
                                    .rate = fit->rate,
                                    .intervals = intervals,
                                    .skipped = SKIPPED,
                                    .first = ends,
                                    .behind = ends + intervals,
                                    .amplitude = amplitude};
-    const bool is_done = ends && amplitude && identify_responses(result, &record);
+    const bool is_done = ends && amplitude && identify_responses(&result->responses, &record);
     free(ends);
     free(amplitude);
     return is_done ? 0 : refuse(error, "out of memory");
@@ -931,6 +933,6 @@ int identify_modes(identified_modes *result, const pokes *samples, double rate, 
 void identified_modes_free(identified_modes *result)
 {
     free(result->frequency);
-    free(result->response);
+    mode_responses_free(&result->responses);
     memset(result, 0, sizeof *result);
 }

@@ -9,7 +9,7 @@
 #ifndef IDENTIFY_MODES_H
 #define IDENTIFY_MODES_H
 
-#include "calibrate.h"
+#include "identify_responses.h"
 
 /* Vibration modes identified from a record of voltages and readings. */
 typedef struct identified_modes {
@@ -25,13 +25,7 @@ typedef struct identified_modes {
                      of the readings) */
     double shown[2]; /* lowest and highest frequency that the longest interval of constant voltages
                         and the samples a second can show (Hz) */
-    bool has_response;             /* true where the static responses are identified */
-    char no_response[SCENE_ERROR]; /* why the static responses are not identified; otherwise empty
-                                    */
-    double *response; /* [modes][actuators] static response of each mode to 1 V of each actuator, as
-                         a multiple of its shape (unit of the readings per volt) */
-    double *response_error; /* [modes][actuators] standard errors of the static responses */
-    double delay;           /* time between a recorded step of the voltages and its effect (s) */
+    mode_responses responses; /* static responses to the voltages */
     double left; /* root mean square of the part of the readings that the modes do not explain,
                     relative to that of the vibration */
 } identified_modes;

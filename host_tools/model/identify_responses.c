@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Identification of the static responses of vibration modes (identify_responses.h). */
 #include "identify_responses.h"
+#include <complex.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +13,7 @@ enum {
     NARROWINGS = 60 /* number of steps that narrow the interval around the best delay */
 };
 
-static const double two_pi = 6.283185307179586;
+static const double quarter_turn = 1.5707963267948966; /* a quarter of a full turn (rad) */
 
 /*
  * Smallest pivot of the scaled normal matrix of the voltage steps (diagonal entries 1) at which the
@@ -28,7 +29,7 @@ static const double most_left = 0.2;
 
 /* Voltage steps of a record and the vibration that they add. */
 typedef struct steps {
-    identified_modes *modes;
+    mode_responses *result;
     const free_vibration *record;
     size_t count, actuators;
     size_t *interval;  /* [count] number of the interval of constant voltages that each step begins
@@ -84,7 +85,7 @@ static size_t find_dependent(const steps *steps, double *factor)
 
 /*
  * Compute the inverse of the normal matrix of the voltage steps. Returns whether the steps move all
- * actuators independently; if not, the member `no_response` of the modes is filled.
+ * actuators independently; if not, the member `reason` of the result is filled.
  */
 static bool invert_steps(steps *steps, double *factor)
 {
@@ -96,7 +97,7 @@ static bool invert_steps(steps *steps, double *factor)
                     steps->voltage[step * n + i] * steps->voltage[step * n + j];
     const size_t dependent = find_dependent(steps, factor);
     if (dependent < n)
-        snprintf(steps->modes->no_response, sizeof steps->modes->no_response,
+        snprintf(steps->result->reason, sizeof steps->result->reason,
                  "the %zu steps between held voltages do not move column %zu of the voltages "
                  "independently of the columns before it; step each actuator",
                  steps->count, dependent + 1);
@@ -115,9 +116,8 @@ static bool invert_steps(steps *steps, double *factor)
 static double static_values(const steps *steps, size_t mode, double delay, double *value,
                             double *total)
 {
-    const identified_modes *modes = steps->modes;
     const free_vibration *record = steps->record;
-    const double ratio = modes->damping[mode], natural = two_pi * modes->frequency[mode],
+    const double ratio = record->damping[mode], natural = record->frequency[mode],
                  damped = natural * sqrt(1 - ratio * ratio);
     const double complex pole = (-ratio * natural + damped * (double complex)I) / record->rate;
     const double complex begin = (1 - ratio * natural / damped * (double complex)I) *
@@ -173,7 +173,7 @@ static double unexplained(const steps *steps, double delay, double *squares)
 {
     double total = 0;
     *squares = 0;
-    for (size_t mode = 0; mode < (size_t)steps->modes->modes; mode++) {
+    for (size_t mode = 0; mode < steps->record->modes; mode++) {
         *squares += static_values(steps, mode, delay, steps->value, &total);
         *squares += fit_response(steps, steps->projected + steps->actuators);
     }
@@ -186,7 +186,7 @@ static double unexplained(const steps *steps, double delay, double *squares)
  */
 static double find_delay(const steps *steps)
 {
-    const double quarter = steps->record->rate / steps->modes->frequency[0] / 4;
+    const double quarter = quarter_turn * steps->record->rate / steps->record->frequency[0];
     const double earliest = -fmin(1, quarter), width = (quarter - earliest) / TRIED;
     double best = earliest, least = HUGE_VAL, squares;
     for (int k = 0; k <= TRIED; k++) {
@@ -210,12 +210,12 @@ static double find_delay(const steps *steps)
 /* Fill the static responses of all modes, their standard errors and the delay. */
 static void fill_responses(const steps *steps)
 {
-    identified_modes *modes = steps->modes;
-    const size_t n = steps->actuators, count = (size_t)modes->modes;
+    mode_responses *result = steps->result;
+    const size_t n = steps->actuators, count = steps->record->modes;
     double squares, total = 0;
     const double delay = find_delay(steps), left = sqrt(unexplained(steps, delay, &squares));
     if (!(left <= most_left)) {
-        snprintf(modes->no_response, sizeof modes->no_response,
+        snprintf(result->reason, sizeof result->reason,
                  "%.0f%% of the vibration does not begin with the steps of the voltages",
                  100 * left);
         return;
@@ -224,24 +224,24 @@ static void fill_responses(const steps *steps)
         squares / (double)(count * (2 * steps->count - n > 1 ? 2 * steps->count - n : 1));
     for (size_t mode = 0; mode < count; mode++) {
         (void)static_values(steps, mode, delay, steps->value, &total);
-        (void)fit_response(steps, modes->response + mode * n);
+        (void)fit_response(steps, result->value + mode * n);
         for (size_t i = 0; i < n; i++)
-            modes->response_error[mode * n + i] = sqrt(variance * steps->inverse[i * (n + 1)]);
+            result->error[mode * n + i] = sqrt(variance * steps->inverse[i * (n + 1)]);
     }
-    modes->has_response = true;
-    modes->delay = delay / steps->record->rate;
+    result->is_found = true;
+    result->delay = delay / steps->record->rate;
 }
 
-bool identify_responses(identified_modes *result, const free_vibration *record)
+bool identify_responses(mode_responses *result, const free_vibration *record)
 {
     const size_t n = record->samples->actuators, intervals = record->intervals;
-    steps steps = {.modes = result, .record = record, .actuators = n};
+    steps steps = {.result = result, .record = record, .actuators = n};
     steps.interval = calloc(intervals + 1, sizeof *steps.interval);
     steps.voltage = calloc((intervals + 2 * n + 2) * (n + 1) + intervals, sizeof *steps.voltage);
-    result->response = calloc(2 * (size_t)result->modes * n + 1, sizeof *result->response);
-    const bool has_memory = steps.interval && steps.voltage && result->response;
+    result->value = calloc(2 * record->modes * n + 1, sizeof *result->value);
+    const bool has_memory = steps.interval && steps.voltage && result->value;
     if (has_memory) {
-        result->response_error = result->response + (size_t)result->modes * n;
+        result->error = result->value + record->modes * n;
         steps.inverse = steps.voltage + intervals * n;
         double *factor = steps.inverse + n * n;
         steps.projected = factor + n * n;
@@ -253,4 +253,10 @@ bool identify_responses(identified_modes *result, const free_vibration *record)
     free(steps.interval);
     free(steps.voltage);
     return has_memory;
+}
+
+void mode_responses_free(mode_responses *result)
+{
+    free(result->value);
+    memset(result, 0, sizeof *result);
 }

@@ -9,29 +9,41 @@
 #ifndef IDENTIFY_RESPONSES_H
 #define IDENTIFY_RESPONSES_H
 
-#include <complex.h>
-#include "identify_modes.h"
+#include "calibrate.h"
+
+/* Static responses of vibration modes, identified from a record. */
+typedef struct mode_responses {
+    bool is_found;            /* true where the static responses are identified */
+    char reason[SCENE_ERROR]; /* why the static responses are not identified; otherwise empty */
+    double *value; /* [modes][actuators] static response of each mode to 1 V of each actuator, as a
+                      multiple of its shape (unit of the readings per volt) */
+    double *error; /* [modes][actuators] standard errors of the static responses */
+    double delay;  /* time between a recorded step of the voltages and its effect (s) */
+} mode_responses;
 
 /* Free vibration of the modes in the intervals of constant voltages of a record. */
 typedef struct free_vibration {
     const pokes *samples;
-    double rate;      /* samples a second */
-    size_t intervals; /* number of intervals of constant voltages */
+    size_t modes;
+    const double *frequency, *damping; /* [modes] angular frequencies of the modes (rad/s) and their
+                                          damping ratios */
+    double rate;                       /* samples a second */
+    size_t intervals;                  /* number of intervals of constant voltages */
     size_t skipped; /* number of samples between a step of the voltages and the first fitted sample
                      */
     const size_t *first;  /* [intervals] number of the first sample that was fitted in each interval
                            */
     const size_t *behind; /* [intervals] number of the first sample behind each interval */
-    const double complex *amplitude; /* [modes][intervals] complex amplitude of the free vibration
+    const double _Complex *amplitude; /* [modes][intervals] complex amplitude of the free vibration
                                         of each mode at the first fitted sample of each interval, as
                                         a multiple of the mode's shape */
 } free_vibration;
 
 /*
  * Identify the static responses of the modes to 1 V of each actuator, and the delay of the
- * voltages, into the members `response`, `response_error`, `delay` and `no_response` of the result,
- * whose modes are known. Returns whether memory sufficed.
+ * voltages. Returns whether memory sufficed; call mode_responses_free in either case.
  */
-bool identify_responses(identified_modes *result, const free_vibration *record);
+bool identify_responses(mode_responses *result, const free_vibration *record);
+void mode_responses_free(mode_responses *result);
 
 #endif

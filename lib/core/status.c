@@ -36,7 +36,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_E_LATCHED: return "control was taken away: parked until the loop is initialised";
     case PZS_E_NONFINITE: return "NaN or infinity in an input";
     case PZS_E_LIMITS:
-        return "lower limit above upper limit, a limit that is no number, or a voltage outside limits";
+        return "a lower limit above the upper one, one that is no number, or a voltage outside";
     case PZS_E_LOOSE: return "no stiffness: a loose part, or a missing support";
     case PZS_E_NEGATIVE: return "negative pivot in the undeformed structure";
     case PZS_E_CONDITION: return "condition estimate above what this precision can solve";

@@ -247,8 +247,8 @@ static void test_responses(void **state)
         fill_late_record(&r, plate, 5, 1600, 400, cases[i].noise, cases[i].late);
         assert_int_equal(identify_modes(&found, &r.samples, r.rate, 5, error), 0);
         assert_int_equal(found.modes, 5);
-        if (!found.has_response)
-            fail_msg("%s", found.no_response);
+        if (!found.responses.is_found)
+            fail_msg("%s", found.responses.reason);
         for (int k = 0; k < 5; k++) {
             double product = 0;
             for (int o = 0; o < OUTPUTS; o++)
@@ -256,16 +256,17 @@ static void test_responses(void **state)
             const double sign = product < 0 ? -1 : 1;
             for (int j = 0; j < ACTUATORS; j++) {
                 const double off =
-                    fabs(sign * found.response[k * ACTUATORS + j] - r.response[k][j]);
+                    fabs(sign * found.responses.value[k * ACTUATORS + j] - r.response[k][j]);
                 worst = fmax(worst, off / 1e-7);
                 assert_true(cases[i].noise <= 0 ||
-                            off < 5 * found.response_error[k * ACTUATORS + j]);
+                            off < 5 * found.responses.error[k * ACTUATORS + j]);
             }
         }
         print_message("    responses %.2g, delay %.6f of %zu samples\n", worst,
-                      found.delay * r.rate, cases[i].late);
+                      found.responses.delay * r.rate, cases[i].late);
         assert_true(worst < cases[i].tolerance);
-        assert_true(fabs(found.delay * r.rate - (double)cases[i].late) < cases[i].tolerance);
+        assert_true(fabs(found.responses.delay * r.rate - (double)cases[i].late) <
+                    cases[i].tolerance);
         identified_modes_free(&found);
         close_record(&r);
     }
@@ -285,8 +286,8 @@ static void test_no_responses(void **state)
     for (size_t t = 0; t < r.samples.count; t++)
         r.voltage[t * ACTUATORS + 2] = -2 * r.voltage[t * ACTUATORS + 1];
     assert_int_equal(identify_modes(&found, &r.samples, r.rate, 2, error), 0);
-    assert_false(found.has_response);
-    assert_non_null(strstr(found.no_response, "do not move column 3 of the voltages"));
+    assert_false(found.responses.is_found);
+    assert_non_null(strstr(found.responses.reason, "do not move column 3 of the voltages"));
     identified_modes_free(&found);
     close_record(&r);
     fill_record(&r, plate, 2, 1600, 400, 0);
@@ -295,8 +296,8 @@ static void test_no_responses(void **state)
         for (size_t k = 0; k < ACTUATORS; k++)
             r.voltage[t * ACTUATORS + k] = t >= 60 && (t + 130) / 400 % ACTUATORS == k ? 50 : 0;
     assert_int_equal(identify_modes(&found, &r.samples, r.rate, 2, error), 0);
-    assert_false(found.has_response);
-    assert_non_null(strstr(found.no_response, "does not begin with the steps"));
+    assert_false(found.responses.is_found);
+    assert_non_null(strstr(found.responses.reason, "does not begin with the steps"));
     identified_modes_free(&found);
     close_record(&r);
 }
