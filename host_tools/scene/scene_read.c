@@ -124,7 +124,8 @@ static const field sections[] = {
              "are those of improved."},
     {"dof_per_node", read_dof_per_node, .form = &dof_per_node_form,
      .help = "Degrees of freedom of a node; 6 drops that of the middle surface and needs lin33; "
-             "default 7."},
+             "default 6 where lin33 (element: improved) meets nonlinear kinematics, because the "
+             "seventh loses its stiffness where a shell turns by a right angle; else 7."},
     {"kinematics", read_kinematics, 0, kinematics, .form = &kinematics_form,
      .help = "linear: small displacements (default); nonlinear: finite displacements; auto: linear "
              "where its error is below the tolerance."},
@@ -284,6 +285,21 @@ static void set_defaults(scene *scene)
     scene->limits.upper = scene->limits.step_limit = HUGE_VAL;
 }
 
+/*
+ * Choose the dof of a node where the scene file does not: 6 where the seventh dof carries nothing
+ * (lin33) and could lose its stiffness, at large rotations; 7 otherwise, and where a support names
+ * the seventh dof.
+ */
+static void choose_dof_per_node(scene *scene, const tree *tree)
+{
+    const unsigned seventh = 64, normal = 4 | 32;
+    bool is_named = tree_find(tree, tree->root, "dof_per_node") != 0;
+    for (int i = 0; i < scene->supports; i++)
+        is_named |= scene->support[i].fix & seventh && !(scene->support[i].fix & normal);
+    if (!is_named && scene->element.lin33 && scene->kinematics != KINEMATICS_LINEAR)
+        scene->element.dof_per_node = 6;
+}
+
 static int fill(scene *scene, tree *tree, char *error)
 {
     const scene_at whole = {.line = 0};
@@ -298,7 +314,10 @@ static int fill(scene *scene, tree *tree, char *error)
     set_positions(scene);
     if (tree->node[tree->root].kind == TREE_MAP && tree_find(tree, tree->root, "influence"))
         return fill_measured(&reader, error);
-    return read_map(&reader, tree->root, sections, scene) == 0 ? scene_check(scene, error) : -1;
+    if (read_map(&reader, tree->root, sections, scene) != 0)
+        return -1;
+    choose_dof_per_node(scene, tree);
+    return scene_check(scene, error);
 }
 
 /*

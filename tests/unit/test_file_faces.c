@@ -77,7 +77,7 @@ static void open_scene(scene_run *run, void (*point)(double, double, double[3]),
     file = fopen(scene_path, "w");
     assert_non_null(file);
     fprintf(file,
-            "name: test\nkinematics: nonlinear\nequilibrium: {tolerance: 1e-9}\n"
+            "name: test\nkinematics: nonlinear\ndof_per_node: 7\nequilibrium: {tolerance: 1e-9}\n"
             "mesh: {file: grid.msh}\nmaterials:\n  rubber: {E: 2e3, nu: 0.4}\n"
             "layers: [{material: rubber, thickness: %g}]\n" SPRINGS "%s",
             thickness, more);

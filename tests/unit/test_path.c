@@ -388,10 +388,12 @@ static void test_auto(void **state)
         const char *changes, *known;
         int nonlinear;
     } cases[] = {
-        {"kinematics=auto;loads.0.u3=0.01;", "kinematics=linear;loads.0.u3=0.01;", 0},
+        {"kinematics=auto;loads.0.u3=0.01;", "kinematics=linear;dof_per_node=6;loads.0.u3=0.01;",
+         0},
         {"kinematics=auto;loads.0.u3=0.01;tolerance=1e-6;", "loads.0.u3=0.01;", 1},
         {"kinematics=auto;", "", 1},
-        {"kinematics=auto;tolerance=0.9;loads.0.u3=0.2;", "kinematics=linear;loads.0.u3=0.2;", 0},
+        {"kinematics=auto;tolerance=0.9;loads.0.u3=0.2;",
+         "kinematics=linear;dof_per_node=6;loads.0.u3=0.2;", 0},
     };
     for (size_t i = 0; i < COUNT(cases); i++) {
         scene_run r, known;
@@ -402,6 +404,34 @@ static void test_auto(void **state)
         assert_true(apart(r.u, known.u, dof_of(&r)) == 0);
         scene_run_close(&r);
         scene_run_close(&known);
+    }
+}
+
+/*
+ * Law: a node has six dof where the seventh carries nothing and may lose its stiffness, which is
+ * under nonlinear kinematics with the improved element; seven where the scene asks for them.
+ */
+static void test_default_dof(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *changes;
+        int dof_per_node;
+    } cases[] = {
+        {"", 6},
+        {"kinematics=auto", 6},
+        {"kinematics=linear", 7},
+        {"dof_per_node=7", 7},
+        {"element=published", 7},
+        {"element={lin33: off}", 7},
+        {"supports=[{edge: theta1-, fix: clamped}, {edge: theta1+, fix: u3}]", 6},
+        {"supports=[{edge: theta1-, fix: clamped}, {edge: theta1+, fix: u3M, value: 1e-3}]", 7},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        scene_run r;
+        open_run(&r, "tests/rigs/scenes/strip.yaml", cases[i].changes);
+        assert_int_equal(r.analysis.design.mesh.dof_per_node, cases[i].dof_per_node);
+        scene_run_close(&r);
     }
 }
 
@@ -672,6 +702,7 @@ int main(void)
         cmocka_unit_test(test_contact_stiffness_of_rubber),
         cmocka_unit_test(test_body_by_formula),
         cmocka_unit_test(test_auto),
+        cmocka_unit_test(test_default_dof),
         cmocka_unit_test(test_thickness_locking),
         cmocka_unit_test(test_given_force_at_rest),
         cmocka_unit_test(test_influence),

@@ -40,7 +40,7 @@ static void open_case(scene_run *r, const testdata *t, const char *equilibrium)
         if (strncmp(t->name, scenes[i].name, strlen(scenes[i].name)) == 0) {
             snprintf(
                 changes, sizeof changes,
-                "%selement=%s;mesh.theta1.elements=%d;mesh.theta2.elements=%d;equilibrium={%s}",
+                "%selement=%s;dof_per_node=7;mesh.theta1.elements=%d;mesh.theta2.elements=%d;equilibrium={%s}",
                 scenes[i].changes, testdata_word(t, "element"), (int)mesh[0], (int)mesh[1],
                 equilibrium);
             solve_run(r, scenes[i].scene, changes);

@@ -411,7 +411,7 @@ static void test_no_spline(void **state)
 /* ---- meshes ----------------------------------------------------------- */
 
 static const char *const plate =
-    "name: t\nkinematics: nonlinear\nsurface: {type: plate}\n"
+    "name: t\nkinematics: nonlinear\ndof_per_node: 7\nsurface: {type: plate}\n"
     "mesh: {theta1: {from: 0, to: 2, elements: 2}, theta2: {from: 0, to: 1, elements: 1}}\n"
     "materials: {m: {E: 1, nu: 0}}\nlayers: [{material: m, thickness: 0.1}]\n";
 
@@ -474,11 +474,11 @@ static void test_contradictions(void **state)
          "fix: u3, value: x}]",
          NULL},
         {"supports:\n- {edge: theta1-, fix: u3}\n- {at: nodes, fix: u3, value: 1}",
-         ":9:3: at theta1 = 0, theta2 = 0 another support prescribes 0 and this one 1; remove one"},
+         ":10:3: at theta1 = 0, theta2 = 0 another support prescribes 0 and this one 1; remove one"},
         {"supports:\n- {edge: theta1+, fix: u3 mean, value: y}\n- {at: nodes, fix: u3 mean}",
-         ":9:3: at theta1 = 2, theta2 = 1 another support prescribes 1 and this one 0; remove one"},
+         ":10:3: at theta1 = 2, theta2 = 1 another support prescribes 1 and this one 0; remove one"},
         {"supports:\n- {at: nodes, fix: u3, value: 1/x}",
-         ":8:3: the value of the support is not a finite number at theta1 = 0, theta2 = 0; correct "
+         ":9:3: the value of the support is not a finite number at theta1 = 0, theta2 = 0; correct "
          "its "
          "formula"},
     };
