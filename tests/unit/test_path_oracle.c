@@ -38,11 +38,11 @@ static void open_case(scene_run *r, const testdata *t, const char *equilibrium)
     const double *mesh = testdata_values(t, "mesh");
     for (size_t i = 0; i < COUNT(scenes); i++)
         if (strncmp(t->name, scenes[i].name, strlen(scenes[i].name)) == 0) {
-            snprintf(
-                changes, sizeof changes,
-                "%selement=%s;dof_per_node=7;mesh.theta1.elements=%d;mesh.theta2.elements=%d;equilibrium={%s}",
-                scenes[i].changes, testdata_word(t, "element"), (int)mesh[0], (int)mesh[1],
-                equilibrium);
+            snprintf(changes, sizeof changes,
+                     "%selement=%s;dof_per_node=7;mesh.theta1.elements=%d;mesh.theta2.elements=%d;"
+                     "equilibrium={%s}",
+                     scenes[i].changes, testdata_word(t, "element"), (int)mesh[0], (int)mesh[1],
+                     equilibrium);
             solve_run(r, scenes[i].scene, changes);
             return;
         }

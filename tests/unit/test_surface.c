@@ -474,9 +474,11 @@ static void test_contradictions(void **state)
          "fix: u3, value: x}]",
          NULL},
         {"supports:\n- {edge: theta1-, fix: u3}\n- {at: nodes, fix: u3, value: 1}",
-         ":10:3: at theta1 = 0, theta2 = 0 another support prescribes 0 and this one 1; remove one"},
+         ":10:3: at theta1 = 0, theta2 = 0 another support prescribes 0 and this one 1; remove "
+         "one"},
         {"supports:\n- {edge: theta1+, fix: u3 mean, value: y}\n- {at: nodes, fix: u3 mean}",
-         ":10:3: at theta1 = 2, theta2 = 1 another support prescribes 1 and this one 0; remove one"},
+         ":10:3: at theta1 = 2, theta2 = 1 another support prescribes 1 and this one 0; remove "
+         "one"},
         {"supports:\n- {at: nodes, fix: u3, value: 1/x}",
          ":9:3: the value of the support is not a finite number at theta1 = 0, theta2 = 0; correct "
          "its "
