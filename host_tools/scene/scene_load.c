@@ -544,7 +544,7 @@ static const field load_fields[] = {
      .help = "Temperature above that of the stress-free shape: one number, or {inner, outer}, "
              "linear between the faces."},
     DIRECTIONS(read_direction, OF_LOAD, &place_function_form, "Force (per length, per area)"),
-    {"about", read_about, .of = OF_NUMBER, .form = &support_direction_form,
+    {"about", read_about, .of = OF_NUMBER, .form = &direction_form,
      .help = "Axis of a moment at a point, in the surface: u1, u2, x, y, z or [x, y, z]."},
     {"moment", read_moment, .of = OF_MOMENT, .form = &place_function_form,
      .help = "Moment about the axis: two opposite forces on the faces, which keep their "
