@@ -1,6 +1,8 @@
 /*
  * Calibration on the device: the influence matrix from voltages and readings of the running
- * hardware, by recursive least squares. SPDX-License-Identifier: BSD-2-Clause
+ * hardware, by recursive least squares.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  *
  *     pzs_calibration_init(&calibration, &mirror_problem, NULL, NULL, work, sizeof work);
  *     for (uint32_t tick = 0; tick < 100000 && calibration.info.records < 200; tick++) {

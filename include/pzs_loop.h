@@ -3,7 +3,9 @@
  * Blocks of the library: self-test of the wiring, correction of late readings, feed-forward of
  * known loads, shape estimator, vibration damper, governor for moving targets, compensation of
  * hysteresis, control step, converter steps of the amplifiers, fault detector for electrodes,
- * supervisor. SPDX-License-Identifier: BSD-2-Clause
+ * supervisor.
+ *
+ * SPDX-License-Identifier: BSD-2-Clause
  *
  *     static pzs_real work[MIRROR_LOOP_BYTES / sizeof(pzs_real) + 1];
  *     static pzs_loop loop;
