@@ -57,10 +57,10 @@ struct pzs_block;
  */
 typedef struct pzs_exchange {
     uint32_t input;
-    pzs_real sign;  /* sign of the pivot of the exchange, the diagonal entry before the exchange: +1
-                       or -1 */
-    pzs_real scale; /* 1 / square root of the absolute value of the pivot; negative if the exchange
-                       belongs to a limit row (limit of a sum of voltages) */
+    pzs_real sign;  /* sign of the pivot of the exchange, which is the diagonal entry of the
+                       exchanged input before the exchange: +1 or -1 */
+    pzs_real scale; /* 1 / square root of the absolute value of the pivot of an exchange; negative
+                       if the exchange belongs to a limit row (limit of a sum of voltages) */
     pzs_real pivot; /* diagonal entry of the tableau (pivoted Hessian) that belongs to the exchanged
                        input, after the exchange */
 } pzs_exchange;

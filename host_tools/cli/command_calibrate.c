@@ -28,7 +28,7 @@ typedef struct run {
                                 gives a measured matrix, or without a scene */
     int faults;
     wiring_fault fault[WIRING_FAULTS];
-    double size;    /* size of the measured shapes relative to those that the scene predicts ; 0
+    double size;    /* size of the measured shapes relative to those that the scene predicts; 0
                        without a scene */
     double *acting; /* [pokes][actuators] voltages that reach the electrodes in each poke (shape
                        measured under known voltages), with the found wiring faults taken into

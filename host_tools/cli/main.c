@@ -749,8 +749,9 @@ static double target_amplitude(const design *design)
 }
 
 /*
- * Add a warning where the control loop is stable, but not if the sensor readings are one tick older
- * than the scene file states, or not on the shape of a large target.
+ * Add a warning where the control loop is stable, but would be unstable if the sensor readings were
+ * one tick older than the scene file states, or where the target is so large that the linear
+ * vibration model may be wrong.
  */
 static void warn_of_loop(analysis *analysis)
 {

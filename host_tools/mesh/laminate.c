@@ -581,7 +581,7 @@ static double bubble_share(double inverse[N][N], double thickness, const laminat
  * Compute the flexibility that is added to the two transverse shears of a strain mode (constant,
  * linear or bilinear over the element): the element option rho times the bending flexibility times
  * the squared length of the element over 12. In the strain modes 01 and 10 only a part of this
- * flexibility is used (bubble_share). The published element has rho = 0.
+ * flexibility is used. The published element has rho = 0.
  */
 static void shear_flexibility(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, double inverse[N][N], int mode,

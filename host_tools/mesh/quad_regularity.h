@@ -38,8 +38,8 @@ typedef struct quad_rule {
                             thinness/3)^2) */
     double lock; /* factor by which the bending of the element would have to be stiffened to keep
                     stresses smooth: [thinness clip((irregularity - 0.2)/0.1, 0, 1)/70]^2. No
-                    bending is actually stiffened; a mesh with a factor above QUAD_LOCK is refused
-                    unless the scene accepts irregular meshes. */
+                    bending is actually stiffened; a mesh with a factor above the limit QUAD_LOCK is
+                    refused unless the scene accepts irregular meshes. */
     double asymptotic; /* part of the bending strains that is added to the mean shear strain 12 of
                           an element along asymptotic lines (twisted strips); 0 on elements along
                           lines of curvature */
@@ -49,7 +49,8 @@ typedef struct quad_rule {
 
 /*
  * Return the thinness, irregularity and factors of an element from its geometry, the thickness of
- * the laminate (m) and the largest irregularity of its four nodes (quad_irregularity).
+ * the laminate (m) and the largest irregularity of its four nodes (deviation of the mesh from a
+ * regular arrangement there).
  */
 quad_rule quad_rule_of(const quad_geometry *geometry, double thickness, double irregularity);
 

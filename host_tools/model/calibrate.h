@@ -84,8 +84,8 @@ enum { WIRING_FAULTS = 16 };
 /*
  * Find faults of electrodes and cables that explain the difference between the measured shapes and
  * those of a model. Pairs of exchanged cables are searched first: a pair counts as exchanged if
- * exchanging it back lowers the sum of the squared differences by at least the fraction
- * WIRING_GAIN. Electrodes that do not act, and electrodes that act with the opposite sign, are
+ * exchanging it back lowers the sum of the squared differences by at least a fixed fraction
+ * (WIRING_GAIN). Electrodes that do not act, and electrodes that act with the opposite sign, are
  * searched next. Each fault contains the index of its electrode.
  *   model [outputs][actuators] in  influence matrix of the model
  * Returns the number of faults, or -1 where memory runs out.

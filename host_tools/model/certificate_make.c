@@ -30,10 +30,10 @@ enum {
 static const double two_pi = 6.283185307179586;
 
 /*
- * Range of the tick rates for which stability is checked. Lowest rate (1/s): scan_from times
- * damping ratio times angular frequency of the first vibration mode (rad/s). Highest rate (1/s):
- * scan_to times natural frequency of the last mode of the loop (Hz). Each rate is scan_step times
- * the rate before.
+ * Range of the tick rates for which stability is checked. Lowest rate (1/s): the factor scan_from
+ * times damping ratio times angular frequency of the first vibration mode (rad/s). Highest rate
+ * (1/s): the factor scan_to times natural frequency of the last mode of the loop (Hz). Each rate is
+ * the factor scan_step times the rate before.
  */
 static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 

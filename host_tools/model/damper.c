@@ -45,7 +45,7 @@ typedef struct builder {
     size_t targets, sensors, amplifiers;
     size_t *mode; /* [modes] index of each observed mode among the computed vibration modes */
     double *angle, *ratio, *overlap, *lift, *square,
-        *precision; /* arrays of the model of the observed vibration modes (damper_model), and
+        *precision; /* arrays of the model of the observed vibration modes, and
                        inverse noise variance of each sensor */
     double *column; /* [targets] work vector for one mode shape at the target nodes */
     double *shape, *reading, *modal; /* shape [targets][modes]: mode shapes at the outputs; reading

@@ -190,7 +190,7 @@ void design_free(design *design);
 
 /*
  * Copy the scene of a design, to build a design with other material constants, loads or kinematics
- * from the copy (scene_vary). Returns 0, or -1 where memory runs out.
+ * from the copy. Returns 0, or -1 where memory runs out.
  */
 int design_vary(const design *design, scene *copy);
 
@@ -224,8 +224,8 @@ int design_patches_in(const mesh *mesh, int element, const scene_patches *patche
                       design_part *list);
 
 /*
- * Draw the part of an electrode of any outline that lies in one element, as areas or as lines
- * (outline_pieces). Returns 0, or -1 where memory runs out.
+ * Draw the part of an electrode of any outline that lies in one element, as areas or as
+ * lines. Returns 0, or -1 where memory runs out.
  */
 int design_pieces(const design *design, const scene_patches *patches, int electrode, int element,
                   bool draws_outline, outline_draw *draw, void *context);

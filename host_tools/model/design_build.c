@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Construction of the design of a scene (its structure, inputs, outputs and voltage problem)
+ * Construction of the design of a scene, its structure, inputs, outputs and voltage problem
  * (design_build.h).
  */
 #include "design_build.h"

@@ -38,7 +38,7 @@ static double row_sum(const scene_limit_row *row, const double *voltage)
 
 /*
  * Move voltages [amplifiers] by the shortest distance to limit row k (limit of a sum of voltages),
- * narrowed on each side by a margin (safe_margin). Returns the violation of the row (V), in which
+ * narrowed on each side by a margin. Returns the violation of the row (V), in which
  * half of the margin is tolerated.
  */
 static double project(const design *design, int k, double *voltage)

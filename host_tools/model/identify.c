@@ -165,8 +165,8 @@ static void fill_slopes(const fit *fit, double s, double *row)
 }
 
 /*
- * Fill the matrix row of each sample: entry j is the effect (V) at the time of the sample if
- * unknown j were 1 and all others 0.
+ * Fill the matrix row of each sample: entry j is the effect (equivalent voltage without hysteresis,
+ * V) at the time of the sample if unknown j were 1 and all others 0.
  */
 static void fill_samples(fit *fit)
 {

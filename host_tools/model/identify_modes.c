@@ -259,8 +259,8 @@ static void fill_functions(const fit *fit, const interval *interval, double tria
 /*
  * Fit a constant, and the decaying cosine and sine of each mode, to a signal in an interval of
  * constant voltages by least squares.
- *   triangle [BASIS][BASIS] in      cosines and sines in the orthonormal functions, as
- *                                   fill_functions has written them
+ *   triangle [BASIS][BASIS] in      coefficients by which cosines and sines are
+ *                                   combinations of the orthonormal functions
  *   signal [count]          in/out  the signal, replaced by the part of it that the fit leaves
  *   coefficient [BASIS]     out     coefficients of the constant, and of cosine and sine of each
  *                                   mode
@@ -603,7 +603,8 @@ static void find_roots(const double *matrix, size_t rank, double complex *root)
 
 /*
  * Convert the eigenvalues of the matrix that delays the signals by one lag into frequencies and
- * damping ratios, and keep those that vibration modes can have, at most IDENTIFIED_MODES.
+ * damping ratios, and keep those that vibration modes can have, up to the largest number of modes
+ * (IDENTIFIED_MODES).
  *   lag in  delay by the matrix (samples)
  */
 static void take_roots(fit *fit, const double complex *root, size_t rank, size_t lag)

@@ -41,7 +41,8 @@ typedef struct load_path {
     load_path_point point[LOAD_PATH_POINTS]; /* computed points of the load path; the first is the
                                                 reference state */
     load_path_event event[LOAD_PATH_EVENTS]; /* critical points in the order of the load path; those
-                                                beyond LOAD_PATH_EVENTS are not stored */
+                                                beyond the largest number that can be stored
+                                                (LOAD_PATH_EVENTS) are left out */
     int rows;         /* number of output rows (displacements) of the structure */
     double *value;    /* [points][rows] values of all output rows at each point of the load path */
     bool is_complete; /* whether the load path has reached the full load */

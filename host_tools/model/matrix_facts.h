@@ -9,7 +9,7 @@ typedef struct matrix_facts {
     double entry; /* largest absolute entry of the influence matrix (length per volt) */
     double most;  /* largest singular value of the influence matrix */
     double least; /* smallest singular value of the influence matrix that counts as nonzero, because
-                     it is above the fraction MATRIX_RANK of the largest one */
+                     it is above a small fixed fraction (MATRIX_RANK) of the largest one */
     int rank; /* number of singular values of the influence matrix above the fraction MATRIX_RANK of
                  the largest one; -1: not computed because there are too many actuators */
 } matrix_facts;

@@ -12,7 +12,7 @@
  * Remaining error of a monotone sequence of results on ever finer meshes, beyond the error that
  * convergence of second order predicts. The sum of all later differences is the last difference
  * divided by (ratio - 1), with the ratio of successive differences. A sequence that hardly
- * converges is treated like one with the ratio SLOWEST.
+ * converges is treated like one with a fixed ratio slightly above 1 (SLOWEST).
  *   last  in  difference between the results on the two finest meshes
  *   ratio in  difference before the last one over the last one; 4 for second order
  */

@@ -25,7 +25,7 @@ double modal_damping(const scene_dynamics *dynamics, int mode, double frequency)
 bool modal_open(modal *modal, const design *design, const vibration *vibration, size_t inputs);
 
 /*
- * Fill the modal description from modes about a deformed equilibrium (vibration_solve_at), with the
+ * Fill the modal description from modes about a deformed equilibrium, with the
  * forces that a unit of each input exerts there.
  *   solver in  solver at this equilibrium
  * Returns whether memory sufficed; call modal_close in either case.

@@ -83,7 +83,7 @@ void plausible_target(plausible *warnings, const scene *scene, const plausible_o
 /*
  * Apply the plausibility rules on the load stepping to an equilibrium.
  *   difference      in  relative difference between the result and the one with twice as many load
- *       steps (analysis_path_difference)
+ *       steps
  *   negative_pivots in  number of negative pivots of the tangent stiffness at the equilibrium
  */
 void plausible_path(plausible *warnings, const scene *scene, double difference,

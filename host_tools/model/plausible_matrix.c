@@ -20,8 +20,8 @@ enum { COMPARED = 512 };
 enum { NAMED_DEAD = 8 };
 
 /*
- * Return whether the measured influence matrix has a column for actuator k. If so, found->at is set
- * to the position of the matrix in the scene file.
+ * Return whether the measured influence matrix has a column for actuator k. If so, the result
+ * found->at is set to the position of the matrix in the scene file.
  */
 static int has_column(const subject *of, int k, measured *found)
 {
@@ -72,7 +72,8 @@ static int is_held(const scene *scene, int k)
 }
 
 /*
- * Append the name of an actuator to a list of dead actuators, which shows at most NAMED_DEAD names.
+ * Append the name of an actuator to a list of dead actuators, which shows only the first few names
+ * (at most NAMED_DEAD).
  *   names [WHAT] in/out  text of the list
  *   count        in      number of actuators that are already in the list
  */

@@ -23,8 +23,7 @@ typedef struct subject {
     const struct stress_summary *extremes; /* largest stresses and strains, and smallest reserve
                                               factors, of the structure */
     double path_difference;   /* difference between the displacement and the one computed with twice
-                                 as many load steps, relative to the displacement
-                                 (analysis_path_difference) */
+                                 as many load steps, relative to the displacement */
     unsigned negative_pivots; /* number of negative pivots of the tangent stiffness at the
                                  equilibrium */
     double amplitude;         /* largest displacement of the target divided by the thickness of the
@@ -142,8 +141,9 @@ int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
 double plausible_voltage(const scene *scene, const scene_actuator *actuator, const double *voltage);
 
 /*
- * Store in found->value the electric field that an actuator's voltage causes in the layer of the
- * patch grid that it drives (V/m); NAN if the scene file gives a field limit for the material.
+ * Store in the result, found->value, the electric field that an actuator's voltage causes in the
+ * layer of the patch grid that it drives (V/m); NAN if the scene file gives a field limit for the
+ * material.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found);
 

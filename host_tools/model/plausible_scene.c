@@ -59,11 +59,11 @@ double plausible_voltage(const scene *scene, const scene_actuator *actuator, con
 }
 
 /*
- * Store in found->value the electric field that an actuator's voltage causes in the layer of the
- * patch grid that it drives (V/m). The value stays NAN if the scene file gives a field limit for
- * the material, because the design then enforces this limit, and for a film actuator up to the
- * voltage of its data sheet: electrodes of such a film may be fingers on its faces, so that voltage
- * over thickness is not its field.
+ * Store in the result, found->value, the electric field that an actuator's voltage causes in the
+ * layer of the patch grid that it drives (V/m). The value stays NAN if the scene file gives a field
+ * limit for the material, because the design then enforces this limit, and for a film actuator up
+ * to the voltage of its data sheet: electrodes of such a film may be fingers on its faces, so that
+ * voltage over thickness is not its field.
  */
 void plausible_field(const scene *scene, const scene_drive *drive, double voltage, measured *found)
 {

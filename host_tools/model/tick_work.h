@@ -10,9 +10,9 @@ enum {
 }; /* number of control ticks that are simulated to find the longest one */
 
 /*
- * Return the largest number of multiply-adds that the optimiser makes in one of TICK_WORK_TICKS
- * undamped control steps, in which the target jumps between the shapes of random voltages; 0 where
- * memory runs out.
+ * Return the largest number of multiply-adds that the optimiser makes in one of many undamped
+ * control steps (TICK_WORK_TICKS of them), in which the target jumps between the shapes of random
+ * voltages; 0 where memory runs out.
  *   design in  a design with amplifiers, a target and an influence matrix
  *   limit  in  limit of the optimiser's work in a tick (multiply-adds)
  */

@@ -42,7 +42,7 @@ int vibration_most(const design *design);
 /*
  * Compute the lowest vibration modes.
  *   number in  number of modes, reduced to the number that the structure has
- *   lumped in  part of the lumped mass matrix in the mass matrix, from 0 to 1, usually MASS_LUMPED
+ *   lumped in  part of the lumped mass matrix in the mass matrix, 0 to 1, usually MASS_LUMPED (2/3)
  * Returns 0, or -1 with error filled and the result empty where a density is missing, the iteration
  * did not converge, a mode is missing, or the scene has a measured matrix without modes.
  */
@@ -76,8 +76,8 @@ int vibration_solve_at(vibration *vibration, const design *design, pzs_solver *s
                        double lumped, char *error);
 
 /*
- * Check that the matrix determines the static responses of the modes: no shape is a combination of
- * the shapes before it. Returns 0, or -1 with error filled.
+ * Check that the measured influence matrix of a scene determines the static responses of the modes:
+ * no mode shape is a combination of the shapes before it. Returns 0, or -1 with error filled.
  */
 int vibration_check_measured(const scene_influence *measured, char *error);
 

@@ -268,10 +268,10 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
         }
     for (size_t element = 0; element < mesh->elements; element++)
         for (int corner = 0; corner < 4; corner++)
-            for (int k = 1; k < 3; k++) { /* The loop adds the next corner and the opposite one; at
-                                             a node inside a smooth sheet, the corner before is
-                                             added by the neighbouring element, whose next corner it
-                                             is. */
+            for (int k = 1; k < 3; k++) { /* each element adds two of its corners to the neighbours
+                                             of a node: the next one and the opposite one. Inside a
+                                             smooth sheet the third one is added by the neighbouring
+                                             element */
                 const uint32_t own = mesh->element[element][corner],
                                other = mesh->element[element][(corner + k) % 4];
                 add_neighbour(mesh, own, other, size[own], &sums[own]);

@@ -28,11 +28,15 @@ long long quad_node_label(const quad_mesh *mesh, size_t node);
 int quad_collect(quad_mesh *mesh, quad_origin *origin, const quad_raw *raw,
                  const quad_options *options);
 
-/* Neighbours of all elements across their sides; QUAD_FREE marks a side without a neighbour. */
+/*
+ * Neighbours of all elements across their sides; the value QUAD_FREE marks a side without a
+ * neighbour.
+ */
 #define QUAD_FREE UINT32_MAX
 typedef struct quad_topology {
     uint32_t (*neighbour)[4]; /* [elements][4] for each side of each element the side of its
-                                 neighbour, as the edge number 4 element + side, or QUAD_FREE */
+                                 neighbour, as the edge number 4 element + side, or QUAD_FREE where
+                                 there is no neighbour */
 } quad_topology;
 void quad_topology_free(quad_topology *topology);
 

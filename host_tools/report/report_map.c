@@ -95,8 +95,7 @@ typedef struct electrode {
 } electrode;
 
 /*
- * Draw the part of an electrode that lies in one element, as an area or as a line; outline_pieces
- * calls this function.
+ * Draw the part of an electrode that lies in one element, as an area or as a line.
  *   natural [count][2]  in  corners of the part in natural coordinates of the element, -1 to 1
  */
 static void draw_piece(void *context, int element, const double (*natural)[2], size_t count)

@@ -377,7 +377,7 @@ typedef enum scene_follower { FOLLOWER_NONE, FOLLOWER_NORMAL, FOLLOWER_PRESSURE 
 typedef struct scene_load {
     scene_load_type type;
     scene_where where; /* nodes on which a point load or line load acts; for a face load on a mesh
-                          from a file, the element set that it is limited to (WHERE_SET) */
+                          from a file, the element set that it is limited to */
     scene_face face;
     scene_component component; /* displacement component along which a load acts; u3 for a pressure
                                 */
@@ -452,7 +452,7 @@ typedef struct scene_output {
     scene_recovered recovered; /* whether the output is a strain or a stress; if so, it has a place
                                   on the mesh, but is no displacement */
     int recovered_component; /* component of a strain or stress, from 0 in the order 11 22 33 23 13
-                                12, or RECOVERED_MISES */
+                                12, or RECOVERED_MISES for the von Mises stress */
     int layer;  /* layer of a strain or stress output; -1: a strain that is measured over all layers
                    together */
     int height; /* height of a strain or stress output in its layer, or in all layers together: 0
@@ -787,7 +787,7 @@ typedef struct scene_safety {
 
 enum { SCENE_PLAYS = 32, SCENE_CREEPS = 8 };
 
-/* List of at most SCENE_PLAYS numbers, stored in the C struct itself without allocation. */
+/* Short list of numbers (at most SCENE_PLAYS), stored in the C struct itself without allocation. */
 typedef struct scene_short_list {
     int count;
     double value[SCENE_PLAYS];

@@ -26,8 +26,8 @@ static const char *const kind_names[] = {"a single value", "a list [...]",
                                          "a mapping {key: value}"};
 
 /*
- * Return the edit distance between two words; it is INT_MAX if one of them is longer than LONGEST
- * letters.
+ * Return the edit distance between two words; it is INT_MAX if one of them is too long to be
+ * compared.
  */
 static int distance(const char *first, const char *second)
 {

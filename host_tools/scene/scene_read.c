@@ -256,7 +256,10 @@ static int keep_origin(scene *scene, const char *path, const char *const *set, i
     return 0;
 }
 
-/* Set the positions of sections that the scene may lack to the scene file as a whole. */
+/*
+ * Let the position in the scene file of each section that a scene may lack stand for the whole
+ * file, so that error messages about a missing section name the file.
+ */
 static void set_positions(scene *scene)
 {
     scene_at *const at[] = {&scene->equilibrium.at, &scene->line[0].at,     &scene->line[1].at,

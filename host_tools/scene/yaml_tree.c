@@ -243,8 +243,8 @@ static int copy_children(tree *tree, int from, int to)
 }
 
 /*
- * Return the index of a new copy of a part of the YAML tree, or 0 on a fault. TREE_DEPTH limits its
- * depth and TREE_NODES its size.
+ * Return the index of a new copy of a part of the YAML tree, or 0 on a fault. A copy that would
+ * make the tree too deep or too large is a fault.
  */
 static int copy_tree(tree *tree, int from)
 {

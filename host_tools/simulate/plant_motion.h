@@ -31,7 +31,10 @@ typedef struct plant_motion {
      *   shape [targets] out  displacements
      */
     int (*shape)(struct plant *plant, double *shape, char *error);
-    /* Compute the values of all outputs in the latest shape, into the member `value`. */
+    /*
+     * Compute the values of all outputs in the latest shape of the plant, into the member `value`
+     * of the plant.
+     */
     int (*outputs)(struct plant *plant, char *error);
     /*
      * Compute the displacement vector of the latest shape.
@@ -53,8 +56,8 @@ int plant_input(const struct plant *plant, int load);
  * Functions for the static equilibrium of a plant under its present inputs. plant_static_shape
  * computes the equilibrium and the displacements of the target rows (controlled displacements) in
  * it, shape [targets]. The other two functions use this equilibrium: plant_static_outputs stores
- * the values of all outputs in the member `value`, and plant_static_displacement returns the
- * displacement vector [free_dof].
+ * the values of all outputs in the member `value` of the plant, and plant_static_displacement
+ * returns the displacement vector [free_dof].
  */
 int plant_static_shape(struct plant *plant, double *shape, char *error);
 int plant_static_outputs(struct plant *plant, char *error);

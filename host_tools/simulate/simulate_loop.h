@@ -176,13 +176,13 @@ void sense_close(loop *loop);
 
 /*
  * Take the readings of the plant in its present shape, with delay, noise and faults, and store them
- * in the member `sensed`. Returns 0, or -1 with error filled.
+ * in the array `sensed` of the loop. Returns 0, or -1 with error filled.
  */
 int sense_tick(loop *loop, int tick, char *error);
 
 /*
- * Compute the member `measurement_error`: the norm of the difference between the true shape and the
- * shape that the controller measures, relative to the norm of the scene's target.
+ * Compute the measurement error of the loop: the norm of the difference between the true shape and
+ * the shape that the controller measures, relative to the norm of the scene's target.
  */
 void sense_measurement_error(loop *loop);
 

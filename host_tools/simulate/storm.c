@@ -408,8 +408,8 @@ static double offset_of(const storm *storm, size_t row)
 }
 
 /*
- * Compute the static shape of the simulated structure under given voltages, and store it in the
- * member best_shape.
+ * Compute the static shape of the simulated structure under given voltages, and store it as the
+ * best shape of the storm (simulation with fast target jumps).
  */
 static void compute_rest(storm *storm, const double *voltage)
 {

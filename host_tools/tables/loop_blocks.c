@@ -160,7 +160,10 @@ static const void *governor_tables(loop_blocks *blocks)
 
 static uint64_t work_limit(const loop_blocks *blocks);
 
-/* Voltage problem of the design, with the work that the clock of the scene allows. */
+/*
+ * Return the voltage problem of the design, in which the optimiser's work limit is what the
+ * processor clock of the scene file allows.
+ */
 static const void *problem_tables(loop_blocks *blocks)
 {
     blocks->problem = blocks->design->problem;
@@ -196,7 +199,8 @@ static double target_rms(const design *design)
     return sqrt(sum);
 }
 
-/* Root mean square, over the target nodes, of the displacements under the loads of the scene (m).
+/*
+ * Root mean square, over the target nodes, of the displacements under the loads of the scene (m).
  */
 static double loaded_rms(const design *design)
 {

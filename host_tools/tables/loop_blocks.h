@@ -110,8 +110,8 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single);
 
 /*
- * Limit of the optimiser's work in one tick with a list of blocks (multiply-adds): the one that the
- * clock of the scene allows, or the default of the library.
+ * Limit of the optimiser's work in one tick with a list of blocks (multiply-adds): what the
+ * processor clock of the scene file allows, or the default of the library.
  */
 uint64_t loop_blocks_work_limit(const loop_blocks *blocks);
 

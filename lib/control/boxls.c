@@ -14,8 +14,8 @@
  *                     other bound there at once, while F follows so that its gradient stays zero;
  *                     stop at the minimum along this line, or where an input of F meets a bound and
  *                     leaves F;
- *   release           the same with one active input; if the minimum along its ray is nearer than
- *                     its bound, the input joins F there.
+ *   release           at a minimum over F, move one active input in this way; if the minimum
+ *                     along the line is nearer than its bound, the input joins F there.
  * A round ends with the true gradient, computed from H. Rounding errors of the tableau therefore
  * never reach the voltages; they only cost another round.
  *

@@ -64,7 +64,8 @@
     0xFFFFu /* value of the input number of a test signal of the fault detector that is not in use \
              */
 /*
- * The fault detector works only while at most 1/MISSING_LIMIT of all outputs have no measurement.
+ * The fault detector works only while at most a fixed part (1/MISSING_LIMIT) of all outputs have no
+ * measurement.
  */
 #define MISSING_LIMIT 8u
 
@@ -486,9 +487,9 @@ static void set_test_voltages(pzs_fault_detector *detector)
 }
 
 /*
- * Mark an electrode that has passed a test, so that it is not tested again for CLEARED_SHAPES
- * measured shapes. The sums that caused the test start anew: otherwise a sum that a flipped bit has
- * made very large would cause test after test until it has decayed.
+ * Mark an electrode that has passed a test, so that it is not tested again for a fixed number
+ * of measured shapes (CLEARED_SHAPES). The sums that caused the test start anew: otherwise a sum
+ * that a flipped bit has made very large would cause test after test until it has decayed.
  */
 static void mark_cleared(pzs_fault_detector *detector, uint32_t j)
 {
@@ -544,8 +545,8 @@ static bool has_no_response(const pzs_test_signal *test)
 }
 
 /*
- * Add one measured shape to the test of an electrode. The test ends after TEST_MOVES voltage
- * changes or TEST_SHAPES shapes. Returns whether the electrode is faulty.
+ * Add one measured shape to the test of an electrode. The test ends after a fixed number of
+ * voltage changes (TEST_MOVES) or of shapes (TEST_SHAPES). Returns whether the electrode is faulty.
  */
 static bool continue_test(pzs_fault_detector *detector, pzs_test_signal *test,
                           const pzs_real *voltage)

@@ -109,13 +109,13 @@
  */
 #define NO_INPUT 0xFFFFu
 /*
- * At most 1/MISSING_LIMIT of the sensors may give no reading during a standstill of the target or a
- * test pulse.
+ * At most this part (1/MISSING_LIMIT) of the sensors may give no reading during a standstill of the
+ * target or a test pulse.
  */
 #define MISSING_LIMIT 8u
 /*
  * The target counts as unmoved while the sum over the outputs of its squared weighted change is
- * below 1/STILL of the same sum for the shape of the weakest test pulse.
+ * below a fixed part (1/STILL) of the same sum for the shape of the weakest test pulse.
  */
 #define STILL PZS_R(64)
 
@@ -642,7 +642,8 @@ static void end_proof(pzs_pulse_detector_state *state)
 
 /*
  * End the test of a suspected electrode that is not faulty, or whose test gave no result. The
- * electrode is not suspected during the next CLEARED_RESTS standstills of the target.
+ * electrode is not suspected during a fixed number of further standstills of the target
+ * (CLEARED_RESTS).
  */
 static void clear_suspect(pzs_pulse_detector_state *state)
 {

@@ -998,7 +998,8 @@ static bool is_negligible(const rows_run *run)
 /*
  * Whether the voltages are optimal at the start of a round of iterations: either the violation of
  * the optimality (KKT) conditions is below its rounding-error bound, or the objective exceeds a
- * lower bound of its minimum by at most GAP times target_energy, the scale of the objective.
+ * lower bound of its minimum by at most the fraction GAP of target_energy, the scale of the
+ * objective.
  */
 static bool is_converged(const rows_run *run, bool is_whole)
 {

@@ -8,7 +8,9 @@
 
 #include "pzs_control_state.h"
 
-/* Size of a slice (bytes): tables of b bytes are checked once in b / SCRUB_BYTES ticks. */
+/*
+ * Size of a slice (bytes): tables of b bytes are checked once in as many ticks as they have slices.
+ */
 #define SCRUB_BYTES 64u
 
 /* Describe an array of `count` reals, which may be absent (NULL), as a part of a checksum. */

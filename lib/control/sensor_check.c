@@ -8,7 +8,7 @@
 
 /*
  * Assumed resolution of the sensors: an expected value counts as moving if it changes in one tick
- * by more than 1/RESOLUTION of |measured| plus the largest |expected| of all sensors.
+ * by more than this part (1/RESOLUTION) of |measured| plus the largest |expected| of all sensors.
  */
 #define RESOLUTION 64
 

@@ -368,7 +368,7 @@ static void eliminate_strip(const pzs_envelope *matrix, uint32_t at, uint32_t pa
 
 /*
  * Return the index of the first column that is still to be eliminated before a panel (PZS_TILE
- * matrix rows) can be finished. For the first panel of a group of GROUP panels these are all
+ * matrix rows) can be finished. For the first panel of a group of panels these are all
  * columns left of the group, for any other panel those of the panel before it.
  */
 static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)

@@ -62,8 +62,8 @@ void pzs_wide_update(pzs_real *block, size_t stride, const pzs_real *column, con
 #else
 
 /*
- * In a build without AVX2 loops, product_is_wide returns false, so that no code calls these
- * functions.
+ * In a build without AVX2 loops, product_is_wide returns false, so that no code calls the
+ * functions with AVX2 instructions.
  */
 #define pzs_wide_sum_rows(...) ((void)0)
 #define pzs_wide_subtract_rows(...) ((void)0)

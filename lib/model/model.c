@@ -523,7 +523,7 @@ pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *force)
  * K. The products with the stiffness matrix K are computed from the strains of the elements. The
  * first iteration is the plain solve by the factors, the others refine it. The iteration ends when
  * the squared error in the energy norm is below the rounding error of the energy of u, or after
- * REFINEMENT_LIMIT iterations.
+ * the largest number of iterations (REFINEMENT_LIMIT).
  *   r [free_dof] in/out  in: force; out: residual force
  *   u [free_dof] out     displacement
  */

@@ -264,7 +264,7 @@ static void correct_modes(const pzs_element_type *type, pzs_real strain[4][10])
 
 /*
  * Turn the resultants that belong to strains corrected for warp and skew into resultants of the
- * uncorrected strain modes (transpose of correct_modes).
+ * uncorrected strain modes (the transpose of the correction of the strains).
  */
 static void distribute_modes(const pzs_element_type *type, pzs_real resultant[4][10])
 {

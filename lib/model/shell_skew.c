@@ -32,7 +32,7 @@ static void skew_plane(const pzs_real skew[3], pzs_real strain[4][10], int face)
 
 /*
  * Turn resultants of the strains that were corrected for skew into resultants of the uncorrected
- * strain modes (transpose of skew_plane).
+ * strain modes (the transpose of the correction of the strains).
  */
 static void skew_plane_back(const pzs_real skew[3], pzs_real resultant[4][10], int face)
 {

@@ -540,7 +540,7 @@ static void add_support(const pzs_contact *contact, const pzs_solver *solver, pz
 
 /*
  * Whether the supports allow the shell to move as a rigid body, found by elimination on the Gram
- * matrix of the constrained degrees of freedom (add_support). A pivot counts as positive only above
+ * matrix of the constrained degrees of freedom. A pivot counts as positive only above
  * the rounding error of its sum and above 1e-6; the entries of the rows are about 1.
  */
 static bool is_loose(const pzs_contact *contact, const pzs_solver *solver)

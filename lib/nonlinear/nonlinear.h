@@ -68,8 +68,8 @@ struct pzs_solver_option_calls {
     /*
      * For a solver option with unknowns of its own (voltages of open electrodes): add the
      * displacement that these unknowns cause to du [free_dof], which was solved for without them.
-     *   input in  the input to whose unit du is the response; NEWTON: du is the response to the
-     *             force imbalance; NO_INPUT: du is the response to another force
+     *   input in  the input to whose unit du is the response; the constant NEWTON: du is the
+     *             response to the force imbalance; NO_INPUT: du is the response to another force
      * Returns false if the unknowns cannot be solved for. This function may use the third and
      * fourth vector of the work array of the model.
      */

@@ -55,7 +55,9 @@ typedef struct plant {
     double deviation[PLANT_ROWS]; /* vibration: difference between each displacement in `rows` and
                                      its value in static equilibrium */
     double history[(PLANT_DELAY + 1) * PLANT_SENSORS]; /* ring buffer with the noise-free readings
-                                                          of the last PLANT_DELAY + 1 ticks */
+                                                          of the present tick and of as many ticks
+                                                          before as the readings are late
+                                                          (PLANT_DELAY) */
     double reading[PLANT_SENSORS], sensed[PLANT_SENSORS]; /* reading: latest readings with noise;
                                                              sensed: readings that the controller
                                                              receives */
@@ -129,8 +131,8 @@ static void compute_rows(plant *plant)
 }
 
 /*
- * Compute the readings that the controller receives at the present tick, which were taken
- * PLANT_DELAY ticks before.
+ * Compute the readings that the controller receives at the present tick. They were taken
+ * some ticks before, by the delay of the sensors (PLANT_DELAY).
  */
 static void sense(plant *plant)
 {
