@@ -71,7 +71,8 @@ const command_entry command_table[COMMANDS] = {
          "clipped (see the notes of pzs --help). The narrowest limit of an amplifier always wins: "
          "the common limits, its own limits and held voltage (limits.each), and the depolarisation "
          "field of its material (field_limit). The shape error is the weighted RMS misfit over the "
-         "RMS of the target. Target nodes on constrained dof, which cannot move, do not count; "
+         "RMS of the wanted change of shape: the target less the shape without voltages, which "
+         "loads cause. Target nodes on constrained dof, which cannot move, do not count; "
          "shape reports them where they are not as wanted, and the error with them. target.free: "
          "functions that are taken out of target and error (piston, tip, tilt, or formulas). The "
          "discretisation error of the mesh is not in the shape error: --error estimates it.",
@@ -262,12 +263,13 @@ const option_entry option_table[OPTIONS] = {
                        BIT(COMMAND_MODES) | BIT(COMMAND_CALIBRATE),
                        "how many modes, 1 to 200; default 10; of calibrate --vibration at most "
                        "20, default 5"},
-    [OPTION_CSV] = {"--csv", NULL, "FILE.csv", ARGUMENT_FILE, NULL, BIT(COMMAND_SIMULATE),
-                    "a line a tick: tick, time (s), error of the shape over the scene's target, "
-                    "active (voltages at a limit), passes of "
-                    "the optimiser, status (pzs_status of the tick), lost (1: the controller did "
-                    "not run), missed (by the estimate of "
-                    "the shape), then the voltages that each amplifier gives"},
+    [OPTION_CSV] =
+        {"--csv", NULL, "FILE.csv", ARGUMENT_FILE, NULL, BIT(COMMAND_SIMULATE),
+         "a line a tick: tick, time (s), error and vibration of the shape over the scene's "
+         "target, active (voltages at a limit), iterations of "
+         "the optimiser, status (pzs_status of the tick), lost (1: the controller did "
+         "not run), missed (by the estimate of "
+         "the shape), then the voltages that each amplifier gives"},
     [OPTION_DEVICE] = {"--device", NULL, "BOARD", ARGUMENT_CHOICE, boards, BIT(COMMAND_SIMULATE),
                        "the firmware of a board under QEMU is the controller, and every bit is "
                        "compared with the same C here: " DEVICE_BOARDS(

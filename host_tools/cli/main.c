@@ -829,9 +829,12 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
 static void print_tables(const options *options, const analysis *analysis, const char *path)
 {
     const design *design = &analysis->design;
-    printf("%s: %s image of %s, %d amplifiers, %d target nodes, %d free dof\n", path,
-           tables_image_name[options->image], design->name, design->amplifiers, design->targets,
-           design->mesh.free_dof);
+    printf("%s: %s image of %s, %d amplifiers, ", path, tables_image_name[options->image],
+           design->name, design->amplifiers);
+    if (design->scene->influence.given)
+        printf("%d outputs\n", design->targets);
+    else
+        printf("%d target nodes, %d free dof\n", design->targets, design->mesh.free_dof);
     if (options->image == TABLES_NONLINEAR)
         printf("condition %.1e after scaling: %s\n", analysis->model.info.condition,
                tables_allow_float(analysis) ? "float or double" : "refused in float");

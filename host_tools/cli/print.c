@@ -29,8 +29,10 @@ static const char *precision_needed(const analysis *analysis)
     if (analysis->model.info.condition > 1e14) /* The stiffness matrix of the undeformed state is
                                                   too close to singular for pzs_factor. */
         return "double; loose at rest, held by a contact or by its prescribed displacements alone";
-    return analysis->is_nonlinear ? "the nonlinear path needs double"
-                                  : "double, or float with refinement, which says where it ends";
+    return analysis->is_nonlinear
+               ? "the nonlinear path needs double"
+               : "double recommended; in float refined, and refused (PZS_E_CONDITION) "
+                 "where that does not converge";
 }
 
 /*
@@ -84,7 +86,7 @@ static void print_structure(const analysis *analysis)
         printf("  %d elements from %s", mesh->elements, design->quads->file);
     else
         printf("  %d x %d elements", design->mesh.line[0].elements, design->mesh.line[1].elements);
-    printf(" of %d kind%s, %d nodes, %d free dof, half bandwidth %d\n", mesh->types,
+    printf(" of %d element type%s, %d nodes, %d free dof, half bandwidth %d\n", mesh->types,
            mesh->types == 1 ? "" : "s", mesh->nodes, mesh->free_dof, mesh_half_bandwidth(mesh));
     if (mesh->quads)
         printf("  envelope of the factor: %.0f numbers, %.0f a row after renumbering\n",
@@ -633,6 +635,15 @@ static void print_rows(const design *design, const voltages *best)
          "limits");
 }
 
+/* Return whether the loads of the scene change the shape at the target nodes without voltages. */
+static bool has_loads(const design *design)
+{
+    bool is_changed = false;
+    for (int i = 0; i < design->targets; i++)
+        is_changed |= design->wanted[i] != design->target[i];
+    return is_changed;
+}
+
 void print_shape(const shape_run *run)
 {
     const analysis *analysis = run->analysis;
@@ -677,8 +688,11 @@ void print_shape(const shape_run *run)
         print_choice(run);
     print_modes(design, &run->modes);
     print_mesh_error(&analysis->mesh_error);
-    printf("\nshape error %.3f%% of the target with every voltage inside its limit (%s)\n",
-           100 * best->error, limits);
+    printf("\nshape error %.3f%% of the %s with every voltage inside its limit (%s)\n",
+           100 * best->error, has_loads(design) ? "wanted change of shape" : "target", limits);
+    if (has_loads(design))
+        puts("  wanted change of shape: target less the shape without voltages, which the loads of "
+             "the scene cause");
 }
 
 /*

@@ -18,7 +18,7 @@ static const char *const law_name[LAWS] = {"controller", "clipped", "regularised
 
 static void print_csv_head(FILE *file, const design *design, int estimates)
 {
-    fprintf(file, "tick,time,error,vibration,active,passes,status,lost%s",
+    fprintf(file, "tick,time,error,vibration,active,iterations,status,lost%s",
             estimates ? ",missed" : "");
     for (int k = 0; k < design->amplifiers; k++)
         fprintf(file, ",%s", design->amplifier_name[k]);
@@ -182,8 +182,10 @@ static void print_phases(const simulation *simulation)
     puts("\n  vibration: root mean square distance from the static equilibrium, in the last ticks");
     puts("  optimum: best shape within the stroke that voltage limits and hysteresis leave to the "
          "electrodes");
-    puts("  errors of the shape over the scene's target; settled: ticks until within 5% of the "
-         "way; step limit: ticks the step limit alone needs");
+    printf("  errors of the shape over %s; settled: ticks until within 5%% of the "
+           "way; step limit: ticks the step limit alone needs\n",
+           simulation->has_target ? "the scene's target"
+                                  : "the shape without voltages, because the target is zero");
     puts("  clipped: least squares without limits, cut to limits and step limit; regularised: the "
          "same with the\n"
          "  one parameter that is best for the scene's target on the controller's model, chosen "
@@ -227,7 +229,7 @@ static void print_count(const simulation *simulation, simulate_law law)
     const long run = simulate_ran(count);
     printf("  %-11s %ld voltages beyond a limit or the step limit, %ld not finite; %ld ticks run, "
            "%ld lost, %ld held, %ld with a rejected sensor, "
-           "%ld out of passes\n",
+           "%ld at the work limit\n",
            law_name[law], count->beyond_limits, count->not_finite, run, count->missed_ticks,
            count->status[PZS_W_HELD], count->status[PZS_W_SENSOR], count->status[PZS_W_ITERATIONS]);
     if (simulation->nominal->design.limits.rows > 0)

@@ -168,8 +168,10 @@ static const field sections[] = {
     {"outputs", read_outputs, .form = &outputs_form,
      .help = "Displacements, results of contact, voltages and charges to print and to measure."},
     {"target", read_target, .form = &target_form,
-     .help = "Shape to reach. The shape error is the weighted RMS misfit over the RMS of the "
-             "target; nodes on constrained dof, which cannot move, do not count and are reported."},
+     .help =
+         "Shape to reach. The shape error is the weighted RMS misfit over the RMS of the "
+         "target less the shape without voltages; nodes on constrained dof, which cannot move, do "
+         "not count and are reported."},
     COMPARE_ROW,
     {"estimate", read_estimate, .form = &estimate_form,
      .help = "Estimate of the shape from outputs through the model, for a firmware that cannot "

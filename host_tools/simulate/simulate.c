@@ -246,6 +246,18 @@ static int make_tables(const simulation *simulation, analysis *nominal, char *er
     return simulate_tables(nominal, error) < 0 || certify_loop(nominal, error) < 0 ? -1 : 0;
 }
 
+/*
+ * Set the denominator of all relative errors: the weighted norm of the scene's target, or, where
+ * the target is zero, that of the shape without voltages; 1 where both are zero.
+ */
+static void set_reference(simulation *simulation, const design *design)
+{
+    const double target = design_squares(design, design->target, NULL);
+    const double squares = target > 0 ? target : design_squares(design, design->wanted, NULL);
+    simulation->has_target = target > 0;
+    simulation->reference = squares > 0 ? sqrt(squares) : 1;
+}
+
 int simulate_open(simulation *simulation, analysis *nominal, char *error)
 {
     const design *design = &nominal->design;
@@ -254,8 +266,7 @@ int simulate_open(simulation *simulation, analysis *nominal, char *error)
     if (imperfections_check(design, error) < 0 || check_free(design, error) < 0 ||
         plant_open(&simulation->plant, design, error) < 0)
         return -1;
-    const double squares = design_squares(design, design->target, NULL);
-    simulation->reference = squares > 0 ? sqrt(squares) : 1;
+    set_reference(simulation, design);
     int failed = lay_out_phases(simulation) ? 0 : no_memory(nominal, error);
     failed = failed || check_inertia(simulation, error) < 0 ||
              make_tables(simulation, nominal, error) < 0 ||

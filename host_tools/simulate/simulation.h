@@ -151,8 +151,9 @@ typedef struct simulation {
     bool estimates;                      /* whether the shape is estimated from few sensors */
     bool feeds;                          /* whether known loads are fed forward to the voltages */
     bool quantises;   /* whether the amplifiers have a resolution or a dead band */
-    double reference; /* weighted norm of the scene's target, the denominator of all relative errors
-                       */
+    bool has_target;  /* whether the scene's target is not zero at all target nodes */
+    double reference; /* denominator of all relative errors: the weighted norm of the scene's target
+                         or, where the target is zero, of the shape without voltages (m) */
     double compared_regularisation; /* regularisation that regularised clipped least squares, a
                                        control law for comparison, adds to the regularisation of the
                                        scene (m2/V2) */

@@ -485,9 +485,15 @@ run 0 simulate plate-closed-loop $quick --set simulate.ticks=60 --json --csv "$d
           j['phases'][0]['optimum'] <= j['phases'][0]['controller']['steady'] < j['phases'][0]['clipped']['steady'] / 2 and
           j['phases'][0]['controller']['steady'] < j['phases'][0]['regularised']['steady'] < j['phases'][0]['clipped']['steady']"
 check 'simulate: optimum, controller and clipping in JSON' $?
-[ "$(wc -l <"$dir/loop.csv")" -eq 61 ] && head -n 1 "$dir/loop.csv" | grep -q '^tick,time,error,vibration,active,passes,status,lost,v_1_1,.*,v_5_5$' &&
+[ "$(wc -l <"$dir/loop.csv")" -eq 61 ] && head -n 1 "$dir/loop.csv" | grep -q '^tick,time,error,vibration,active,iterations,status,lost,v_1_1,.*,v_5_5$' &&
     [ "$(awk -F, '{print NF}' "$dir/loop.csv" | sort -u)" = 33 ]
 check 'simulate: a CSV line a tick, a column a quantity' $?
+"$PZS" new panel >"$dir/zero.yaml"
+run 0 simulate "$dir/zero.yaml" --quasi-static --set 'simulate={ticks: 2, plant: {inertia: false, hysteresis: 0}}' --csv "$dir/zero.csv" &&
+    grep -q 'errors of the shape over the shape without voltages, because the target is zero' "$dir/out" && [ "$(sed -n 2p "$dir/zero.csv" | cut -d, -f3)" = 1 ]
+check 'simulate: of a target of zero, errors over the shape without voltages' $?
+run 0 shape "$dir/zero.yaml" && grep -q '^shape error 0.758% of the wanted change of shape' "$dir/out"
+check 'shape: under loads, errors over the wanted change of shape' $?
 law loop.html xml && law loop.svg xml && law loop.html text 'Voltages of the amplifiers' v_1_1 v_5_5 'pzs simulate plate-closed-loop' 'Regularised, then clipped' 'Quasi-static plant: no inertia (the scene says inertia: false). First natural frequency'
 check 'simulate: report' $?
 # shellcheck disable=SC2086
