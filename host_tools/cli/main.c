@@ -203,6 +203,28 @@ static int write_solve(const report_job *job, const void *result)
                         solution->stress);
 }
 
+/*
+ * Write a VTU file of the deformed mesh, with the potentials of bare faces.
+ *   vector [nodes][3] in  displacement of the middle surface
+ * Returns 0, or -1 where memory runs out.
+ */
+static int write_deformed(const analysis *analysis, double *vector, FILE *file)
+{
+    const design *design = &analysis->design;
+    report_array *array = calloc(1 + 2 * (size_t)design->layers, sizeof *array);
+    if (!array)
+        return -1;
+    array[0] = (report_array){"displacement", 3, false, vector};
+    const int potentials =
+        design->bare.count > 0 ? report_potentials(design, analysis->input_value, array + 1) : 0;
+    const int failed =
+        potentials < 0 ? -1 : report_vtu(file, &design->mesh, NULL, array, 1 + potentials);
+    for (int k = 1; k <= potentials; k++)
+        free(array[k].value);
+    free(array);
+    return failed;
+}
+
 static int write_vtu(const analysis *analysis, const double *displacement,
                      const stress_field *stress, const char *path)
 {
@@ -215,9 +237,8 @@ static int write_vtu(const analysis *analysis, const double *displacement,
         return status;
     }
     report_displacement(mesh, displacement, vector);
-    const report_array array = {"displacement", 3, false, vector};
     const int failed = stress ? report_stress_vtu(output.file, stress, vector)
-                              : report_vtu(output.file, mesh, NULL, &array, 1);
+                              : write_deformed(analysis, vector, output.file);
     free(vector);
     return outfile_end(&output, failed);
 }

@@ -312,6 +312,7 @@ void print_solve(analysis *analysis, const double *displacement, const double *v
         print_output(analysis, k, value);
     print_springs(analysis, displacement);
     print_electrodes(analysis);
+    print_bare_faces(analysis);
     print_stress(stress);
     print_mesh_error(&analysis->mesh_error);
 }
@@ -385,6 +386,7 @@ void print_solve_json(analysis *analysis, const double *displacement, const doub
     print_springs_json(&json, analysis, displacement);
     if (design->electrodes.count > 0)
         print_electrodes_json(&json, analysis);
+    print_bare_faces_json(&json, analysis);
     if (analysis->load_path.points > 0)
         print_load_path_json(&json, analysis, &analysis->load_path);
     print_stress_json(&json, stress);

@@ -65,6 +65,13 @@ void print_solve_json(analysis *analysis, const double *displacement, const doub
 void print_electrodes(analysis *analysis);
 void print_electrodes_json(json *json, analysis *analysis);
 
+/*
+ * Print the range of the potential of each bare face (face of a layer without electrode). Without
+ * bare faces nothing is printed.
+ */
+void print_bare_faces(const analysis *analysis);
+void print_bare_faces_json(json *json, const analysis *analysis);
+
 /* Print the voltages of all results with their shape errors. */
 void print_shape(const shape_run *run);
 void print_shape_json(const shape_run *run);

@@ -2,6 +2,7 @@
 /* Voltages, charges and capacitances of the electrodes of a scene on standard output (print.h). */
 #include <math.h>
 #include <stdio.h>
+#include "../model/bare_faces.h"
 #include "print.h"
 #include "../text/words.h"
 
@@ -21,11 +22,82 @@ static const char *name_of(const design *design, int k)
                                       : design->electrode_name[input - design->sensor_first];
 }
 
+/* Number of electrodes of amplifiers and sensors; the potentials of bare faces follow them. */
+static int electrodes_of_patches(const design *design)
+{
+    return design->electrodes.count - design->bare.count;
+}
+
+/* Lowest and highest potential of a bare face, and the number of its nodes with a potential. */
+typedef struct face_range {
+    double lowest, highest;
+    int nodes;
+} face_range;
+
+static face_range range_of(const analysis *analysis, int layer, int face)
+{
+    const design *design = &analysis->design;
+    face_range range = {HUGE_VAL, -HUGE_VAL, 0};
+    for (int node = 0; node < design->mesh.nodes; node++) {
+        const size_t slot = (size_t)(layer + face) * (size_t)design->mesh.nodes + (size_t)node;
+        const double value =
+            bare_faces_potential(&design->bare, analysis->input_value, layer, face, node);
+        if (design->bare.number[slot] < 0)
+            continue;
+        range.lowest = fmin(range.lowest, value);
+        range.highest = fmax(range.highest, value);
+        range.nodes++;
+    }
+    return range;
+}
+
+static bool is_bare(const design *design, int layer, int face)
+{
+    return design->layer[layer].bare & (face ? BARE_OUTER : BARE_INNER);
+}
+
+void print_bare_faces(const analysis *analysis)
+{
+    const design *design = &analysis->design;
+    char unit[WORDS_UNIT];
+    words_unit(&design->units, QUANTITY_VOLTAGE, unit);
+    for (int k = 0; k < 2 * design->layers && design->bare.count > 0; k++) {
+        if (!is_bare(design, k / 2, k % 2))
+            continue;
+        const face_range range = range_of(analysis, k / 2, k % 2);
+        printf("  potential of the bare %s face of layer %d %s: %.6e .. %.6e%s%s at %d nodes\n",
+               k % 2 ? "outer" : "inner", k / 2 + 1, design->layer[k / 2].name, range.lowest,
+               range.highest, *unit ? " " : "", unit, range.nodes);
+    }
+}
+
+void print_bare_faces_json(json *json, const analysis *analysis)
+{
+    const design *design = &analysis->design;
+    if (design->bare.count == 0)
+        return;
+    json_open(json, "bare_faces", '[');
+    for (int k = 0; k < 2 * design->layers; k++) {
+        if (!is_bare(design, k / 2, k % 2))
+            continue;
+        const face_range range = range_of(analysis, k / 2, k % 2);
+        json_open(json, NULL, '{');
+        json_number(json, "layer", k / 2 + 1);
+        json_string(json, "name", design->layer[k / 2].name);
+        json_string(json, "face", k % 2 ? "outer" : "inner");
+        json_number(json, "nodes", range.nodes);
+        json_number(json, "lowest", range.lowest);
+        json_number(json, "highest", range.highest);
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+}
+
 void print_electrodes(analysis *analysis)
 {
     const design *design = &analysis->design;
     char unit[2][WORDS_UNIT], head[2][2 * WORDS_UNIT];
-    if (design->electrodes.count == 0)
+    if (electrodes_of_patches(design) == 0)
         return;
     words_unit(&design->units, QUANTITY_VOLTAGE, unit[0]);
     words_unit(&design->units, QUANTITY_CHARGE, unit[1]);
@@ -34,7 +106,7 @@ void print_electrodes(analysis *analysis)
                  unit[k]);
     printf("\n  %-20s %-8s %14s %14s %18s %18s\n", "electrode", "circuit", head[0], head[1],
            "capacitance, held", "free");
-    for (int k = 0; k < design->electrodes.count; k++) {
+    for (int k = 0; k < electrodes_of_patches(design); k++) {
         printf("  %-20s %-8s %14.6e %14.6e %18.6e ", name_of(design, k), connection(design, k),
                analysis->input_value[design->electrodes.input[k]], analysis->charge[k],
                analysis_capacitance(analysis, k, 0));
@@ -54,7 +126,7 @@ void print_electrodes_json(json *json, analysis *analysis)
 {
     const design *design = &analysis->design;
     json_open(json, "electrodes", '{');
-    for (int k = 0; k < design->electrodes.count; k++) {
+    for (int k = 0; k < electrodes_of_patches(design); k++) {
         json_open(json, name_of(design, k), '{');
         json_string(json, "circuit", connection(design, k));
         json_number(json, "voltages", analysis->input_value[design->electrodes.input[k]]);

@@ -54,7 +54,7 @@ void print_output(const analysis *analysis, int k, const double *value)
     const scene_output *output = &analysis->design.output[k];
     const int count = analysis_outputs(analysis, k);
     const double first = analysis_output(analysis, k, 0, value);
-    const char *places = output->electric == ELECTRIC_NONE ? "nodes" : "electrodes";
+    const char *places = analysis_output_node(analysis, k, 0) >= 0 ? "nodes" : "electrodes";
     double least = HUGE_VAL, most = -HUGE_VAL;
     char name[WORDS_UNIT], unit[WORDS_UNIT + 1];
     words_unit(&analysis->design.units, words_of_output(output), name);

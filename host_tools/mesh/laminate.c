@@ -150,6 +150,38 @@ static void build_electric(const scene_material *material, const scene_layer *la
     ply->is_field_along_surface = has_fingers;
 }
 
+/*
+ * Compute the prescribed stress, the permittivity and the pyroelectric constants of a ply for
+ * electric fields along the surface, in the axes of the shell. A field in these axes is first
+ * turned into the axes of the ply by the angle of the layer.
+ */
+static void build_along(const scene_material *material, const scene_layer *layer,
+                        double stiffness[6][6], double transform[6][6], laminate_ply *ply)
+{
+    const int poling = abs(layer->poling) - 1;
+    const double sign = layer->poling < 0 ? -1 : 1;
+    const double cosine = transform[3][3], sine = transform[4][3];
+    const double share[2][2] = {{cosine, sine}, {-sine, cosine}};
+    memset(ply->stress_along, 0, sizeof ply->stress_along);
+    memset(ply->permittivity_along, 0, sizeof ply->permittivity_along);
+    for (int axis = 0; axis < 2; axis++) {
+        double stress[6], turned[6];
+        const double permittivity =
+            axis == poling ? material->permittivity : material->permittivity_across;
+        field_stress(material, stiffness, poling, axis, stress);
+        turn_back(transform, stress, turned);
+        for (int i = 0; i < 2; i++) {
+            for (int k = 0; k < 6; k++)
+                ply->stress_along[i][k] -= sign * share[axis][i] * turned[k];
+            for (int j = 0; j < 2; j++)
+                ply->permittivity_along[i][j] += share[axis][i] * permittivity * share[axis][j];
+        }
+    }
+    for (int i = 0; i < 2; i++)
+        ply->pyroelectric_along[i] =
+            poling < 2 ? sign * material->pyroelectric * share[poling][i] : 0;
+}
+
 static int build_ply(const scene_material *material, const scene_layer *layer, laminate_ply *ply)
 {
     double stiffness[6][6], transform[6][6], half[6][6], stress[6];
@@ -166,6 +198,7 @@ static int build_ply(const scene_material *material, const scene_layer *layer, l
             for (int k = 0; k < 6; k++)
                 ply->c[i][j] += transform[k][i] * half[k][j];
         }
+    build_along(material, layer, stiffness, transform, ply);
     build_electric(material, layer, stiffness, stress, ply);
     turn_back(transform, stress, ply->stress_per_voltage);
     for (int i = 0; i < 6; i++) {
@@ -462,6 +495,9 @@ double laminate_field_at(const laminate *laminate, const scene_element *element,
         return field->temperature[0] + (field->temperature[1] - field->temperature[0]) *
                                            (z - laminate->z[0]) / laminate->thickness;
     const double *face = laminate->ply[field->ply].z;
+    if (field->axis > 0)
+        return field->along[0] +
+               (field->along[1] - field->along[0]) * (z - face[0]) / (face[1] - face[0]);
     if (laminate->ply[field->ply].is_field_along_surface)
         return 1;
     for (int point = 0; point < POINTS; point++)
@@ -472,14 +508,21 @@ double laminate_field_at(const laminate *laminate, const scene_element *element,
 }
 
 /*
- * Return the prescribed stress of a ply per unit of a field (voltage or temperature), as an array
- * of six numbers in the axes of the shell.
+ * Return the prescribed stress of a ply per unit of an electric field, across the ply or along the
+ * surface, as an array of six numbers in the axes of the shell.
  */
-static const double *field_stress_of(const laminate *laminate, const laminate_field *field,
-                                     int layer)
+static const double *electric_stress_of(const laminate_ply *ply, const laminate_field *field)
 {
-    return field->ply >= 0 ? laminate->ply[layer].stress_per_voltage
-                           : laminate->ply[layer].stress_per_kelvin;
+    return field->axis > 0 ? ply->stress_along[field->axis - 1] : ply->stress_per_voltage;
+}
+
+/*
+ * Return the prescribed stress of a ply per unit of a field (voltage, electric field along the
+ * surface or temperature), as an array of six numbers in the axes of the shell.
+ */
+static const double *field_stress_of(const laminate_ply *ply, const laminate_field *field)
+{
+    return field->ply < 0 ? ply->stress_per_kelvin : electric_stress_of(ply, field);
 }
 
 static int field_acts(const laminate_place *place, const laminate_field *field, int layer)
@@ -719,7 +762,7 @@ static bool causes_shear(const laminate *laminate, const laminate_place *place,
                          const laminate_field *field)
 {
     for (int layer = 0; layer < laminate->plies; layer++) {
-        const double *stress = field_stress_of(laminate, field, layer);
+        const double *stress = field_stress_of(&laminate->ply[layer], field);
         if (field_acts(place, field, layer) && (stress[3] != 0 || stress[4] != 0))
             return true;
     }
@@ -765,8 +808,22 @@ static void ply_stress(const laminate_ply *ply, const scene_element *element,
 }
 
 /*
- * Return the thickness strain that a field (voltage or temperature) would cause, as a mean over all
- * plies, if every ply thickened freely; the strain is measured along the director of the element.
+ * Return the value of a field at the middle of a ply: 1 for a voltage, the temperature (K), or the
+ * electric field along the surface (V/m).
+ */
+static double field_mean(const laminate *laminate, const laminate_field *field,
+                         const laminate_ply *ply)
+{
+    const double share = ((ply->z[0] + ply->z[1]) / 2 - laminate->z[0]) / laminate->thickness;
+    if (field->ply < 0)
+        return field->temperature[0] + (field->temperature[1] - field->temperature[0]) * share;
+    return field->axis > 0 ? (field->along[0] + field->along[1]) / 2 : 1;
+}
+
+/*
+ * Return the thickness strain that a field (voltage, electric field along the surface or
+ * temperature) would cause, as a mean over all plies, if every ply thickened freely; the strain is
+ * measured along the director of the element.
  */
 static double free_thickening(const laminate *laminate, const laminate_place *place,
                               const laminate_field *field)
@@ -774,13 +831,9 @@ static double free_thickening(const laminate *laminate, const laminate_place *pl
     double thickening = 0;
     for (int layer = 0; layer < laminate->plies; layer++) {
         const laminate_ply *ply = &laminate->ply[layer];
-        const double share = ((ply->z[0] + ply->z[1]) / 2 - laminate->z[0]) / laminate->thickness;
-        const double mean =
-            field->ply >= 0
-                ? 1
-                : field->temperature[0] + (field->temperature[1] - field->temperature[0]) * share;
+        const double mean = field_mean(laminate, field, ply);
         if (field_acts(place, field, layer))
-            thickening += field_stress_of(laminate, field, layer)[2] / ply->c[2][2] * mean *
+            thickening += field_stress_of(&laminate->ply[layer], field)[2] / ply->c[2][2] * mean *
                           (ply->z[1] - ply->z[0]) / laminate->thickness;
     }
     return place->is_general ? thickening * place->natural.base[2][2] * place->natural.base[2][2]
@@ -804,7 +857,8 @@ static void field_resultants(const laminate *laminate, const scene_element *elem
         double stress[6];
         if (!field_acts(place, field, layer))
             continue;
-        ply_stress(&laminate->ply[layer], element, field_stress_of(laminate, field, layer), stress);
+        ply_stress(&laminate->ply[layer], element, field_stress_of(&laminate->ply[layer], field),
+                   stress);
         integrate_stress(laminate, element, place, &laminate->ply[layer], field, stress, h0);
     }
     const int thickens =
@@ -830,7 +884,7 @@ void laminate_resultants(const laminate *laminate, const scene_element *element,
 void laminate_unit_resultants(const laminate *laminate, const scene_element *element,
                               const laminate_place *place, int ply, double h0[N])
 {
-    const laminate_field field = {ply, {1, 1}};
+    const laminate_field field = {.ply = ply, .temperature = {1, 1}};
     laminate_resultants(laminate, element, place, &field, h0);
 }
 
@@ -857,36 +911,63 @@ static double shear_charge(const laminate *laminate, const scene_element *elemen
 }
 
 /*
+ * Return the second derivative, per volume and with its sign changed, of the electric enthalpy of a
+ * ply with respect to the values of two fields while the ply has no strain: a permittivity for two
+ * electric fields, a pyroelectric constant for an electric field and a temperature. The electric
+ * field of a voltage has the value 1.
+ */
+static double field_density(const laminate_ply *ply, const laminate_field *first,
+                            const laminate_field *second)
+{
+    const double thickness = ply->z[1] - ply->z[0];
+    if (second->ply < 0)
+        return first->axis > 0 ? ply->pyroelectric_along[first->axis - 1]
+                               : ply->pyroelectric_charge / thickness;
+    if (first->axis > 0 && second->axis > 0)
+        return ply->permittivity_along[first->axis - 1][second->axis - 1];
+    return first->axis == second->axis ? ply->capacitance / thickness : 0;
+}
+
+/*
+ * With the element option lin33 the thickness strain of a ply differs from that of all plies
+ * together by its own free thickening less the mean thickening of all plies. The energy of these
+ * strains adds the integral of the normal stiffness times both free thickenings of the ply, less
+ * the normal stiffness of all plies together times both mean thickenings.
+ */
+double laminate_capacitance(const laminate *laminate, const scene_element *element,
+                            const laminate_place *place, const laminate_field *first,
+                            const laminate_field *second, bool is_uniform)
+{
+    const int ply = first->ply;
+    const laminate_ply *own = &laminate->ply[ply];
+    const double half = (own->z[1] - own->z[0]) / 2;
+    const double thickening = element->lin33 ? electric_stress_of(own, first)[2] *
+                                                   field_stress_of(own, second)[2] / own->c[2][2]
+                                             : 0;
+    double stiffness[N][N], share[6], charge = 0;
+    for (int point = 0; point < POINTS && field_acts(place, second, ply); point++) {
+        const double z = (own->z[0] + own->z[1]) / 2 + half * gauss_x[point];
+        charge += half * gauss_w[point] * metric_at(element, place, z, share) *
+                  (field_density(own, first, second) + thickening) *
+                  laminate_field_at(laminate, element, place, first, z) *
+                  laminate_field_at(laminate, element, place, second, z);
+    }
+    if (element->lin33 && place->present_plies >> ply & 1u &&
+        package_stiffness(laminate, element, place, stiffness) == 0)
+        charge -= free_thickening(laminate, place, first) *
+                  free_thickening(laminate, place, second) * stiffness[M33][M33];
+    if (is_uniform)
+        charge += shear_charge(laminate, element, place, first, second);
+    return charge * place->area;
+}
+
+/*
  * The charge of an electrode is the second derivative of the electric enthalpy of all plies with
- * respect to both fields, with its sign changed. With the element option lin33 the thickness strain
- * of a ply differs from that of all plies together by its own free thickening less the mean
- * thickening of all plies. The energy of these strains adds the integral of the normal stiffness
- * times both free thickenings of the ply, less the normal stiffness of all plies together times
- * both mean thickenings.
+ * respect to the voltage of the electrode and the field, with its sign changed.
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field)
 {
-    const laminate_field voltage = {ply, {0, 0}};
-    const laminate_ply *own = &laminate->ply[ply];
-    const double half = (own->z[1] - own->z[0]) / 2;
-    const double direct = field->ply >= 0 ? own->capacitance : own->pyroelectric_charge;
-    const double thickening =
-        element->lin33
-            ? own->stress_per_voltage[2] * field_stress_of(laminate, field, ply)[2] / own->c[2][2]
-            : 0;
-    double stiffness[N][N], share[6], charge = 0;
-    for (int point = 0; point < POINTS && field_acts(place, field, ply); point++) {
-        const double z = (own->z[0] + own->z[1]) / 2 + half * gauss_x[point];
-        charge += half * gauss_w[point] * metric_at(element, place, z, share) *
-                  (direct / (2 * half) + thickening) *
-                  laminate_field_at(laminate, element, place, &voltage, z) *
-                  laminate_field_at(laminate, element, place, field, z);
-    }
-    if (element->lin33 && place->present_plies >> ply & 1u &&
-        package_stiffness(laminate, element, place, stiffness) == 0)
-        charge -= free_thickening(laminate, place, &voltage) *
-                  free_thickening(laminate, place, field) * stiffness[M33][M33];
-    charge += shear_charge(laminate, element, place, &voltage, field);
-    return charge * place->area;
+    const laminate_field voltage = {.ply = ply};
+    return laminate_capacitance(laminate, element, place, &voltage, field, true);
 }

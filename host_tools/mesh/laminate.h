@@ -36,6 +36,13 @@ typedef struct laminate_ply {
                                     of interdigitated electrodes on its faces */
     bool is_field_along_surface; /* whether the field of a voltage is along the surface
                                     (interdigitated electrodes) rather than along e3 */
+    double stress_along[2][6];   /* prescribed stress of a ply per electric field along axis 1 and
+                                    along axis 2 of the shell (C/m2), Voigt order 11 22 33 23
+                                  13 12 */
+    double permittivity_along[2][2]; /* permittivity tensor of a ply for electric fields along the
+                                        axes 1 and 2 of the shell, at constant strain (F/m) */
+    double pyroelectric_along[2];    /* electric displacement of a ply along the axes 1 and 2 of the
+                                        shell per kelvin while the strains are zero (C/(m2 K)) */
 } laminate_ply;
 
 typedef struct laminate {
@@ -101,19 +108,24 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
                    const laminate_place *place, double packed[4][LAMINATE_PACKED]);
 
 /*
- * Prescribed field: one volt across ply number `ply`, or for ply < 0 a temperature that is linear
- * between the faces.
+ * Prescribed field: one volt across ply number `ply`, an electric field along the surface in that
+ * ply, or for ply < 0 a temperature. Fields along the surface and temperatures are linear between
+ * two faces.
  */
 typedef struct laminate_field {
     int ply;
     double temperature[2]; /* temperature of the inner and of the outer face of the laminate (K) */
+    int axis;              /* 0: one volt across the ply; 1 or 2: electric field along this axis of
+                              the shell */
+    double along[2];       /* electric field along the surface at the inner and at the outer face of
+                              the ply (V/m), where axis is 1 or 2 */
 } laminate_field;
 
 /*
- * Return the value of a field (voltage or temperature) in an element at height z. A temperature is
- * linear between the faces (K). An electric field is given relative to its mean, voltage over
- * thickness: across a curved ply the electric flux is constant, so that the field is proportional
- * to 1/(area ratio at height z).
+ * Return the value of a field in an element at height z. A temperature (K) and an electric field
+ * along the surface (V/m) are linear between two faces. The electric field of a voltage is given
+ * relative to its mean, voltage over thickness: across a curved ply the electric flux is constant,
+ * so that the field is proportional to 1/(area ratio at height z).
  */
 double laminate_field_at(const laminate *laminate, const scene_element *element,
                          const laminate_place *place, const laminate_field *field, double z);
@@ -142,5 +154,17 @@ void laminate_unit_resultants(const laminate *laminate, const scene_element *ele
  */
 double laminate_charge(const laminate *laminate, const scene_element *element,
                        const laminate_place *place, int ply, const laminate_field *field);
+
+/*
+ * Return the second derivative of the electric enthalpy of an element with respect to two fields,
+ * with its sign changed and while the strains of the element are zero: a capacitance for two
+ * electric fields, a charge per kelvin for an electric field and a temperature.
+ *   first      in  electric field in a ply
+ *   is_uniform in  true: both fields are constant over the element; false: both are the parts of a
+ *       field that vary over the element with a mean of 0, which do not act on the strain mode 00
+ */
+double laminate_capacitance(const laminate *laminate, const scene_element *element,
+                            const laminate_place *place, const laminate_field *first,
+                            const laminate_field *second, bool is_uniform);
 
 #endif

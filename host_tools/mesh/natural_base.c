@@ -37,12 +37,18 @@ double natural_area_ratio(const natural_base *natural, double z)
     return determinant(at_z) / determinant(at_0);
 }
 
+void natural_dual_base(const natural_base *natural, double z, double dual[3][3])
+{
+    double base[3][3];
+    base_at(natural, z, base);
+    inverse_base(base, dual);
+}
+
 void natural_strain_map(const natural_base *natural, double z, double map[6][6])
 {
     static const int first[6] = {0, 1, 2, 1, 0, 0}, second[6] = {0, 1, 2, 2, 2, 1};
-    double base[3][3], inverse[3][3];
-    base_at(natural, z, base);
-    inverse_base(base, inverse);
+    double inverse[3][3];
+    natural_dual_base(natural, z, inverse);
     for (int row = 0; row < 6; row++)
         for (int column = 0; column < 6; column++) {
             const int i = first[row], j = second[row], p = first[column], q = second[column];

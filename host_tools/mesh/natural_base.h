@@ -18,6 +18,13 @@ typedef struct natural_base {
 double natural_area_ratio(const natural_base *natural, double z);
 
 /*
+ * Compute the dual base vectors at height z, whose scalar products with the base vectors are 0 or 1
+ * (dual [3][3] out, one vector in each row, in material axes). A gradient is the sum of its
+ * derivatives along the base vectors times the dual vectors.
+ */
+void natural_dual_base(const natural_base *natural, double z, double dual[3][3]);
+
+/*
  * Compute the matrix that maps strains in the base vectors at height z to strains in material axes
  * (map [6][6] out, Voigt order 11 22 33 23 13 12, engineering shears). With b the inverse of the
  * matrix of base vectors, the strains in material axes are e_ij = sum over a, b of b_ai b_bj E_ab.

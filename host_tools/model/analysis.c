@@ -236,7 +236,7 @@ int analysis_outputs(const analysis *analysis, int k)
 {
     const int places = analysis->design.place_first[k + 1] - analysis->design.place_first[k];
     const scene_output *output = &analysis->design.output[k];
-    if (output->electric != ELECTRIC_NONE)
+    if (output->electric == ELECTRIC_VOLTAGE || output->electric == ELECTRIC_CHARGE)
         return output->count;
     return places > 0 ? places : 1; /* an output without places, such as the total contact force or
                                        the number of nodes in contact, has one value */
@@ -258,6 +258,9 @@ const char *analysis_output_electrode(const analysis *analysis, int k, int i)
 double analysis_output(const analysis *analysis, int k, int i, const double *value)
 {
     const scene_output *output = &analysis->design.output[k];
+    if (output->electric == ELECTRIC_POTENTIAL)
+        return bare_faces_potential(&analysis->design.bare, analysis->input_value, output->layer,
+                                    output->height > 0, analysis_output_node(analysis, k, i));
     if (output->electric != ELECTRIC_NONE) {
         const int input = electrodes_input(&analysis->design, output, i);
         return output->electric == ELECTRIC_VOLTAGE

@@ -212,12 +212,12 @@ static int build_targets(design *design, row_builder *rows, double *dense, int *
 }
 
 /*
- * Whether the values of a named output belong to mesh nodes. Displacements and contact pressures
- * do; voltages and charges of electrodes and values of the whole contact do not.
+ * Whether the values of a named output belong to mesh nodes. Displacements, contact pressures and
+ * potentials do; voltages and charges of electrodes and values of the whole contact do not.
  */
 static int has_place(const scene_output *output)
 {
-    return output->electric == ELECTRIC_NONE &&
+    return (output->electric == ELECTRIC_NONE || output->electric == ELECTRIC_POTENTIAL) &&
            (output->contact == CONTACT_NONE || output->contact == CONTACT_PRESSURE);
 }
 
@@ -387,6 +387,19 @@ static void patch_columns(const mesh *mesh, const scene_actuator *actuator, row_
     }
 }
 
+/* Append one column of nodal forces per volt for each potential of the bare faces. */
+static void potential_columns(const design *design, row_builder *columns, double *dense)
+{
+    double h0[LAMINATE_STRAINS];
+    for (int k = 0; k < design->bare.count; k++) {
+        memset(dense, 0, (size_t)design->mesh.free_dof * sizeof *dense);
+        for (int element = 0; element < design->mesh.elements; element++)
+            if (bare_faces_resultants(&design->bare, k, element, h0))
+                node_add_resultants(&design->mesh, element, h0, dense);
+        append_row(columns, dense, design->mesh.free_dof);
+    }
+}
+
 /*
  * Append one column of nodal forces per unit of input for each piezoelectric stack of an actuator.
  * The forces are the blocked force of the stack, along its direction.
@@ -471,6 +484,10 @@ static int build_inputs(design *design, row_builder *columns, double *dense, dou
     design->sensor_first = (int)columns->rows;
     for (int k = 0; k < scene->sensors; k++)
         patch_columns(mesh, &scene->sensor[k], columns, dense);
+    design->bare.first_input = (int)columns->rows;
+    if (bare_faces_build(&design->bare, &design->mesh, design->scene, error) < 0)
+        return -1;
+    potential_columns(design, columns, dense);
     return 0;
 }
 
@@ -579,6 +596,7 @@ void design_shape(const design *design, const double *displacement, double *shap
 
 void design_free(design *design)
 {
+    bare_faces_free(&design->bare);
     design_release(design->structure.input.start);
     design_release(design->structure.input.dof);
     design_release(design->structure.input.value);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include "../../lib/model/electrode.h"
 #include "../scene/outline_common.h"
+#include "bare_charges.h"
 #include "load_forces.h"
 
 /*
@@ -107,15 +108,17 @@ static void add_element(const design *design, int element, across_list *list, do
             dense + (size_t)electrodes_of(design, own->input) * design->structure.input.count;
         for (int j = 0; j < list->count; j++) {
             const across *other = &list->entry[j];
-            const laminate_field voltage = {other->ply, {0, 0}};
+            const laminate_field voltage = {.ply = other->ply};
             const double share = common_share(design, element, own, other);
             if (share > 0)
                 row[other->input] +=
                     share * own->factor * other->factor *
                     laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &voltage);
         }
+        bare_charges_add_electrode(design, element, own->ply, own->share * own->factor,
+                                   electrodes_of(design, own->input), dense);
         for (int k = 0; k < scene->actuators; k++) {
-            const laminate_field kelvin = {-1, {1, 1}};
+            const laminate_field kelvin = {.ply = -1, .temperature = {1, 1}};
             if (scene->actuator[k].is_temperature)
                 row[scene->actuator[k].first] +=
                     own->share * own->factor *
@@ -132,8 +135,9 @@ static void add_element(const design *design, int element, across_list *list, do
 }
 
 /*
- * List the inputs that are voltages of patches: amplifiers, except those that drive a temperature
- * or a stack actuator, then the electrodes of sensors. Returns the number of these inputs.
+ * List the inputs that are voltages: amplifiers, except those that drive a temperature or a stack
+ * actuator, then the electrodes of sensors, then the potentials of bare faces, which are open
+ * because no charge comes to a face without electrode. Returns the number of these inputs.
  */
 static uint16_t list_inputs(const design *design, uint16_t *input, uint8_t *open)
 {
@@ -149,6 +153,10 @@ static uint16_t list_inputs(const design *design, uint16_t *input, uint8_t *open
             open[count] = (uint8_t)scene->sensor[k].open;
             input[count++] = (uint16_t)(design->sensor_first + scene->sensor[k].first + cell);
         }
+    for (int k = 0; k < design->bare.count; k++) {
+        open[count] = 1;
+        input[count++] = (uint16_t)(design->bare.first_input + k);
+    }
     return count;
 }
 
@@ -166,9 +174,10 @@ static void sparse(const double *dense, size_t rows, size_t columns, uint32_t *s
     }
 }
 
-static int is_wanted(const scene *scene)
+static int is_wanted(const design *design)
 {
-    int wanted = scene->sensors > 0;
+    const scene *scene = design->scene;
+    int wanted = scene->sensors > 0 || design->bare.count > 0;
     for (int k = 0; k < scene->outputs; k++)
         wanted |= scene->output[k].electric != ELECTRIC_NONE;
     return wanted;
@@ -183,7 +192,7 @@ int electrodes_build(design *design, char *error)
     uint32_t *start = calloc(inputs + 1, sizeof *start);
     across_list list = {NULL, NULL, 0, 0, false};
     double *dense = NULL, *value = NULL;
-    const int wanted = is_wanted(design->scene), ready = input && open && start;
+    const int wanted = is_wanted(design), ready = input && open && start;
     tables->input = input;
     tables->open = open;
     tables->count = wanted && ready ? list_inputs(design, input, open) : 0;
@@ -191,8 +200,10 @@ int electrodes_build(design *design, char *error)
     dof = calloc(tables->count * inputs + 1, sizeof *dof);
     value = calloc(tables->count * inputs + 1, sizeof *value);
     if (ready && dense && dof && value) {
-        for (int element = 0; element < design->mesh.elements && tables->count > 0; element++)
+        for (int element = 0; element < design->mesh.elements && tables->count > 0; element++) {
             add_element(design, element, &list, dense);
+            bare_charges_add(design, element, dense);
+        }
         sparse(dense, tables->count, inputs, start, dof, value);
     }
     const pzs_rows direct = {tables->count, start, dof, value};

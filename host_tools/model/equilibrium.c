@@ -76,6 +76,18 @@ static void append_actuator(resultant_builder *builder, const mesh *mesh,
     }
 }
 
+/* Append the stress resultants that each potential of the bare faces prescribes per volt. */
+static void append_potentials(resultant_builder *builder, const design *design)
+{
+    double h0[LAMINATE_STRAINS];
+    for (int k = 0; k < design->bare.count; k++) {
+        for (int element = 0; element < design->mesh.elements; element++)
+            if (bare_faces_resultants(&design->bare, k, element, h0))
+                append(builder, element, h0);
+        builder->start[design->bare.first_input + k + 1] = (uint32_t)builder->entries;
+    }
+}
+
 static pzs_status build_prescribed_resultants(equilibrium *equilibrium, double *value)
 {
     const design *design = equilibrium->design;
@@ -101,6 +113,7 @@ static pzs_status build_prescribed_resultants(equilibrium *equilibrium, double *
     for (int k = 0; k < design->sensors; k++)
         append_actuator(&builder, &design->mesh, &design->sensor[k],
                         design->sensor_first + design->sensor[k].first);
+    append_potentials(&builder, design);
     equilibrium->tables.resultants.start = builder.start;
     equilibrium->tables.resultants.element = builder.element;
     equilibrium->tables.resultants.which = builder.which;

@@ -106,12 +106,16 @@ static void find_sizes(estimation *estimation)
 }
 
 /*
- * Reading of the i-th electrode of an output: its voltage (V) from the input values `value`
- * [inputs], or its charge (C) from `charge` [electrodes].
+ * Reading of the i-th electrode or node of an output: its voltage or potential (V) from the input
+ * values `value` [inputs], or its charge (C) from `charge` [electrodes].
  */
 static double electric_reading(const design *design, const scene_output *output, int i,
                                const double *value, const double *charge)
 {
+    if (output->electric == ELECTRIC_POTENTIAL)
+        return bare_faces_potential(
+            &design->bare, value, output->layer, output->height > 0,
+            design->place_node[design->place_first[output - design->output] + i]);
     const int input = electrodes_input(design, output, i);
     if (output->electric == ELECTRIC_VOLTAGE)
         return value[input];

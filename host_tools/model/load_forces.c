@@ -227,7 +227,7 @@ void line_forces(const mesh *mesh, const scene_load *load, const double *value, 
 laminate_field load_temperatures(const scene_load *load)
 {
     const expr_point anywhere = {0, 0, 0, 0, 0};
-    laminate_field field = {-1, {0, 0}};
+    laminate_field field = {.ply = -1};
     field.temperature[0] = expr_value(load->value, &anywhere);
     field.temperature[1] = load->outer ? expr_value(load->outer, &anywhere) : field.temperature[0];
     return field;

@@ -236,6 +236,36 @@ static double present_thickness(const mesh *mesh, int element)
 }
 
 /*
+ * Return the mean voltage across a layer in an element (V): that of its electrodes, or that of the
+ * potentials of its bare faces.
+ */
+static double voltage_across(const stress_field *field, int element, int layer)
+{
+    double across, along[2][2];
+    bare_faces_field(&field->state.design->bare, field->state.input_value, layer, element, &across,
+                     along);
+    return field->voltage[(size_t)element * (size_t)field->layers + (size_t)layer] + across;
+}
+
+/*
+ * Add the stress resultants, times the area of the element, that the electric field of bare faces
+ * along the surface prescribes in a layer.
+ *   resultant [10] in/out  stress resultants of the element
+ */
+static void add_along(const stress_field *field, int element, int layer, double resultant[10])
+{
+    double across, along[2][2];
+    if (!bare_faces_field(&field->state.design->bare, field->state.input_value, layer, element,
+                          &across, along))
+        return;
+    for (int axis = 0; axis < 2; axis++) {
+        const laminate_field own = {
+            .ply = layer, .axis = axis + 1, .along = {along[axis][0], along[axis][1]}};
+        add_prescribed(&field->state.design->mesh, element, &own, 1, resultant);
+    }
+}
+
+/*
  * Compute the stress resultants of an element: its stiffness matrix of the constant strains (strain
  * mode 00) times the strains, plus the resultants that voltages and temperatures prescribe.
  */
@@ -243,7 +273,6 @@ static void fill_resultants(const stress_field *field, int element)
 {
     const mesh *mesh = &field->state.design->mesh;
     const double *stiffness = mesh->type[mesh->element_type[element]].d[0];
-    const double *voltage = field->voltage + (size_t)element * (size_t)field->layers;
     stress_element *own = &field->element[element];
     double resultant[10] = {0};
     for (int i = 0; i < 10; i++)
@@ -252,11 +281,15 @@ static void fill_resultants(const stress_field *field, int element)
             resultant[i] += stiffness[row * (row + 1) / 2 + column] * own->strain[j];
         }
     for (int layer = 0; layer < field->layers; layer++) {
-        const laminate_field volt = {layer, {0, 0}};
-        if (voltage[layer] != 0)
-            add_prescribed(mesh, element, &volt, voltage[layer], resultant);
+        const laminate_field volt = {.ply = layer};
+        const double voltage = voltage_across(field, element, layer);
+        if (voltage != 0)
+            add_prescribed(mesh, element, &volt, voltage, resultant);
     }
-    const laminate_field heat = {-1, {own->temperature[0], own->temperature[1]}};
+    for (int layer = 0; layer < field->layers; layer++)
+        add_along(field, element, layer, resultant);
+    const laminate_field heat = {.ply = -1,
+                                 .temperature = {own->temperature[0], own->temperature[1]}};
     if (heat.temperature[0] != 0 || heat.temperature[1] != 0)
         add_prescribed(mesh, element, &heat, 1, resultant);
     for (int i = 0; i < 10; i++)
@@ -288,13 +321,23 @@ static void prescribed_stress(const stress_field *field, int element, int layer,
     const mesh *mesh = &field->state.design->mesh;
     const laminate_ply *ply = &mesh->laminate.ply[layer];
     const double *temperature = field->element[element].temperature;
-    const laminate_field volt = {layer, {0, 0}}, heat = {-1, {temperature[0], temperature[1]}};
+    const laminate_field volt = {.ply = layer},
+                         heat = {.ply = -1, .temperature = {temperature[0], temperature[1]}};
     const laminate_place *place = place_of(mesh, element);
-    const double voltage = field->voltage[(size_t)element * (size_t)field->layers + (size_t)layer] *
+    const double voltage = voltage_across(field, element, layer) *
                            laminate_field_at(&mesh->laminate, &mesh->formulation, place, &volt, z);
     const double kelvin = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &heat, z);
     for (int i = 0; i < 6; i++)
         stress[i] = ply->stress_per_voltage[i] * voltage + ply->stress_per_kelvin[i] * kelvin;
+    double across, along[2][2];
+    if (!bare_faces_field(&field->state.design->bare, field->state.input_value, layer, element,
+                          &across, along))
+        return;
+    const double height = (z - ply->z[0]) / (ply->z[1] - ply->z[0]);
+    for (int axis = 0; axis < 2; axis++)
+        for (int i = 0; i < 6; i++)
+            stress[i] += ply->stress_along[axis][i] *
+                         (along[axis][0] * (1 - height) + along[axis][1] * height);
 }
 
 /* Compute a symmetric 6 x 6 matrix times a vector, plus another vector (sum [6] out). */
@@ -374,10 +417,11 @@ static double electric_displacement(const stress_field *field, int element, int 
     const mesh *mesh = &field->state.design->mesh;
     const laminate_ply *ply = &mesh->laminate.ply[layer];
     const double *temperature = field->element[element].temperature;
-    const laminate_field volt = {layer, {0, 0}}, heat = {-1, {temperature[0], temperature[1]}};
+    const laminate_field volt = {.ply = layer},
+                         heat = {.ply = -1, .temperature = {temperature[0], temperature[1]}};
     const laminate_place *place = place_of(mesh, element);
     const double share = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &volt, z);
-    const double voltage = field->voltage[(size_t)element * (size_t)field->layers + (size_t)layer];
+    const double voltage = voltage_across(field, element, layer);
     const double kelvin = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &heat, z);
     double sum = (-ply->capacitance * share * voltage - ply->pyroelectric_charge * kelvin) *
                  (ply->electrode_distance / (ply->z[1] - ply->z[0]));
@@ -421,8 +465,7 @@ void stress_layer_of(const stress_field *field, int element, int layer, stress_l
         strain_turn_stress(stress, angle, result->at[height].stress);
         strain_turn(strain, angle, result->at[height].strain);
     }
-    result->field = -field->voltage[(size_t)element * (size_t)field->layers + (size_t)layer] /
-                    ply->electrode_distance;
+    result->field = -voltage_across(field, element, layer) / ply->electrode_distance;
 }
 
 /* ---- neighbours ----------------------------------------------------------------- */

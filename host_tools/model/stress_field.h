@@ -89,8 +89,9 @@ typedef struct stress_field {
     stress_state state;
     int elements, layers;
     stress_element *element; /* [elements] state of each element at its centre */
-    double *voltage; /* [elements][layers] voltage across each layer (V), multiplied by the fraction
-                        of the element that the electrode covers */
+    double *voltage;         /* [elements][layers] voltage of the electrodes across each layer (V),
+                                multiplied by the fraction of the element that the electrode
+                        covers */
     stress_sample *sample; /* [elements][layers][STRESS_HEIGHTS] stresses in the shell axes; zero in
                               layers that are absent in the element */
     int *node_start; /* [nodes + 1] index in node_element at which the list of elements of each node

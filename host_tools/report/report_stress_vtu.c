@@ -157,13 +157,30 @@ static void add_structure(stress_file *out, const double *vector)
         stress_resultants(out->field, element, resultants->value + element * STRESS_RESULTANTS);
 }
 
+/* Add the potentials of the bare faces to the VTK file. */
+static void add_potentials(stress_file *out)
+{
+    const design *design = out->field->state.design;
+    report_array *own = calloc((size_t)(2 * out->field->layers), sizeof *own);
+    const int count = own ? report_potentials(design, out->field->state.input_value, own) : -1;
+    out->is_full |= count < 0;
+    for (int k = 0; k < count; k++) {
+        const report_array *array = add_array(out, false, 1, "%s", own[k].name);
+        for (int i = 0; !out->is_full && i < out->points.count; i++)
+            array->value[i] = own[k].value[out->points.node[i]];
+        free(own[k].value);
+    }
+    free(own);
+}
+
 int report_stress_vtu(FILE *file, const stress_field *field, const double *vector)
 {
     stress_file out = {.field = field};
     int status = -1;
-    out.array = calloc((size_t)(2 + 2 * LAYER_ARRAYS * field->layers), sizeof *out.array);
+    out.array = calloc((size_t)(2 + 2 * (LAYER_ARRAYS + 1) * field->layers), sizeof *out.array);
     if (out.array && stress_points_make(&out.points, field) == 0) {
         add_structure(&out, vector);
+        add_potentials(&out);
         for (int layer = 0; layer < field->layers; layer++)
             add_layer(&out, layer);
         if (!out.is_full)

@@ -174,6 +174,12 @@ typedef struct scene_material {
     scene_at at;
 } scene_material;
 
+/*
+ * Faces of a piezoelectric layer that carry no electrode, as bits: the potential of a bare face
+ * varies from node to node. The other face of a layer with one bare face is an electrode at 0 V.
+ */
+enum { BARE_NONE = 0, BARE_INNER = 1, BARE_OUTER = 2, BARE_BOTH = 3 };
+
 typedef struct scene_layer {
     char name[SCENE_NAME];
     int material;
@@ -184,6 +190,8 @@ typedef struct scene_layer {
     double finger_distance; /* distance of the interdigitated electrodes on the faces of a layer
                                that is poled along the surface (m): the field of a voltage is along
                                the poling; 0: electrodes cover the faces, the field is along e3 */
+    int bare;               /* faces without electrode: BARE_NONE, BARE_INNER, BARE_OUTER or
+                               BARE_BOTH */
     unsigned char *present; /* [elements] 1 in the elements of the layer's element sets, on a mesh
                                from a file; NULL: the layer has no sets */
     scene_at at;
@@ -433,12 +441,14 @@ typedef enum scene_contact_output {
 } scene_contact_output;
 
 /*
- * Output of electrodes: their voltages, or the electric charge on the face that points along +e3.
+ * Electric output: voltages of electrodes, the electric charge on their face that points along +e3,
+ * or the potential of a face without electrode.
  */
 typedef enum scene_electric_output {
     ELECTRIC_NONE,
     ELECTRIC_VOLTAGE,
-    ELECTRIC_CHARGE
+    ELECTRIC_CHARGE,
+    ELECTRIC_POTENTIAL
 } scene_electric_output;
 
 /* Strain or stress of a layer that is an output: recovered from the displacement at nodes. */
@@ -453,17 +463,17 @@ typedef struct scene_output {
                                   on the mesh, but is no displacement */
     int recovered_component; /* component of a strain or stress, from 0 in the order 11 22 33 23 13
                                 12, or RECOVERED_MISES for the von Mises stress */
-    int layer;  /* layer of a strain or stress output; -1: a strain that is measured over all layers
-                   together */
-    int height; /* height of a strain or stress output in its layer, or in all layers together: 0
-                   inner face, 1 middle, 2 outer face */
+    int layer;  /* layer of a strain, stress or potential output; -1: a strain that is measured over
+                   all layers together */
+    int height; /* height of a strain, stress or potential output in its layer, or in all layers
+                   together: 0 inner face, 1 middle, 2 outer face */
     double angle; /* angle by which axis 1 of a strain output is turned from that of the shell
                      (degrees) */
     scene_contact_output contact;   /* quantity of contact; if it is not CONTACT_NONE, the output is
                                        no displacement, and only CONTACT_PRESSURE has a place */
     scene_electric_output electric; /* electric quantity; if it is not ELECTRIC_NONE, the output is
-                                       neither a displacement nor a quantity of contact, and has no
-                                       place */
+                                       neither a displacement nor a quantity of contact; only
+                                       ELECTRIC_POTENTIAL has a place */
     bool of_sensor;   /* electric output: true: of sensor electrodes; false: of the electrodes of
                          amplifiers */
     int first, count; /* range of the electrodes of an electric output: numbers first to first +

@@ -472,6 +472,28 @@ static int check_loads(const scene *scene, char *error)
     return 0;
 }
 
+/* ---- bare faces ---- */
+
+/*
+ * Check neighbouring layers of which both have bare faces: the face between them is either bare for
+ * both layers, or an electrode at 0 V for both.
+ */
+static int check_bare_faces(const scene *scene, char *error)
+{
+    for (int i = 1; i < scene->layers; i++) {
+        const scene_layer *below = &scene->layer[i - 1], *above = &scene->layer[i];
+        const bool lower = below->bare & BARE_OUTER, upper = above->bare & BARE_INNER;
+        if (below->bare == BARE_NONE || above->bare == BARE_NONE || lower == upper)
+            continue;
+        return scene_fault(above->at, error,
+                           "the face between the layers %d and %d is bare for one of them and an "
+                           "electrode at 0 V for the other; let 'bare' of both agree (both where "
+                           "both faces are bare)",
+                           i, i + 1);
+    }
+    return 0;
+}
+
 /* ---- kinematics ---- */
 
 /*
@@ -528,6 +550,8 @@ int scene_check(scene *scene, char *error)
         check_geometry(scene, error) != 0)
         return -1;
     if (check_outlines(scene, error) != 0)
+        return -1;
+    if (check_bare_faces(scene, error) != 0)
         return -1;
     if (check_loads(scene, error) != 0 || scene_check_rows(scene, error) != 0)
         return -1;

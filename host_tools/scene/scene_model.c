@@ -549,6 +549,8 @@ static int read_material_of(reader *reader, int node, void *to, const void *rule
     return 0;
 }
 
+static const choice bare_faces[] = {
+    {"inner", BARE_INNER}, {"outer", BARE_OUTER}, {"both", BARE_BOTH}, {NULL, 0}};
 static const range turn = {-360, 360, 0, "must lie between -360 and 360 degrees"};
 
 static const field layer_fields[] = {
@@ -574,10 +576,41 @@ static const field layer_fields[] = {
      .help = "Distance of interdigitated electrodes on a layer that is poled along 1 or 2: the "
              "field of a voltage is along the poling; default: electrodes cover the faces, the "
              "field is along e3."},
+    {"bare", read_choice, offsetof(scene_layer, bare), bare_faces,
+     .help = "Faces of a piezoelectric layer without electrode, inner, outer or both, whose "
+             "potential is computed at each node; the other face is an electrode at 0 V. Default: "
+             "no face is bare."},
     {.key = NULL}};
 
 static const form layer_form = {.type = FORM_MAP, .fields = layer_fields};
 const form layers_form = {.type = FORM_LIST, .item = &layer_form, .least = 1};
+
+/*
+ * Check a layer with bare faces: its material needs piezoelectric constants and permittivities, and
+ * electrodes in fingers contradict a face without electrode. Returns 0, or -1 after writing the
+ * error message of the YAML tree.
+ */
+static int check_bare(reader *reader, int node, const scene_layer *layer)
+{
+    const scene_material *material = &reader->s->material[layer->material];
+    const int key = tree_find(reader->t, node, "bare");
+    if (layer->bare == BARE_NONE)
+        return 0;
+    if (!material->has_d && !material->has_e)
+        return tree_fault(reader->t, key,
+                          "this layer is of '%s', which has no piezoelectric constants; give it "
+                          "d31 or e31, or remove 'bare'",
+                          material->name);
+    if (!(material->permittivity > 0 && material->permittivity_across > 0))
+        return tree_fault(reader->t, key,
+                          "this layer is of '%s', which has no permittivity; a bare face needs it",
+                          material->name);
+    if (layer->finger_distance > 0)
+        return tree_fault(reader->t, key,
+                          "this layer has interdigitated electrodes on its faces; remove 'bare' or "
+                          "'finger_distance'");
+    return 0;
+}
 
 static int read_layer(reader *reader, int node, void *item)
 {
@@ -593,6 +626,8 @@ static int read_layer(reader *reader, int node, void *item)
             "this layer is poled along e3, but interdigitated electrodes have a field "
             "along the surface; give it 'poling: 1' or 2, or remove "
             "'finger_distance'");
+    if (check_bare(reader, node, layer) != 0)
+        return -1;
     const double film = reader->s->material[layer->material].film_thickness;
     if (film <= 0 || fabs(film - layer->thickness) <= 1e-9 * film)
         return 0;

@@ -92,6 +92,11 @@ static int check_drive(reader *reader, int node, const scene_actuator *actuator,
             "patches '%s' are of '%s', which has no piezoelectric constants; give it d31 or "
             "e31",
             patches->name, material->name);
+    if (scene->layer[patches->layer].bare != BARE_NONE)
+        return tree_fault(reader->t, node,
+                          "patches '%s' are electrodes on the layer '%s', which has a bare face; "
+                          "remove 'bare' from the layer, or this drive",
+                          patches->name, scene->layer[patches->layer].name);
     if (patches->grid[0] == first->grid[0] && patches->grid[1] == first->grid[1])
         return 0;
     return tree_fault(
@@ -545,6 +550,38 @@ static int read_layer_of(reader *reader, int node, void *to, const void *rule)
                       name);
 }
 
+/* Read an output of the potential of a bare face of a layer, which is given by its name. */
+static int read_potential(reader *reader, int node, void *to, const void *rule)
+{
+    output_text *text = to;
+    if (text->directions++)
+        return tree_fault_at(reader->t, reader->t->node[node].key_at,
+                             "an output is one of displacement, strain, stress, contact, voltage, "
+                             "charge and potential; write a second item for 'potential'");
+    text->output.electric = ELECTRIC_POTENTIAL;
+    return read_layer_of(reader, node, to, rule);
+}
+
+/* Check an output of a potential, and complete the face of its layer. */
+static int finish_potential(reader *reader, int node, output_text *text)
+{
+    scene_output *output = &text->output;
+    const int bare = reader->s->layer[output->layer].bare;
+    const int face = tree_find(reader->t, node, "face");
+    if (!face && bare == BARE_BOTH)
+        return tree_fault(reader->t, node,
+                          "both faces of the layer '%s' are bare; add face: inner or outer",
+                          reader->s->layer[output->layer].name);
+    if (!face)
+        output->height = bare == BARE_INNER ? 0 : 2;
+    if (!(output->height == 0 && bare & BARE_INNER) && !(output->height == 2 && bare & BARE_OUTER))
+        return tree_fault(reader->t, node,
+                          "this face of the layer '%s' is not bare; add bare: inner, outer or both "
+                          "to the layer",
+                          reader->s->layer[output->layer].name);
+    return require_place(reader, node, &output->where);
+}
+
 /* Check an output of a strain or stress, and complete its layer and its angle. */
 static int finish_recovered(reader *reader, int node, output_text *text)
 {
@@ -581,6 +618,8 @@ static int finish_output(reader *reader, int node, output_text *text)
     text->output.at = node_at(reader, node);
     if (text->output.recovered != RECOVERED_NONE)
         return finish_recovered(reader, node, text);
+    if (text->output.electric == ELECTRIC_POTENTIAL)
+        return finish_potential(reader, node, text);
     if (refuse_recovered_keys(reader, node) != 0)
         return -1;
     if (text->output.electric != ELECTRIC_NONE) {
@@ -617,6 +656,8 @@ static const field output_fields[] = {
     {"charge", read_electric_output, 0, &electric[1], .form = &name_form,
      .help = "Charges of a sensor or actuator, or of one of its electrodes, on the side towards "
              "+e3."},
+    {"potential", read_potential, .form = &name_form,
+     .help = "Electric potential of the bare face of a layer at nodes, by the name of the layer."},
     {"strain", read_recovered, 0, strains, .form = &strain_form,
      .help = "Strain at nodes, as of a strain gauge or of a fibre, in the axes of the layer's "
              "material: 11, 22 or 12 (twice the tensor's)."},
@@ -625,7 +666,8 @@ static const field output_fields[] = {
     {"layer", read_layer_of, .form = &name_form,
      .help = "Layer of a strain or stress; a strain without layer is one of the whole package."},
     {"face", read_choice, offsetof(output_text, output.height), heights,
-     .help = "Height of a strain or stress in the layer: inner, middle (default) or outer."},
+     .help = "Height of a strain or stress in the layer: inner, middle (default) or outer; of a "
+             "potential the bare face: inner or outer."},
     {"angle", read_real, offsetof(output_text, output.angle), .of = OF_DEGREES,
      .help = "Direction 1 of a strain or stress, from the axis 1 of the shell towards 2, in "
              "degrees; default that of the layer's material."},
@@ -641,6 +683,7 @@ static const form_case output_cases[] = {
     {"contact=pressure edge|at|set", "The contact pressure at a place."},
     {"contact=x/y/z/nodes", "A result of the whole contact."},
     {"voltage|charge", "Voltages or charges of electrodes."},
+    {"potential edge|at|set ?face", "The potential of a bare face at nodes."},
     {NULL, NULL}};
 static const form output_form = {.type = FORM_MAP, .fields = output_fields, .cases = output_cases};
 const form outputs_form = {.type = FORM_LIST, .item = &output_form};

@@ -131,7 +131,7 @@ static dimension of_reading(const reader *reader, int map)
         return OF_NUMBER;
     if (k < 0 || reader->s->output[k].electric == ELECTRIC_NONE)
         return OF_LENGTH;
-    return reader->s->output[k].electric == ELECTRIC_VOLTAGE ? OF_VOLTAGE : OF_CHARGE;
+    return reader->s->output[k].electric == ELECTRIC_CHARGE ? OF_CHARGE : OF_VOLTAGE;
 }
 
 /* Return the dimension of the input of amplifier number k: voltage or temperature. */

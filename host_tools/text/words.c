@@ -56,7 +56,7 @@ words_quantity words_of_output(const scene_output *output)
     if (output->recovered != RECOVERED_NONE)
         return output->recovered == RECOVERED_STRESS ? QUANTITY_PRESSURE : QUANTITY_OTHER;
     if (output->electric != ELECTRIC_NONE)
-        return output->electric == ELECTRIC_VOLTAGE ? QUANTITY_VOLTAGE : QUANTITY_CHARGE;
+        return output->electric == ELECTRIC_CHARGE ? QUANTITY_CHARGE : QUANTITY_VOLTAGE;
     switch (output->contact) {
     case CONTACT_NONE: return QUANTITY_LENGTH;
     case CONTACT_NODES: return QUANTITY_NODES;

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Electric potentials at the corners of one layer of an element whose faces need not be electrodes:
+ * eight potentials, one at each corner of the inner and of the outer face. The potential is
+ * bilinear over the element and linear through the layer, so that the electric field has a part
+ * across the layer and a part along the surface.
+ */
+#ifndef POTENTIAL_ELEMENT_H
+#define POTENTIAL_ELEMENT_H
+
+#include "laminate.h"
+
+enum { POTENTIAL_NODES = 8 };
+
+/*
+ * Compute the stress resultants, times the area of the element, that one volt of each of the eight
+ * potentials of a ply prescribes (resultants [8][10] out). The ply must be present in the element.
+ * The potential at corner c (0 to 3) has the index 2 c on the inner face and 2 c + 1 on the outer
+ * face.
+ */
+void potential_element_resultants(const laminate *laminate, const scene_element *element,
+                                  const laminate_place *place, int ply,
+                                  double resultants[POTENTIAL_NODES][LAMINATE_STRAINS]);
+
+/*
+ * Compute the charge at each of the eight potentials of a ply (row) per volt of each of the eight
+ * potentials of the same or another ply (column) while the strains are zero (capacitance [8][8]
+ * out, C/V). Two plies are coupled because they share the thickness strain and the shear strain of
+ * the element.
+ */
+void potential_element_capacitance(const laminate *laminate, const scene_element *element,
+                                   const laminate_place *place, int ply, int other,
+                                   double capacitance[POTENTIAL_NODES][POTENTIAL_NODES]);
+
+/*
+ * Compute the charges at the eight potentials of a ply that a uniform field draws while the strains
+ * are zero: a temperature, or the voltage of an electrode on another ply (charge [8] out, C).
+ */
+void potential_element_charges(const laminate *laminate, const scene_element *element,
+                               const laminate_place *place, int ply, const laminate_field *uniform,
+                               double charge[POTENTIAL_NODES]);
+
+/*
+ * Compute the mean electric field of the eight potentials of a ply: the voltage across the ply (V),
+ * and the field along the axes 1 and 2 of the shell at the inner and at the outer face (V/m).
+ *   potential [8] in  potentials (V)
+ */
+void potential_element_field(const laminate *laminate, const scene_element *element,
+                             const laminate_place *place, int ply,
+                             const double potential[POTENTIAL_NODES], double *voltage,
+                             double along[2][2]);
+
+#endif

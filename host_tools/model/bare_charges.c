@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/* Charges at the potentials of bare faces while the strains are zero (bare_charges.h). */
+#include "bare_charges.h"
+#include "load_forces.h"
+
+/* Address of the charge at an electrode or potential, by its row, per unit of an input. */
+static double *entry_of(const design *design, double *dense, int row, int input)
+{
+    return dense + (size_t)row * design->structure.input.count + (size_t)input;
+}
+
+/* Row of a potential in the table of electrodes. */
+static int row_of(const design *design, int potential)
+{
+    return design->electrodes.count - design->bare.count + potential;
+}
+
+/* Compute the charges at the eight potentials of a layer in an element that a uniform field draws.
+ */
+static void charges_of(const design *design, int layer, int element, const laminate_field *uniform,
+                       double charge[POTENTIAL_NODES])
+{
+    const mesh *mesh = &design->mesh;
+    potential_element_charges(&mesh->laminate, &mesh->formulation,
+                              &mesh->place[mesh->element_type[element]], layer, uniform, charge);
+}
+
+void bare_charges_add_electrode(const design *design, int element, int ply, double factor, int row,
+                                double *dense)
+{
+    const laminate_field voltage = {.ply = ply};
+    const int input = design->electrodes.input[row];
+    for (int layer = 0; layer < design->layers && design->bare.count > 0; layer++) {
+        double charge[POTENTIAL_NODES];
+        int number[POTENTIAL_NODES];
+        if (!bare_faces_has(&design->bare, layer, element))
+            continue;
+        charges_of(design, layer, element, &voltage, charge);
+        bare_faces_numbers(&design->bare, layer, element, number);
+        for (int k = 0; k < POTENTIAL_NODES; k++) {
+            if (number[k] < 0)
+                continue;
+            *entry_of(design, dense, row_of(design, number[k]), input) += factor * charge[k];
+            *entry_of(design, dense, row, design->bare.first_input + number[k]) +=
+                factor * charge[k];
+        }
+    }
+}
+
+/* Add the charges that one temperature input causes at the potentials of a layer in an element. */
+static void add_temperature(const design *design, int layer, int element,
+                            const laminate_field *temperature, int input, double *dense)
+{
+    double charge[POTENTIAL_NODES];
+    int number[POTENTIAL_NODES];
+    charges_of(design, layer, element, temperature, charge);
+    bare_faces_numbers(&design->bare, layer, element, number);
+    for (int k = 0; k < POTENTIAL_NODES; k++)
+        if (number[k] >= 0)
+            *entry_of(design, dense, row_of(design, number[k]), input) += charge[k];
+}
+
+static void add_temperatures(const design *design, int layer, int element, double *dense)
+{
+    const laminate_field kelvin = {.ply = -1, .temperature = {1, 1}};
+    for (int k = 0; k < design->actuators; k++)
+        if (design->actuator[k].is_temperature)
+            add_temperature(design, layer, element, &kelvin, design->actuator[k].first, dense);
+    for (int k = 0; k < design->loads; k++)
+        if (design->load[k].type == LOAD_TEMPERATURE) {
+            const laminate_field load = load_temperatures(&design->load[k]);
+            add_temperature(design, layer, element, &load, design->amplifiers + k, dense);
+        }
+}
+
+/* Add the charges at the potentials of a layer in an element per volt of those of another layer. */
+static void add_pair(const design *design, int layer, int other, int element, double *dense)
+{
+    const double(*capacitance)[POTENTIAL_NODES] =
+        bare_faces_capacitance(&design->bare, layer, other, element);
+    int number[POTENTIAL_NODES], partner[POTENTIAL_NODES];
+    bare_faces_numbers(&design->bare, layer, element, number);
+    bare_faces_numbers(&design->bare, other, element, partner);
+    for (int k = 0; k < POTENTIAL_NODES; k++)
+        for (int m = 0; m < POTENTIAL_NODES; m++)
+            if (number[k] >= 0 && partner[m] >= 0)
+                *entry_of(design, dense, row_of(design, number[k]),
+                          design->bare.first_input + partner[m]) += capacitance[k][m];
+}
+
+void bare_charges_add(const design *design, int element, double *dense)
+{
+    for (int layer = 0; layer < design->layers && design->bare.count > 0; layer++) {
+        if (!bare_faces_has(&design->bare, layer, element))
+            continue;
+        for (int other = 0; other < design->layers; other++)
+            if (bare_faces_has(&design->bare, other, element))
+                add_pair(design, layer, other, element, dense);
+        add_temperatures(design, layer, element, dense);
+    }
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Charges at the potentials of bare faces, as rows of the table of electrodes. In this table the
+ * potentials follow the electrodes of amplifiers and sensors.
+ */
+#ifndef BARE_CHARGES_H
+#define BARE_CHARGES_H
+
+#include "design.h"
+
+/*
+ * Add the charges that a unit of every potential (1 V) and of every temperature (1 K) causes at the
+ * potentials of one element while the strains are zero.
+ *   dense [electrodes][inputs] in/out  charge of each electrode or potential per unit of each input
+ */
+void bare_charges_add(const design *design, int element, double *dense);
+
+/*
+ * Add the charges that one volt of an electrode on a ply causes at the potentials of one element,
+ * and those of the electrode per volt of each potential, while the strains are zero.
+ *   ply    in     ply on which the electrode lies
+ *   factor in     voltage across the ply per volt of the electrode, times the part of the element
+ *       that the electrode covers
+ *   row    in     row of the electrode
+ *   dense [electrodes][inputs] in/out  charge of each electrode or potential per unit of each input
+ */
+void bare_charges_add_electrode(const design *design, int element, int ply, double factor, int row,
+                                double *dense);
+
+#endif

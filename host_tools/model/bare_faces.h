@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: BSD-2-Clause */
+/*
+ * Electric potentials of the bare faces of a scene: faces of piezoelectric layers without an
+ * electrode. Each node on a bare face has a potential of its own, which is an input of the
+ * structure as the voltage of an open electrode is, and whose charge is zero. The other face of a
+ * layer with one bare face is an electrode at 0 V.
+ */
+#ifndef BARE_FACES_H
+#define BARE_FACES_H
+
+#include "../mesh/mesh.h"
+#include "../mesh/potential_element.h"
+
+/*
+ * Largest number of potentials of bare faces. Each potential costs a linear solve, and the matrix
+ * of their charges per volt is dense.
+ */
+enum { BARE_POTENTIALS = 2000 };
+
+/*
+ * Potentials of the bare faces of a mesh, with tables for its element types. Interface i, between
+ * the layers i - 1 and i, and a node together are the slot i * nodes + node.
+ */
+typedef struct bare_faces {
+    const mesh *mesh;
+    int layers;
+    const scene_layer *layer; /* [layers] */
+    int first_input; /* index of the input of the structure that is the first potential; the
+                        potentials are the last inputs */
+    int count;       /* number of potentials; 0: the scene has no bare faces */
+    int *number;     /* [(layers + 1) nodes] number of the potential of each slot, or -1 where the
+                        potential is 0 */
+    size_t *slot;    /* [count] slot of each potential */
+    double (*resultants)[POTENTIAL_NODES][LAMINATE_STRAINS]; /* [types][layers] prescribed stress
+                                                                resultants of the eight potentials
+                                                                of a layer in each element type */
+    double (*capacitance)[POTENTIAL_NODES][POTENTIAL_NODES]; /* [types][layers][layers] charge at
+                                                                the potentials of a layer per volt
+                                                                of those of another layer (C/V) */
+} bare_faces;
+
+/*
+ * Number the potentials of the bare faces of a scene's layers. Where all faces of a connected part
+ * are bare, the potential of its first node is 0. The mesh and the scene must exist as long as the
+ * result. Returns 0, or -1 with error filled.
+ */
+int bare_faces_build(bare_faces *bare, const mesh *mesh, const scene *scene, char *error);
+
+void bare_faces_free(bare_faces *bare);
+
+/* Return whether a layer has a bare face and is present in an element. */
+bool bare_faces_has(const bare_faces *bare, int layer, int element);
+
+/*
+ * Compute the stress resultants that one volt of a potential prescribes in an element, times the
+ * area of the element (h0 [10] out). Returns whether the potential acts in the element.
+ */
+bool bare_faces_resultants(const bare_faces *bare, int potential, int element,
+                           double h0[LAMINATE_STRAINS]);
+
+/*
+ * List the numbers of the eight potentials of a layer in an element, in the order of
+ * potential_element.h; -1 where the potential is 0 (number [8] out).
+ */
+void bare_faces_numbers(const bare_faces *bare, int layer, int element,
+                        int number[POTENTIAL_NODES]);
+
+/*
+ * Return the charge at each of the eight potentials of a layer in an element (row) per volt of each
+ * of those of the same or another layer (column) while the strains are zero: an array [8][8] (C/V).
+ */
+const double (*bare_faces_capacitance(const bare_faces *bare, int layer, int other,
+                                      int element))[POTENTIAL_NODES];
+
+/*
+ * Return the potential at a node of a face of a layer (V), 0 where the face has no potential there.
+ *   value [inputs] in  input values, with the computed potentials
+ *   face           in  0: inner face of the layer; 1: outer face
+ */
+double bare_faces_potential(const bare_faces *bare, const double *value, int layer, int face,
+                            int node);
+
+/*
+ * Compute the mean electric field of a layer with bare faces in an element: the voltage across the
+ * layer (V), and the field along the axes 1 and 2 of the shell at its inner and at its outer face
+ * (along [2][2] out, V/m). Returns false, with a field of 0, where the layer has no bare face or is
+ * not present.
+ *   value [inputs] in  input values, with the computed potentials
+ */
+bool bare_faces_field(const bare_faces *bare, const double *value, int layer, int element,
+                      double *voltage, double along[2][2]);
+
+#endif
