@@ -45,7 +45,10 @@ static int write_modes(const identified_modes *found, const pokes *samples, cons
     return outfile_end(&output, ferror(output.file));
 }
 
-/* Largest standard error of the static responses, relative to the largest response. */
+/*
+ * Return the largest standard error of the identified static responses of the vibration modes,
+ * relative to the largest of these responses.
+ */
 static double response_error(const identified_modes *found, size_t actuators)
 {
     double most = 0, error = 0;
@@ -56,7 +59,10 @@ static double response_error(const identified_modes *found, size_t actuators)
     return error / most;
 }
 
-/* Print whether the static responses to the voltages are identified, and how late they act. */
+/*
+ * Print whether the static responses of the vibration modes to the voltages are identified, and how
+ * late the voltages act.
+ */
 static void print_responses(const identified_modes *found, const pokes *samples, double rate)
 {
     if (found->responses.is_found)

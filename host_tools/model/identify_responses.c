@@ -27,18 +27,21 @@ static const double independent = 1e-6;
  */
 static const double most_left = 0.2;
 
-/* Voltage steps of a record and the vibration that they add. */
+/*
+ * Voltage steps of a record of voltages and readings, and the free vibration that each step adds.
+ */
 typedef struct steps {
     mode_responses *result;
     const free_vibration *record;
     size_t count, actuators;
     size_t *interval;  /* [count] number of the interval of constant voltages that each step begins
                         */
-    double *voltage;   /* [count][actuators] voltage steps (V) */
+    double *voltage;   /* [count][actuators] change of each voltage in each step (V) */
     double *inverse;   /* [actuators][actuators] inverse of the normal matrix of the voltage steps
                           (1/V^2) */
     double *value;     /* [count] work vector: static values of a modal coordinate */
-    double *projected; /* [2][actuators] work vectors of the least-squares fit */
+    double *projected; /* [2][actuators] work vectors of the least-squares fit of static responses
+                        */
 } steps;
 
 /* ---- voltage steps -------------------------------------------------------- */
@@ -107,8 +110,8 @@ static bool invert_steps(steps *steps, double *factor)
 /* ---- responses ------------------------------------------------------------ */
 
 /*
- * Compute the static values of a modal coordinate by which the steps change it, if the voltages act
- * `delay` samples after they were recorded: minus the jumps of the free vibration.
+ * Compute by how much each voltage step changes the static value of a modal coordinate, if the
+ * voltages act `delay` samples after they were recorded: minus the jump of the free vibration.
  *   value [count] out  real parts (multiples of the mode's shape)
  * Returns the sum of the squares of the imaginary parts, which are 0 for the true delay, and adds
  * the sum of all squares to *total.
@@ -207,7 +210,10 @@ static double find_delay(const steps *steps)
     return (from + to) / 2;
 }
 
-/* Fill the static responses of all modes, their standard errors and the delay. */
+/*
+ * Compute the static responses of all vibration modes to the voltages, their standard errors, and
+ * the delay with which the voltages act.
+ */
 static void fill_responses(const steps *steps)
 {
     mode_responses *result = steps->result;

@@ -11,7 +11,10 @@
 
 #include "calibrate.h"
 
-/* Static responses of vibration modes, identified from a record. */
+/*
+ * Static responses of vibration modes to voltages, identified from a record of voltages and
+ * readings.
+ */
 typedef struct mode_responses {
     bool is_found;            /* true where the static responses are identified */
     char reason[SCENE_ERROR]; /* why the static responses are not identified; otherwise empty */
@@ -27,8 +30,8 @@ typedef struct free_vibration {
     size_t modes;
     const double *frequency, *damping; /* [modes] angular frequencies of the modes (rad/s) and their
                                           damping ratios */
-    double rate;                       /* samples a second */
-    size_t intervals;                  /* number of intervals of constant voltages */
+    double rate;                       /* number of samples of the record in a second (1/s) */
+    size_t intervals;                  /* number of intervals of constant voltages in the record */
     size_t skipped; /* number of samples between a step of the voltages and the first fitted sample
                      */
     const size_t *first;  /* [intervals] number of the first sample that was fitted in each interval

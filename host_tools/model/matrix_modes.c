@@ -6,7 +6,7 @@
 #include <string.h>
 #include "../../lib/core/linalg.h"
 
-enum { SWAPS = 40 }; /* largest number of pairs of outputs that are swapped */
+enum { SWAPS = 40 }; /* largest number of pairs of matrix rows that are swapped */
 
 /*
  * Smallest norm of the part of a mode shape that is orthogonal to the shapes of all lower modes,
@@ -16,8 +16,9 @@ enum { SWAPS = 40 }; /* largest number of pairs of outputs that are swapped */
 static const double distinct = 1e-6;
 
 /*
- * Smallest reduction of the unexplained share of the matrix by a swap of two outputs: relative to
- * that share, and absolute (a multiple of its rounding error).
+ * Smallest reduction of the share of the influence matrix that the mode shapes do not explain, by
+ * which a swap of two outputs counts: relative to that share, and absolute (a multiple of its
+ * rounding error).
  */
 static const double least_gain = 0.05, rounding = 1e-9;
 
@@ -49,7 +50,8 @@ int matrix_modes_basis(const scene_influence *measured, double *basis, double *t
 }
 
 /*
- * Product of vector k of the basis with one column of the influence matrix.
+ * Product of a vector of the orthonormal basis of the mode shapes with one column of the influence
+ * matrix.
  *   vector [outputs] in  vector of the basis
  */
 static double along_basis(const scene_influence *measured, size_t amplifiers, size_t amplifier,
@@ -79,17 +81,23 @@ void matrix_modes_response(const scene_influence *measured, size_t amplifiers, s
 
 /* ---- shares --------------------------------------------------------------- */
 
-/* Influence matrix and basis of the mode shapes, with the work arrays of the comparison. */
+/*
+ * Influence matrix and orthonormal basis of the mode shapes, with the work arrays of their
+ * comparison.
+ */
 typedef struct comparison {
     const scene_influence *measured;
     size_t outputs, modes, amplifiers;
-    double size;      /* sum of the squares of all entries of the influence matrix */
-    double *matrix;   /* [outputs][amplifiers] influence matrix with swapped rows */
-    double *basis;    /* [modes][outputs] orthonormal basis of the mode shapes */
-    double *triangle; /* [modes][modes] mode shapes in this basis */
-    double *part;     /* [modes][amplifiers] basis times influence matrix */
-    double *seen;     /* [outputs][modes] influence matrix times the transpose of `part` */
-    double *response; /* [modes] work vector */
+    double size;    /* sum of the squares of all entries of the influence matrix */
+    double *matrix; /* [outputs][amplifiers] influence matrix, in which pairs of rows are swapped */
+    double *basis;  /* [modes][outputs] orthonormal basis of the mode shapes */
+    double *triangle; /* [modes][modes] coefficients of the mode shapes in the orthonormal basis */
+    double *part; /* [modes][amplifiers] orthonormal basis of the mode shapes times influence matrix
+                   */
+    double *seen; /* [outputs][modes] influence matrix times the transposed product of basis and
+                     influence matrix */
+    double *response; /* [modes] work vector for the static responses of the modes to one amplifier
+                       */
 } comparison;
 
 static bool take_memory(comparison *c)
@@ -131,8 +139,9 @@ static void find_shares(const comparison *c, matrix_modes *found)
 /* ---- swapped outputs ------------------------------------------------------ */
 
 /*
- * Compute the products of the basis with the rows of the matrix. Returns the share of the matrix
- * that no responses explain.
+ * Compute the products of the orthonormal basis of the mode shapes with the rows of the influence
+ * matrix. Returns the share of the matrix outside the span of the mode shapes, which no static
+ * responses of the modes explain.
  */
 static double find_rest(const comparison *c)
 {
@@ -154,9 +163,10 @@ static double find_rest(const comparison *c)
 }
 
 /*
- * Return by how much the explained share of the matrix grows if rows i and j of the matrix are
- * swapped. With the basis Q [modes][outputs] and the difference b of row j and row i, the product Q
- * B grows by the difference of the columns i and j of Q times b.
+ * Return by how much the share of the influence matrix B that the mode shapes explain grows if rows
+ * i and j of the matrix are swapped. With the orthonormal basis Q [modes][outputs] of the mode
+ * shapes and the difference b of row j and row i, the product Q B grows by the difference of the
+ * columns i and j of Q times b.
  */
 static double gain_of_swap(const comparison *c, size_t i, size_t j)
 {
@@ -172,7 +182,10 @@ static double gain_of_swap(const comparison *c, size_t i, size_t j)
     return (2 * product + turned * square) / c->size;
 }
 
-/* Find the pair of outputs whose swap explains most. Returns the growth of the explained share. */
+/*
+ * Find the pair of outputs whose swap lets the mode shapes explain most of the influence matrix.
+ * Returns the growth of the explained share.
+ */
 static double best_swap(const comparison *c, size_t pair[2])
 {
     double most = 0;
@@ -199,7 +212,10 @@ static void swap_rows(const comparison *c, const size_t pair[2])
     }
 }
 
-/* Swap pairs of outputs as long as each swap explains clearly more of the matrix. */
+/*
+ * Swap pairs of outputs as long as each swap lets the mode shapes explain clearly more of the
+ * influence matrix.
+ */
 static void find_swaps(const comparison *c, matrix_modes *found)
 {
     while (found->swaps < SWAPS && c->outputs <= MATRIX_SWAPPED_OUTPUTS) {
@@ -217,7 +233,7 @@ static void find_swaps(const comparison *c, matrix_modes *found)
 }
 
 /*
- * Sum of the entries of a vector, and sum of their squares.
+ * Compute the sum of the entries of a vector, and the sum of their squares.
  *   stride in  distance of the entries in the array
  */
 static void sum_up(const double *value, size_t count, size_t stride, double *sum, double *squares)
@@ -230,9 +246,9 @@ static void sum_up(const double *value, size_t count, size_t stride, double *sum
 }
 
 /*
- * Mean share of the matrix that no responses would explain if the outputs of the shapes were in
- * random order. For vectors x and y of n entries the mean of the squared product of x and of y in
- * random order is |x|^2 |y|^2/n + (sum(x)^2 - |x|^2)(sum(y)^2 - |y|^2)/(n (n - 1)).
+ * Mean share of the influence matrix that the mode shapes would not explain if their outputs were
+ * in random order. For vectors x and y of n entries the mean of the squared product of x and of y
+ * in random order is |x|^2 |y|^2/n + (sum(x)^2 - |x|^2)(sum(y)^2 - |y|^2)/(n (n - 1)).
  */
 static double random_rest(const comparison *c)
 {

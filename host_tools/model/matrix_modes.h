@@ -18,11 +18,13 @@ typedef struct matrix_modes {
                         that of the matrix; the sum of these shares is the member `share` if the
                         static parts are orthogonal */
     int swaps;      /* number of pairs of outputs that were swapped to explain more of the matrix */
-    int swapped[2]; /* outputs of the first swap, counted from 0 */
-    double random_rest;  /* mean of the share `rest` if the outputs of the shapes were in random
-                            order */
-    double rest;         /* share of the matrix that no responses to the given shapes explain */
-    double swapped_rest; /* the share `rest` after all swaps */
+    int swapped[2]; /* the two outputs of the first pair that was swapped, counted from 0 */
+    double random_rest; /* mean share of the influence matrix that the mode shapes would not explain
+                           with their outputs in random order */
+    double rest; /* share of the influence matrix outside the span of the mode shapes, which no
+                    static responses explain */
+    double swapped_rest; /* share of the influence matrix that the mode shapes do not explain after
+                            all swaps of outputs */
 } matrix_modes;
 
 /*

@@ -291,9 +291,10 @@ static void set_defaults(scene *scene)
 }
 
 /*
- * Choose the dof of a node where the scene file does not: 6 where the seventh dof carries nothing
- * (lin33) and could lose its stiffness, at large rotations; 7 otherwise, and where a support names
- * the seventh dof.
+ * Choose the number of dof of a node where the scene file does not state it. It is 6, without the
+ * seventh dof (displacement of the middle surface relative to the faces), where the element option
+ * lin33 leaves this dof no effect and the kinematics is not linear (a dof without effect could lose
+ * its stiffness at large rotations); otherwise, or if a support names the seventh dof, it is 7.
  */
 static void choose_dof_per_node(scene *scene, const tree *tree)
 {

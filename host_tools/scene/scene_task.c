@@ -225,8 +225,8 @@ int read_actuators(reader *reader, int node, void *to, const void *rule)
 static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
 
 /*
- * The key `drives` of a sensor has the rule `circuits`, which is not read as an array of choices: a
- * rule that is not NULL tells the function read_drives that the patches belong to a sensor.
+ * Table of the keys of a sensor. Sensors and actuators share the reader of the key `drives`, which
+ * takes a row with any rule that is not NULL, here `circuits`, for that of a sensor.
  */
 static const field sensor_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,

@@ -42,8 +42,8 @@ typedef struct storm_plant {
     double gain; /* static response of the structure to voltages, relative to the controller's model
                   */
     double frequency; /* natural frequencies of the structure, relative to the controller's model */
-    double step_limit;   /* step limits relative to the scene's; HUGE_VAL: neither step limits nor
-                            voltage limits, to measure the growth of small vibrations */
+    double step_limit;   /* ratio of the step limits to those of the scene; HUGE_VAL: neither step
+                            limits nor voltage limits, to measure the growth of small vibrations */
     int more_delay;      /* number of ticks by which readings are older than the scene file states;
                             negative: newer */
     uint64_t seed;       /* seed of the random sequence of target jumps */

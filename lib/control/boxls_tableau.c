@@ -171,7 +171,7 @@ static void apply_to_exchanged(pzs_optimiser *optimiser)
  * Copy a block of the tableau (pivoted Hessian), a symmetric matrix, to its mirror position across
  * the diagonal.
  *   i, j    in  row and column of the first entry of the block
- *   columns in  number of columns of the block, a multiple of BLOCK
+ *   columns in  number of columns of the block, a multiple of 4 (BLOCK)
  */
 static inline void mirror_block(pzs_optimiser *optimiser, size_t i, size_t j, size_t rows,
                                 size_t columns)

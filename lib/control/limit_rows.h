@@ -20,7 +20,7 @@ struct pzs_limit_row_calls {
      * PZS_OK, or an error with *where as pzs_control_init states them.
      */
     pzs_status (*check_rows)(const pzs_problem *problem, int32_t *where);
-    /* Whether voltages [inputs] violate no limit row. */
+    /* Whether voltages [inputs] violate no limit row (limit of a sum of voltages). */
     bool (*hold)(const pzs_limit_rows *rows, const pzs_real *voltage);
     /*
      * Place the optimiser for limit rows (limits of sums of voltages) and its arrays in the
