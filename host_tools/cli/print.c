@@ -26,8 +26,9 @@ static const char *precision_needed(const analysis *analysis)
 {
     if (tables_allow_float(analysis))
         return "float or double";
-    if (analysis->model.info.condition > 1e14) /* The stiffness matrix of the undeformed state is
-                                                  too close to singular for pzs_factor. */
+    if (analysis->model.info.condition > 1e14) /* above this condition number, the stiffness matrix
+                                                  of the undeformed state is too close to singular
+                                                  to be factored */
         return "double; loose at rest, held by a contact or by its prescribed displacements alone";
     return analysis->is_nonlinear
                ? "the nonlinear path needs double"

@@ -110,8 +110,8 @@ static double cell_area(const point *points, size_t count, size_t own, const pol
     memcpy(cell->corner, hull->corner, hull->corners * sizeof *hull->corner);
     double reach = reach_of(cell, centre);
     /*
-     * The points are sorted by x. A point farther away than twice the largest distance of the
-     * Voronoi cell's corners does not cut the cell.
+     * The points are sorted by x. A point does not cut the Voronoi cell of a centre point if its
+     * distance from the centre exceeds twice the largest distance of the cell's corners from it.
      */
     for (size_t step = 1; step < count; step++) {
         int is_near = 0;

@@ -136,8 +136,8 @@ static double area_below(const side *one, const side *other, double base)
     if (gap[0] * gap[1] >= 0)
         return (to - from) * lower;
     /*
-     * The two sides cross each other: the upper boundary of the area below both sides consists of
-     * the lower end on the left, the crossing and the lower end on the right.
+     * Where two sides of polygons cross each other, the upper boundary of the area below both of
+     * them consists of the lower end on the left, the crossing and the lower end on the right.
      */
     const double part = gap[0] / (gap[0] - gap[1]), middle = left[0] + part * (right[0] - left[0]);
     return (to - from) *

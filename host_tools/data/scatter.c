@@ -188,9 +188,10 @@ static moments moments_of(const scatter *scatter, const neighbours *found)
     double sum = 0, weight[NEAREST];
     memset(&moments, 0, sizeof moments);
     for (size_t k = 0; k < found->count; k++) {
-        weight[k] = found->square[0] / found->square[k]; /* Weights are inverse squared distances,
-                                                            multiplied by the squared distance of
-                                                            the nearest point. */
+        weight[k] = found->square[0] / found->square[k]; /* the weights of the nearest points are
+                                                            inverse squared distances, multiplied by
+                                                            the squared distance of the nearest one
+                                                          */
         sum += weight[k];
     }
     for (size_t k = 0; k < found->count; k++) {

@@ -86,8 +86,9 @@ static int add_ply(const shear_ply *ply, double flex[6][6], double below[3][3], 
             compliance[row][column] = ply->c[transverse[row]][transverse[column]];
     if (invert(&compliance[0][0], 2, 2) < 0)
         return -1;
-    for (int k = 0; k < 3; k++) { /* The integrand is a polynomial of degree 4, so that three Gauss
-                                     points are exact. */
+    for (int k = 0; k < 3; k++) { /* the work of the transverse shear stresses is a polynomial of
+                                     degree 4 in the height within a ply, for which three Gauss
+                                     points are exact */
         integrated_stress(plane_stiffness, flex, z0, z0 + thickness * (1 + point[k]) / 2, stress);
         for (int i = 0; i < 9; i++)
             stress[i / 3][i % 3] += below[i / 3][i % 3];

@@ -14,8 +14,8 @@ static void fill(mesh *mesh)
         for (int axis = 0; axis < 3; axis++) {
             mesh->point[node].position[axis] = influence->place ? influence->place[node][axis] : 0;
             /*
-             * The only degree of freedom of a node of this mesh acts along the local axis e1, which
-             * is set to the z axis.
+             * In a mesh of points for a measured influence matrix, the only degree of freedom of a
+             * node acts along the local axis e1, which is set to the z axis.
              */
             mesh->point[node].triad[axis][(axis + 2) % 3] = 1;
         }

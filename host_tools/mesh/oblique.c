@@ -58,8 +58,9 @@ static double add_direction(held_axes *held, const double direction[3])
 {
     double rest[3];
     memcpy(rest, direction, sizeof rest);
-    for (int repeat = 0; repeat < 2; repeat++) /* the projection is made twice, so that rounding
-                                                  errors of the first one vanish */
+    for (int repeat = 0; repeat < 2; repeat++) /* the components along the directions that are held
+                                                  are removed twice, so that no rounding errors of
+                                                  the first removal are left */
         for (int k = 0; k < held->count; k++) {
             const double along = vector_dot(rest, held->axis[k]);
             for (int i = 0; i < 3; i++)

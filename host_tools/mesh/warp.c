@@ -191,7 +191,8 @@ int warp_fill(pzs_element_type *type, double share)
         return -1;
     type->warp[0] = share;
     for (int k = 0; k < ROWS; k++)
-        type->warp[1 + k] = 0 - share * factors[k]; /* The factor is subtracted from 0, which gives
-                                                       0 where a change of sign would give -0. */
+        type->warp[1 + k] = 0 - share * factors[k]; /* a factor changes its sign by subtraction from
+                                                       0, so that the result is 0 where the operator
+                                                       - would give -0 */
     return 0;
 }

@@ -200,9 +200,9 @@ static bool choose_channels(fit *fit)
         centred(fit, i, reading + i * count);
     for (size_t k = 0; k < fit->channels * outputs; k++)
         fit->mixer[k] =
-            sin(1 + 1.7 * (double)k + 0.3 * (double)(k % 7)); /* The starting weights are arbitrary;
-                                                                 they only have to be linearly
-                                                                 independent. */
+            sin(1 + 1.7 * (double)k + 0.3 * (double)(k % 7)); /* the weights with which the subspace
+                                                                 iteration starts are arbitrary, but
+                                                                 linearly independent */
     for (int round = 0; round < SUBSPACE_ROUNDS; round++) {
         for (size_t row = 0; row < fit->channels; row++)
             orthonormalise(fit, row);
@@ -754,8 +754,9 @@ static void find_shape(const double *part, size_t outputs, size_t columns, doubl
 {
     for (size_t k = 0; k < columns; k++)
         along[k] = 0;
-    for (size_t i = 0; i < outputs; i++) /* The power iteration starts from the coefficients of the
-                                            output that the mode moves most. */
+    for (size_t i = 0; i < outputs; i++) /* the power iteration for the shape of a mode starts from
+                                            the coefficients of the output that the mode moves most
+                                          */
         if (pzs_linalg_inner(part + i * columns, part + i * columns, (uint32_t)columns) >
             pzs_linalg_inner(along, along, (uint32_t)columns))
             memcpy(along, part + i * columns, columns * sizeof *along);

@@ -108,8 +108,8 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
 static int explain(const analysis *analysis, pzs_status status, char *error)
 {
     if (status == PZS_E_LIMITS)
-        return -1; /* design_limits, which computes the voltage limits, has already written the
-                      error message */
+        return -1; /* the function that computes the voltage limits has already written the error
+                      message */
     return scene_fault(analysis->design.limits.at, error, "%s", pzs_status_text(status));
 }
 
@@ -281,8 +281,9 @@ int voltages_linear(analysis *analysis, common_limits common, voltages *result, 
     if (evaluate_or_none(analysis, result, error) < 0)
         return -1;
     if (analysis->is_nonlinear)
-        result->optimality = (double)NAN; /* The voltages are an optimum (KKT conditions) of the
-                                             linear model, not of the nonlinear structure. */
+        result->optimality = (double)NAN; /* the violation of the optimality (KKT) conditions is not
+                                             known, because voltages of the linear model need not be
+                                             optimal on the nonlinear structure */
     return 0;
 }
 

@@ -11,8 +11,8 @@ scene_outline *outline_append(scene_outlines *outlines, scene_at at)
 {
     const size_t count = (size_t)outlines->electrodes;
     scene_outline *bigger = outlines->electrode;
-    if ((count & (count - 1)) == 0) /* The memory of the list is doubled whenever its length is a
-                                       power of two. */
+    if ((count & (count - 1)) == 0) /* the memory of a list of electrodes or polygons is doubled
+                                       whenever its length is a power of two */
         bigger = realloc(bigger, (count ? 2 * count : 1) * sizeof *bigger);
     if (!bigger)
         return NULL;

@@ -76,7 +76,8 @@ static void write_edited(const migration *migration, char *to, size_t *bytes)
     size_t at = 0, length = 0;
     for (int i = 0; i < migration->count; i++) {
         const edit *const edit = &migration->edits[i];
-        if (edit->from < at) /* The YAML node has already been reached through another alias. */
+        if (edit->from < at) /* an edit that begins before the end of the last one belongs to a YAML
+                                node that another alias has already reached */
             continue;
         memcpy(to + length, migration->text + at, edit->from - at);
         length += edit->from - at;

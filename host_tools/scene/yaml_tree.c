@@ -25,8 +25,8 @@ static void make_one_line(char *text)
     if (length < SCENE_ERROR - 1)
         return;
     while (length > 0 && ((unsigned char)text[length - 1] & 0xC0) == 0x80)
-        text[--length] = 0; /* The cut at the end of the message has left a part of a character of
-                               several bytes, which is removed. */
+        text[--length] = 0; /* where a long error message is cut off inside a character of several
+                               bytes, the rest of this character is removed */
     if (length > 0 && ((unsigned char)text[length - 1] & 0x80))
         text[--length] = 0;
 }

@@ -178,7 +178,7 @@ static int receive(const device *device, void *to, size_t bytes)
         errno = 0;
         const int ready = poll(&wait, 1, PATIENCE);
         if (ready < 0 && errno == EINTR)
-            continue; /* the call was interrupted by the timer of the progress display and is
+            continue; /* a call of poll that the timer of the progress display has interrupted is
                          repeated */
         const ssize_t moved = ready > 0 ? read(device->from, at, bytes) : 0;
         if (ready == 0)

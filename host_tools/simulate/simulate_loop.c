@@ -162,7 +162,7 @@ static void random_fault(loop *loop, int tick)
         event.announced_after =
             random_int(&loop->random, 2) ? random_int(&loop->random, event.ticks) : ANNOUNCED_NEVER;
     if (event.type == EVENT_NAN && random_int(&loop->random, 4) == 0)
-        event.size = 1; /* Every sensor gives readings that are not numbers (NaN). */
+        event.size = 1; /* the random event lets every sensor give NaN in place of a reading */
     if (event.type == EVENT_TARGET || event.type == EVENT_LOAD)
         event.size = 2 * event.size - 1;
     event.load = random_int(&loop->random, loop->design->loads + 1);

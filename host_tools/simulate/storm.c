@@ -266,7 +266,8 @@ static void set_limits(storm *storm)
     storm->problem.lower = storm->limits;
     storm->problem.upper = storm->limits + amplifiers;
     storm->problem.step_limit = storm->limits + 2 * amplifiers;
-    if (is_free) /* Limits between amplifiers are left out, too: they need finite voltage limits. */
+    if (is_free) /* without voltage limits, the limits between amplifiers are left out, too, because
+                    they need them */
         storm->problem.limit_rows = NULL;
     storm->problem.crc = pzs_problem_crc(&storm->problem);
 }

@@ -56,8 +56,8 @@ static void clean_up(int signal_number)
     if (folder_used)
         remove_folder();
     signal(signal_number, SIG_DFL);
-    raise(signal_number); /* The signal stays blocked until this handler returns; after that it ends
-                             the program. */
+    raise(signal_number); /* the signal stays blocked until the signal handler returns; after that
+                             it ends the program */
 }
 
 void interrupt_install(void)

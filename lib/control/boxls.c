@@ -540,10 +540,10 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
     } else if (to_limit && number_is_finite(first.part)) {
         optimiser->voltage[k] = down ? optimiser->lower[k] : optimiser->upper[k];
     } else {
-        optimiser->direction[k] = 0; /* where the gradient with respect to input k is zero (at the
-                                        minimum), or neither a finite bound nor a curvature ends the
-                                        change, the gradient is set to exactly zero, so that input k
-                                        is not released again */
+        optimiser->direction[k] = 0; /* if the release of input k has reached the minimum, or
+                                        neither a finite bound nor a curvature has ended it, the
+                                        gradient with respect to input k is set to exactly zero, so
+                                        that it is not released again */
         if (!to_limit && pzs_tableau_independence(optimiser, k) > optimiser->pivot_floor)
             pzs_tableau_exchange(optimiser, k, row);
     }

@@ -613,8 +613,9 @@ static void update_states(pzs_fault_detector *detector)
             detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED;
         if (detector->state.electrode[j] == PZS_ELECTRODE_HELD &&
             !is_held(detector->state.control, j))
-            detector->state.electrode[j] = PZS_ELECTRODE_OBSERVED; /* pzs_release was called, so the
-                                                                      electrode is observed again */
+            detector->state.electrode[j] =
+                PZS_ELECTRODE_OBSERVED; /* the program has called pzs_release for the electrode,
+                                           which the fault detector therefore observes again */
     }
 }
 

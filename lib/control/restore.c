@@ -213,9 +213,9 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     control->state.influence = influence != NULL ? influence : problem->influence;
     control->state.stage = CONTROL_READY;
     pzs_control_place(control, work);
-    pzs_control_damp(control, 1, NULL, NULL); /* Damping is switched off here; if the loop has a
-                                                 vibration damper, that block switches it on again
-                                                 in each tick. */
+    pzs_control_damp(control, 1, NULL, NULL); /* damping is switched off at the start of each tick;
+                                                 if the loop has a vibration damper, that block
+                                                 switches it on again */
     guard_repair_bool(&optimiser->is_verified);
     guard_repair_bool(&optimiser->is_rebuilding);
     guard_repair_bool(&optimiser->is_predicted);

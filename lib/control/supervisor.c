@@ -139,7 +139,10 @@ static uint32_t ticks_of(pzs_real way, pzs_real step_limit)
         return 0;
     if (!(ticks < (pzs_real)MOST_TICKS))
         return UINT32_MAX;
-    /* the factor covers the rounding errors of the computed voltages of a ramp */
+    /*
+     * a number of ticks slightly above that computed from the step limit covers the rounding errors
+     * of the voltages of a ramp
+     */
     return (uint32_t)(ticks * (1 + 16 * PZS_EPSILON)) + 1u;
 }
 
@@ -238,9 +241,9 @@ static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *sign
     }
     core->remaining -= core->remaining > 0 ? 1u : 0u;
     pzs_control_moved(signals->control);
-    pzs_control_predict(signals->control); /* The shape is predicted already during the ramp, so
-                                              that the first tick in which the loop is in control
-                                              does not take longer than others. */
+    pzs_control_predict(signals->control); /* the shape is predicted already during a ramp of the
+                                              voltages, so that the first tick in which the loop is
+                                              in control does not take longer than others */
 }
 
 /* ---- events ------------------------------------------------------------- */

@@ -212,8 +212,8 @@ static void repeat_voltages(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
     if (tables->delay == 0)
-        return; /* Where the sensors have no delay, the ring buffer has one row and no previous row.
-                 */
+        return; /* without delay of the sensors, the ring buffer of the last ticks has one row and
+                   no previous row */
     memcpy(equilibrium_of(damper, 0), equilibrium_of(damper, 1), tables->modes * sizeof(pzs_real));
     memcpy(expected_of(damper, 0), expected_of(damper, 1), tables->sensors * sizeof(pzs_real));
 }
@@ -610,8 +610,9 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     place(damper, signals->control, tables, work_of(damper));
     (void)pzs_damper_skip(damper, (uint16_t)signals->missed);
     const pzs_status status = pzs_damper_tick(damper, signals->readings, shape);
-    if (!number_is_finite(damper->info.deviation)) { /* damaged memory has made the state not
-                                                        finite: start again in static equilibrium */
+    if (!number_is_finite(damper->info.deviation)) { /* if damaged memory has made the state of the
+                                                        vibration modes infinite or NaN, it starts
+                                                        again in static equilibrium */
         memset(work_of(damper), 0, workspace_of(tables));
         set_initial_state(damper);
     }

@@ -39,9 +39,11 @@ PCLMUL static inline polynomial move(polynomial value, polynomial factor)
 
 PCLMUL void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *data, size_t bytes)
 {
-    const polynomial over_block = {0x154442bd4, 0x1c6e41596}; /* factor that moves data over
-                                                                 CRC_BLOCK bytes */
-    const polynomial over_rest = {0x1751997d0, 0x0ccaa009e}; /* factor that moves data over CRC_REST
+    const polynomial over_block = {0x154442bd4, 0x1c6e41596}; /* factor by which the computation of
+                                                                 a CRC-32 moves data over CRC_BLOCK
+                                                                 bytes */
+    const polynomial over_rest = {0x1751997d0, 0x0ccaa009e}; /* factor by which the computation of a
+                                                                CRC-32 moves data over CRC_REST
                                                                 bytes */
     const polynomial start = {(long long)crc, 0};
     polynomial part[4];

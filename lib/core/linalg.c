@@ -300,8 +300,9 @@ static void eliminate_diagonal(pzs_real *restrict tile, pzs_real *restrict scale
         for (int j = 0; j < PZS_TILE; j++)
             UNROLLED
         /*
-         * With wide vector registers, the entries above the diagonal are computed, too, although
-         * they are not used, because whole columns of the tile are faster than parts.
+         * With wide vector registers, the entries above the diagonal of a diagonal tile are
+         * computed, too, although they are not used, because whole columns of the tile are faster
+         * than parts.
          */
         for (int i = PZS_BY_TILE(j, 0, 0); i < PZS_TILE; i++)
             sum[j * PZS_TILE + i] -= scaled[i] * lower[j];

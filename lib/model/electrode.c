@@ -30,8 +30,9 @@ uint32_t pzs_electrode_crc(const pzs_electrodes *tables, uint32_t inputs)
     crc = pzs_guard_crc(crc, tables->open, tables->count * sizeof *tables->open);
     crc = pzs_guard_crc(crc, tables->direct.start,
                         (tables->count + 1u) * sizeof *tables->direct.start);
-    if (entries > (uint32_t)tables->count * inputs) /* A damaged number of entries must not lead the
-                                                       checksum beyond the end of the tables. */
+    if (entries > (uint32_t)tables->count * inputs) /* a damaged number of entries in the tables of
+                                                       the electrodes must not lead the checksum
+                                                       beyond the end of the tables */
         return crc;
     crc = pzs_guard_crc(crc, tables->direct.dof, entries * sizeof *tables->direct.dof);
     return ~pzs_guard_crc(crc, tables->direct.value, entries * sizeof *tables->direct.value);

@@ -586,8 +586,8 @@ static void estimate_error(pzs_model *model, const pzs_real *force, const pzs_re
     pzs_model_backsolve(model, residual, correction);
     const pzs_real error = pzs_linalg_inner(residual, correction, free_dof);
     /*
-     * A tiny squared error may be negative because of rounding and then counts as 0; a NaN must
-     * stay NaN.
+     * A tiny squared error of the displacement may be negative because of rounding and then counts
+     * as 0; a NaN must stay NaN.
      */
     model->info.residual = load <= 0 ? 0 : PZS_SQRT(pzs_model_scaled_norm2(model, residual) / load);
     const pzs_real error2 = error < 0 ? 0 : error;
@@ -645,7 +645,8 @@ static pzs_status solve_force(pzs_model *model, pzs_real *displacement)
     for (uint32_t i = 0; i < model->state.stiffness.n; i++)
         displacement[i] /= unit;
     /*
-     * NaN is not below the bound, so that an error estimate that is not a number leads to an error.
+     * NaN is not below any bound, so that an estimate of the solution's error that is NaN leads to
+     * an error.
      */
     return model->info.error_estimate < PZS_SQRT(PZS_EPSILON) &&
                    pzs_guard_nonfinite(displacement, model->state.stiffness.n) < 0
