@@ -1064,6 +1064,18 @@ static int asks_for(option_id option, int argc, char **argv, int from)
     return 0;
 }
 
+/* Check that all output files that the options name can be begun. Returns 0 or 1. */
+static int check_outputs(const options *options)
+{
+    const char *const paths[] = {options->report, options->svg, options->vtu,       options->csv,
+                                 options->output, options->npz, options->csv_folder};
+    int failed = 0;
+    for (size_t i = 0; i < sizeof paths / sizeof *paths && !failed; i++)
+        if (paths[i] && !(options->uses_stdout && strcmp(paths[i], "-") == 0))
+            failed = outfile_check(paths[i]);
+    return failed;
+}
+
 static int run_line(int argc, char **argv)
 {
     options options;
@@ -1089,6 +1101,8 @@ static int run_line(int argc, char **argv)
     if (wrong)
         return wrong;
     if (options.uses_stdout && outfile_take_stdout() != 0)
+        return 1;
+    if (check_outputs(&options) != 0)
         return 1;
     return run_command(id, &options);
 }

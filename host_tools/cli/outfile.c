@@ -26,6 +26,25 @@ int outfile_take_stdout(void)
     return 0;
 }
 
+int outfile_check(const char *path)
+{
+    char folder[OUTFILE_PATH];
+    struct stat there;
+    const bool exists = stat(path, &there) == 0;
+    const char *slash = strrchr(path, '/');
+    if (!*path)
+        return cannot_write("''", "the name is empty");
+    if (exists && !S_ISREG(there.st_mode) && !S_ISDIR(there.st_mode))
+        return 0;
+    if (exists && S_ISDIR(there.st_mode))
+        snprintf(folder, sizeof folder, "%s", path);
+    else if (slash)
+        snprintf(folder, sizeof folder, "%.*s", (int)(slash - path) + 1, path);
+    else
+        snprintf(folder, sizeof folder, ".");
+    return access(folder, W_OK | X_OK) == 0 ? 0 : cannot_write(path, strerror(errno));
+}
+
 int outfile_begin(outfile *output, const char *path)
 {
     struct stat there;

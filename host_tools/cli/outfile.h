@@ -27,6 +27,13 @@ typedef struct outfile {
 int outfile_take_stdout(void);
 
 /*
+ * Check, before a long computation, that an output file can be begun: its folder exists and may be
+ * written to. The path may also be a folder for the file, a device or a pipe. Returns 0, or 1 after
+ * printing an error message on standard error.
+ */
+int outfile_check(const char *path);
+
+/*
  * Open an output file for writing; the path "-" is standard output, after outfile_take_stdout. The
  * path must outlive `output`. Returns 0, or 1 after printing an error message on standard error.
  */

@@ -293,6 +293,8 @@ run 2 solve scordelis-lo --npz - && says 'binary file' && run 2 fmu plate-50-pat
     run 2 solve scordelis-lo --json --vtu - && says '--json goes to standard output' && run 2 solve scordelis-lo --svg - --vtu - && says 'one name'
 check 'what standard output cannot take is refused by name' $?
 run 1 tables plate-50-patches -o "$dir/none/x.h" && says 'cannot write'; check 'tables into no folder' $?
+run 1 shape none.yaml --report "$dir/none/x.html" && says 'cannot write' && run 1 shape none.yaml --npz '' && says "cannot write ''"
+check 'a file that cannot be written is refused before the computation' $?
 run 0 solve scordelis-lo --report "$dir/r.html" --vtu "$dir/r.vtu" && [ -s "$dir/r.html" ] && [ -s "$dir/r.vtu" ] && ! ls "$dir"/*.part >/dev/null 2>&1
 check 'report and VTU file are whole' $?
 
