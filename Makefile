@@ -104,7 +104,7 @@ PACKAGES := firmware_demo/packages
 define pkg_config
 	@printf '%s\n' 'prefix=$(PREFIX)' 'includedir=$${prefix}/include/piezoshape' 'libdir=$${prefix}/lib' '' \
 	    'Name: piezoshape$(1)' 'Description: shape control of piezoelectric shells, $(2) bit reals' 'Version: $(VERSION)' \
-	    'Cflags: -I$${includedir} -DPZS_REAL_BITS=$(2) -DPZS_NONLINEAR=1' 'Libs: -L$${libdir} -lpiezoshape$(1) -lm' \
+	    'Cflags: -I"$${includedir}" -DPZS_REAL_BITS=$(2) -DPZS_NONLINEAR=1' 'Libs: -L"$${libdir}" -lpiezoshape$(1) -lm' \
 	    >'$(TO)/lib/pkgconfig/piezoshape$(1).pc'
 endef
 

@@ -62,6 +62,9 @@ if command -v pkg-config >/dev/null; then
             "$dir/program" >"$dir/said" && grep -q "^$(pkg-config --modversion "${library%:*}") ${library#*:} " "$dir/said"
         check "a C program compiled with pkg-config ${library%:*} runs" $?
     done
+    "$MAKE" --no-print-directory -s B="$B" PREFIX="$dir/a prefix" install >"$dir/said" 2>&1
+    PKG_CONFIG_PATH="$dir/a prefix/lib/pkgconfig" PKG_CONFIG_SYSROOT_DIR='' sh -c 'eval "set -- $(pkg-config --cflags --libs piezoshape)"; ls "${1#-I}/pzs.h"' >"$dir/said" 2>&1
+    check 'pkg-config of a prefix with a blank' $?
 else
     skip 'C programs compiled with pkg-config' pkg-config
 fi
@@ -96,6 +99,10 @@ files "$dir/clone" >"$dir/before"
 check 'make -C clone B=/elsewhere' $?
 files "$dir/clone" | cmp -s - "$dir/before"; check 'nothing is written into the clone' $?
 [ "$(grep -c -e '-c ' "$dir/calls")" -ge 60 ] && ! grep -v -e '-DTOLD_SO' -e '^-dumpmachine$' "$dir/calls" >"$dir/said"; check 'CC and CFLAGS of the environment are in every call' $?
+chmod -R a-w "$dir/clone"
+sh "$dir/clone/firmware_demo/packages/package.sh" "$PZS" "$dir/pack" >"$dir/said" 2>&1 && [ -z "$(find "$dir/pack" ! -perm -u+w)" ]
+check 'a package from a read-only clone may be written to' $?
+chmod -R u+w "$dir/clone"
 for source in 'gcc gcc' 'clang clang' ; do
     [ "$(CC=${source% *} "$MAKE" -n B="$dir/other" "$dir/other/64/lib/core/guard.o" | grep -c "^${source#* } .*-c lib/core/guard.c")" = 1 ]
     check "CC=${source% *}" $?
