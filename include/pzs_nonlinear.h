@@ -95,6 +95,8 @@ typedef struct pzs_solver_settings {
      * the present displacement are used; default 12; 0: plain Newton method
      */
     uint16_t extrapolated_iterations;
+    uint16_t ramp_solves; /* number of linear solves at the start of a load step over which the
+                             input values rise in equal parts to those of its end; default 1 */
     uint32_t solve_limit; /* largest number of linear solves in one call of pzs_equilibrium; default
                              400 */
 } pzs_solver_settings;

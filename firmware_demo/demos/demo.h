@@ -47,7 +47,7 @@ typedef struct demo_nonlinear_image {
     void *model_work, *path_work;
     size_t model_bytes, path_bytes;
     pzs_real tolerance;
-    uint16_t load_steps, extrapolated_iterations;
+    uint16_t load_steps, extrapolated_iterations, ramp_solves;
     uint32_t solve_limit;
 } demo_nonlinear_image;
 
@@ -59,7 +59,7 @@ typedef struct demo_nonlinear_image {
     {                                                                                              \
         &demo_structure, &demo_nonlinear, model_work, path_work, sizeof model_work,                \
             sizeof path_work, DEMO_TOLERANCE, DEMO_LOAD_STEPS, DEMO_EXTRAPOLATED_ITERATIONS,       \
-            DEMO_SOLVE_LIMIT                                                                       \
+            DEMO_RAMP_SOLVES, DEMO_SOLVE_LIMIT                                                     \
     }
 
 /* Initialise a model and an equilibrium solver in the undeformed state. */

@@ -20,6 +20,7 @@ pzs_status demo_open_path(pzs_model *model, pzs_solver *solver, const demo_nonli
     solver->settings.tolerance = image->tolerance;
     solver->settings.load_steps = image->load_steps;
     solver->settings.extrapolated_iterations = image->extrapolated_iterations;
+    solver->settings.ramp_solves = image->ramp_solves;
     solver->settings.solve_limit = image->solve_limit;
     return status;
 }

@@ -15,6 +15,7 @@
 
 static const range step_count = {1, 10000, 0, "must be from 1 to 10000"};
 static const range extrapolated = {0, 1000, 0, "must be from 0 (plain Newton) to 1000"};
+static const range ramp = {1, 20, 0, "must be from 1 to 20"};
 static const range solve_count = {1, 1000000, 0, "must be from 1 to 1000000"};
 static const range increment = {1e-12, 0.1, 0, "must lie between 1e-12 and 0.1"};
 
@@ -28,6 +29,9 @@ static const field equilibrium_fields[] = {
      &extrapolated, .of = OF_NUMBER,
      .help = "Number of iterations of a load step with extrapolated resultants before the true "
              "resultants are used; default 12; 0: plain Newton method."},
+    {"ramp_solves", read_int, offsetof(scene_equilibrium, ramp_solves), &ramp, .of = OF_NUMBER,
+     .help = "Number of linear solves over which the loads of a load step rise in equal parts; "
+             "default 1. Where one load step fails or is slow, try 2 or 6."},
     {"linear_solves", read_int, offsetof(scene_equilibrium, linear_solves), &solve_count,
      .of = OF_NUMBER, .help = "Largest number of linear solves; default 400."},
     {.key = NULL}};

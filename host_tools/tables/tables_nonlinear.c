@@ -182,11 +182,12 @@ static int write_equilibrium(emitter *emitter, const analysis *analysis)
                  "settings of the equilibrium solver (pzs_solver_settings) from the scene");
     fprintf(emitter->file,
             "#define %s_LOAD_STEPS %u\n#define %s_EXTRAPOLATED_ITERATIONS %u\n"
-            "#define %s_SOLVE_LIMIT %u\n"
+            "#define %s_RAMP_SOLVES %u\n#define %s_SOLVE_LIMIT %u\n"
             "#define %s_TOLERANCE PZS_R(%.17g)\n\n",
             emitter->upper, run->settings.load_steps, emitter->upper,
-            run->settings.extrapolated_iterations, emitter->upper,
-            (unsigned)run->settings.solve_limit, emitter->upper, run->settings.tolerance);
+            run->settings.extrapolated_iterations, emitter->upper, run->settings.ramp_solves,
+            emitter->upper, (unsigned)run->settings.solve_limit, emitter->upper,
+            run->settings.tolerance);
     emit_reals(emitter, "full_input", analysis->equilibrium.full_input, structure->input.count,
                "input values of the scene: applied voltages, loads, extra inputs");
     pzs_observe(structure, run->info.displacement, reached);

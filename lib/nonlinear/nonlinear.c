@@ -149,6 +149,7 @@ pzs_status pzs_solver_init(pzs_solver *solver, pzs_model *model, const pzs_nonli
     solver->settings.tolerance = (pzs_real)1e-4;
     solver->settings.load_steps = 1;
     solver->settings.extrapolated_iterations = 12;
+    solver->settings.ramp_solves = 1;
     solver->settings.solve_limit = 400;
     pzs_solver_reset(solver);
     return PZS_OK;
@@ -494,7 +495,25 @@ static bool may_continue(const pzs_solver *solver, uint32_t divergence_count)
 }
 
 /*
- * Iterate by Newton's method at the present input values. The iteration has converged when the last
+ * Set the input values to the last equilibrium's plus `part` (above 0, at most 1) of the remaining
+ * way to the wanted values.
+ */
+static void set_input_values(pzs_solver *solver, const pzs_real *value, pzs_real part)
+{
+    const uint32_t inputs = solver->state.model->state.structure->input.count;
+    for (uint32_t j = 0; j < inputs; j++)
+        solver->state.input_value[j] =
+            part < 1 ? solver->state.converged_input_value[j] +
+                           part * (value[j] - solver->state.converged_input_value[j])
+                     : value[j];
+    pzs_nonlinear_set_prescribed(solver);
+}
+
+/*
+ * Iterate by Newton's method towards the equilibrium at `part` of the remaining way to the wanted
+ * input values. The first settings.ramp_solves linear solves raise the input values in equal parts:
+ * displacements of a linear solution far beyond the validity of linear kinematics would cost more
+ * solves later. The iteration has converged when the last
  * increment and the predicted next one are below the tolerance, relative to the displacement of the
  * load step, and the force imbalance is not larger than the applied force or is a rounding error.
  * Where a load step moves less than a thousandth of the whole displacement (a tenth in float,
@@ -502,10 +521,11 @@ static bool may_continue(const pzs_solver *solver, uint32_t divergence_count)
  * Returns whether the iteration has converged. state.pending_error holds the status of an option of
  * the solver that has not converged.
  */
-static bool iterate(pzs_solver *solver)
+static bool iterate(pzs_solver *solver, const pzs_real *value, pzs_real part)
 {
     const pzs_real least = PZS_BY_BITS((pzs_real)1e-2, (pzs_real)1e-6),
                    limit2 = solver->settings.tolerance * solver->settings.tolerance;
+    const uint32_t ramp = solver->settings.ramp_solves;
     pzs_real *du = solver->state.model->state.work;
     uint32_t divergence_count = 0;
     solver->info.relative_increment = 1;
@@ -513,6 +533,10 @@ static bool iterate(pzs_solver *solver)
     solver->info.where = -1;
     for (solver->state.iteration = 0; may_continue(solver, divergence_count);
          solver->state.iteration++) {
+        const uint32_t rising = solver->state.iteration + 1;
+        if (rising <= ramp)
+            set_input_values(solver, value,
+                             rising < ramp ? part * (pzs_real)rising / (pzs_real)ramp : part);
         if (solver->info.linear_solves >= solver->settings.solve_limit ||
             !solve_and_update(
                 solver, solver->state.iteration >= solver->settings.extrapolated_iterations, du))
@@ -527,7 +551,7 @@ static bool iterate(pzs_solver *solver)
             solver->state.iteration > 2 && solver->info.relative_increment > (pzs_real)0.9
                 ? divergence_count + 1
                 : 0;
-        if (!(last2 <= limit2 * moved2))
+        if (rising < ramp || !(last2 <= limit2 * moved2))
             continue;
         solver->state.pending_error = unconverged_option(solver);
         if (!solver->state.pending_error && assess_equilibrium(solver, du) &&
@@ -595,15 +619,8 @@ static bool options_accept(pzs_solver *solver)
  */
 static bool try_load_step(pzs_solver *solver, const pzs_real *value, pzs_real part)
 {
-    const uint32_t inputs = solver->state.model->state.structure->input.count;
-    for (uint32_t j = 0; j < inputs; j++)
-        solver->state.input_value[j] =
-            part < 1 ? solver->state.converged_input_value[j] +
-                           part * (value[j] - solver->state.converged_input_value[j])
-                     : value[j];
-    pzs_nonlinear_set_prescribed(solver);
     solver->state.refused = PZS_OK;
-    if (!iterate(solver) || !options_accept(solver))
+    if (!iterate(solver, value, part) || !options_accept(solver))
         return false;
     save_equilibrium(solver);
     solver->info.load_steps++;
@@ -734,8 +751,8 @@ static bool settings_in_range(const pzs_solver *solver)
     for (const pzs_solver_option *option = solver->state.option; option; option = option->next)
         if (option->call->settings_in_range && !option->call->settings_in_range(option))
             return false;
-    return solver->settings.load_steps > 0 && solver->settings.tolerance > 0 &&
-           solver->settings.tolerance < 1;
+    return solver->settings.load_steps > 0 && solver->settings.ramp_solves > 0 &&
+           solver->settings.tolerance > 0 && solver->settings.tolerance < 1;
 }
 
 pzs_status pzs_equilibrium(pzs_solver *solver, const pzs_real *value)

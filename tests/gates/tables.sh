@@ -55,6 +55,7 @@ int main(void)
 #endif
     solver.settings.load_steps = T_LOAD_STEPS;
     solver.settings.extrapolated_iterations = T_EXTRAPOLATED_ITERATIONS;
+    solver.settings.ramp_solves = T_RAMP_SOLVES;
     solver.settings.tolerance = T_TOLERANCE;
     solver.settings.solve_limit = T_SOLVE_LIMIT;
     status = pzs_equilibrium(&solver, t_full_input);
@@ -114,6 +115,7 @@ compile 32 && { "$scratch/program" >"$scratch/found"; off=$(off_solved); } && aw
     grep -q 'float or double' "$scratch/told"
 tap $? "dead loads in float: off by $off"
 same 'actuation' roll-up
+same 'loads that rise over two solves' hemisphere --set mesh.theta1.elements=4 --set mesh.theta2.elements=4 --set 'equilibrium={ramp_solves: 2}'
 ! compile 32 && grep -q 'the equilibrium solver needs double' "$scratch/found" && grep -q 'refused in float' "$scratch/told"
 tap $? 'roll-up: above the rule, refused in float'
 same 'follower load' ring-follower

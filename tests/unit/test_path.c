@@ -377,6 +377,41 @@ static void test_body_by_formula(void **state)
     scene_run_close(&body);
 }
 
+/* ---- loads that rise over the first solves ---- */
+
+/*
+ * Law: the equilibrium does not depend on how the loads of a load step rise; the number of linear
+ * solves does. Half of the load in the first solve saves two of eleven on the slit annular plate;
+ * loads that rise over six solves take the soft hyperboloid through in one load step.
+ */
+static void test_ramp(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *scene, *changes;
+        int ramp;
+        uint32_t most; /* largest number of linear solves with the ramp, in one load step */
+    } cases[] = {
+        {"annular-plate", IMPROVED, 2, 9},
+        {"hyperboloid-soft", IMPROVED "mesh.theta1.elements=16;mesh.theta2.elements=16;", 6, 23},
+        {"roll-up", "", 3, 12},
+    };
+    for (size_t i = 0; i < COUNT(cases); i++) {
+        char changes[256];
+        scene_run r[2];
+        for (int k = 0; k < 2; k++) {
+            snprintf(changes, sizeof changes, "%sequilibrium={load_steps: %d, ramp_solves: %d}",
+                     cases[i].changes, k ? 1 : 1 + (i == 1), k ? cases[i].ramp : 1);
+            solve_run(&r[k], cases[i].scene, changes);
+        }
+        assert_int_equal(r[1].analysis.equilibrium.solver.info.load_steps, 1);
+        assert_true(r[1].analysis.equilibrium.solver.info.linear_solves <= cases[i].most);
+        assert_true(apart(r[0].u, r[1].u, dof_of(&r[0])) < 1e-4);
+        scene_run_close(&r[0]);
+        scene_run_close(&r[1]);
+    }
+}
+
 /* ---- linear or not ---------------------------------------------------- */
 
 /* Law: kinematics auto takes the linear displacement where it is within the scene's tolerance of
@@ -701,6 +736,7 @@ int main(void)
         cmocka_unit_test(test_contact_stiffness),
         cmocka_unit_test(test_contact_stiffness_of_rubber),
         cmocka_unit_test(test_body_by_formula),
+        cmocka_unit_test(test_ramp),
         cmocka_unit_test(test_auto),
         cmocka_unit_test(test_default_dof),
         cmocka_unit_test(test_thickness_locking),

@@ -154,6 +154,7 @@ static const bad_line bad_lines[] = {
      ":2:26: 'tolerance: 0' must lie between 1e-12 and 0.1"},
     {1, "name: t\nequilibrium: {tolerance: 0.2}",
      ":2:26: 'tolerance: 0.2' must lie between 1e-12 and 0.1"},
+    {1, "name: t\nequilibrium: {ramp_solves: 0}", ":2:28: 'ramp_solves: 0' must be from 1 to 20"},
     {1, "name: t\nequilibrium: {extrapolated_iterations: -1}",
      ":2:40: 'extrapolated_iterations: -1' must be from 0 (plain Newton) to 1000"},
     {1, "name: t\nequilibrium: {extrapolated_iterations: 1001}",
@@ -783,7 +784,7 @@ static void test_nonlinear_words(void **state)
     static const char *const set[] = {
         "kinematics=auto",
         "tolerance=1/50",
-        "equilibrium={load_steps: 3, tolerance: 1e-6, extrapolated_iterations: 0, "
+        "equilibrium={load_steps: 3, tolerance: 1e-6, extrapolated_iterations: 0, ramp_solves: 4, "
         "linear_solves: 50}",
         "supports.1={edge: theta1+, fix: [u3, u1 mean], value: 2*x}",
         "loads=[{face: inner, pressure: 2, follower: pressure}, "
@@ -810,7 +811,7 @@ static void test_nonlinear_words(void **state)
     assert_true(scene.kinematics == KINEMATICS_AUTO && scene.tolerance == 0.02);
     assert_true(scene.equilibrium.load_steps == 3 && scene.equilibrium.tolerance == 1e-6 &&
                 scene.equilibrium.extrapolated_iterations == 0 &&
-                scene.equilibrium.linear_solves == 50);
+                scene.equilibrium.ramp_solves == 4 && scene.equilibrium.linear_solves == 50);
     assert_true(scene.support[1].fix == 0x65 && scene.support[1].move == 0x05 &&
                 expr_value(scene.support[1].value, &at) == 2 && !scene.support[0].value);
     assert_true(scene.load[0].follower == FOLLOWER_PRESSURE && scene.load[0].true_area &&
@@ -843,7 +844,7 @@ static void test_nonlinear_words(void **state)
                 !scene.contact.given && scene.load[0].follower == FOLLOWER_NONE);
     assert_true(scene.equilibrium.load_steps == 1 && scene.equilibrium.tolerance == 1e-4 &&
                 scene.equilibrium.extrapolated_iterations == 12 &&
-                scene.equilibrium.linear_solves == 400);
+                scene.equilibrium.ramp_solves == 1 && scene.equilibrium.linear_solves == 400);
     scene_free(&scene);
 }
 
