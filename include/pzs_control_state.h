@@ -369,38 +369,43 @@ typedef struct pzs_pulse_detector_state {
                                 readings D per volt and the scales S of the sensors */
     pzs_real *diagonal;      /* [inputs] diagonal of D'S^2 D without regularisation, with the static
                                 readings D per volt and the scales S of the sensors (1/V2) */
-    pzs_real *first_voltage; /* [inputs] voltages in the first tick of the present standstill of the
-                                target or test pulse (V) */
-    pzs_real *voltage; /* [inputs] weighted sum over the present standstill of the target or test
-                          pulse of the voltages minus those of its first tick (V) */
-    pzs_real *base_voltage, *rest_voltage; /* [inputs] mean voltages of an earlier standstill of the
-                                              target, and of the last standstill of the target (V)
-                                            */
-    pzs_real *move; /* [inputs] voltages of the last standstill of the target minus those of the
-                       earlier standstill; during the evaluation of a pulse the weighted sums of all
-                       other voltages (V) */
-    pzs_real *loss; /* [inputs] voltages that the electrodes seem to have lost between the earlier
-                       and the last standstill of the target (V) */
+    pzs_real *first_voltage; /* [inputs] voltages in the first tick of the present window (in which
+                                readings are averaged) or test pulse; after a window the mean
+                                voltages (V) */
+    pzs_real *voltage;       /* [inputs] weighted sum of the voltages minus those of the first tick,
+                                over the present window (in which readings are averaged) or test
+                                pulse (V) */
+    pzs_real *late_voltage;  /* [inputs] sum over the present test pulse of the voltages minus those
+                                of its first tick, times the late weights (V) */
+    pzs_real *base_voltage;  /* [inputs] mean voltages of an earlier standstill of the target (V) */
+    pzs_real *move;          /* [inputs] mean voltages of the last window (in which readings were
+                                averaged) minus those of an earlier standstill of the target; during
+                                the evaluation of a pulse the weighted sums of voltages (V) */
+    pzs_real *loss;          /* [inputs] voltages that the electrodes seem to have lost between an
+                                earlier standstill of the target and the last window (in which
+                                readings were averaged) (V) */
     pzs_real *last_reading; /* [sensors] last usable reading of each sensor (unit of each sensor) */
-    pzs_real *first_reading; /* [sensors] readings in the first tick of the present standstill of
-                                the target or test pulse; after a standstill the mean readings (unit
-                                of each sensor) */
-    pzs_real *reading; /* [sensors] weighted sum over the present standstill of the target or test
-                          pulse of the readings minus those of its first tick (unit of each sensor)
-                        */
-    pzs_real *base_reading; /* [sensors] mean readings of the earlier standstill of the target (unit
+    pzs_real *first_reading; /* [sensors] readings in the first tick of the present window, in which
+                                readings are averaged, or test pulse; after a window the mean
+                                readings (unit of each sensor) */
+    pzs_real *reading;      /* [sensors] weighted sum over the present window, in which readings are
+                               averaged, or test pulse of the readings minus those of its first tick
+                               (unit of each sensor) */
+    pzs_real *late_reading; /* [sensors] sum over the present test pulse of the readings minus those
+                               of its first tick, times the late weights (unit of each sensor) */
+    pzs_real *base_reading; /* [sensors] mean readings of an earlier standstill of the target (unit
                                of each sensor) */
-    pzs_real *difference;   /* [sensors] change of the readings since the earlier standstill of the
+    pzs_real *difference;   /* [sensors] change of the readings since an earlier standstill of the
                                target that the voltages do not explain; during the evaluation of a
                                pulse the readings that the voltages of the other electrodes explain
                                (unit of each sensor) */
     pzs_real *wanted;    /* [outputs] target shape of the last tick in which the target moved (m) */
     uint8_t *electrode;  /* [inputs] state of each electrode, a value of pzs_electrode_state */
     uint8_t *fault;      /* [inputs] fault of each electrode, a value of pzs_electrode_fault */
-    uint8_t *pause;      /* [inputs] number of further standstills of the target during which an
-                            electrode that has passed its test is not suspected */
-    uint8_t *is_missing; /* [sensors] 1: a reading was missing in the present standstill of the
-                            target or test pulse */
+    uint8_t *pause;      /* [inputs] number of further windows (in which readings are averaged)
+                            during which an electrode that has passed its test is not suspected */
+    uint8_t *is_missing; /* [sensors] 1: a reading was missing in the present window (in which
+                            readings are averaged) or test pulse */
     pzs_real ridge; /* regularisation in the least-squares estimate of the voltages that electrodes
                        have lost (1/V2) */
     pzs_real least_energy;     /* sum of the squared weighted output changes that a full test pulse
@@ -408,29 +413,32 @@ typedef struct pzs_pulse_detector_state {
     pzs_real start[2], set[2]; /* voltages of two electrodes, the one suspected of a fault and the
                                   healthy one with which it is compared: before their test pulses
                                   (start), and in the next tick (set) (V) */
-    pzs_real first_gain, reference_gain; /* measured response to a test pulse, divided by the
-                                            modelled response: first pulse of the electrode
-                                            suspected of a fault, and pulse of the healthy electrode
-                                            with which it is compared (1) */
-    pzs_real suspect_voltage; /* voltage of the electrode suspected of a fault in the last
-                                 standstill of the target (V) */
-    pzs_real suspect_move;    /* change of the voltage of the electrode suspected of a fault between
-                                 the earlier and the last standstill of the target (V) */
-    pzs_real suspect_loss;    /* voltage that the electrode suspected of a fault seemed to have lost
-                                 (V) */
-    uint32_t position; /* number of ticks since the fault detector began its present phase, such as
-                          a standstill of the target or a test pulse */
+    pzs_real height[2];        /* heights of the test pulses of two electrodes, the one suspected of
+                                  a fault and the healthy one with which it is compared (V) */
+    pzs_real suspect_voltage;  /* mean voltage of the electrode suspected of a fault when it was
+                                  first  suspected (V) */
+    pzs_real suspect_move;     /* change of the mean voltage of the electrode suspected of a fault
+                                  since an earlier standstill of the target (V) */
+    pzs_real suspect_loss; /* voltage that the electrode suspected of a fault seemed to have lost
+                              (V) */
+    uint32_t position; /* number of ticks since the fault detector began its present phase: a window
+                          in which readings are averaged, or a test pulse */
     uint16_t suspect, reference; /* inputs of the electrodes under test: the one suspected of a
                                     fault, and the healthy one with which it is compared; 0xFFFF:
                                     none */
-    uint8_t phase, stage; /* phase: what the fault detector does now; stage: test pulse that it
-                             makes next */
+    uint8_t phase; /* what the fault detector does now: average readings, or make test pulses */
     uint8_t tries; /* number of unsuccessful test pulses in the test of a suspected electrode: those
                       that were disturbed, and those to which the electrode taken as healthy did not
                       respond */
+    uint8_t silent; /* number of test pulses in a row to which the electrode suspected of a fault
+                       has not responded */
+    bool is_grown;  /* whether test pulses are large, because neither electrode under test responded
+                       to small ones */
+    bool is_moving; /* whether the target has moved in the present window, in which readings are
+                       averaged */
     bool has_base, has_taken; /* has_base: there was a standstill of the target with which later
-                                 ones are compared; has_taken: the fault detector sets the voltages
-                                 of the two electrodes under test */
+                                 readings are compared; has_taken: the fault detector sets the
+                                 voltages of the two electrodes under test */
 } pzs_pulse_detector_state;
 
 typedef struct pzs_estimate_state {

@@ -1220,19 +1220,23 @@ extern const pzs_block_type pzs_selftest_block;
 
 /*
  * The fault detector for loops whose structure vibrates finds electrodes that are dead, stuck or
- * reversed, and holds them, while the loop goes on. It compares the mean readings while the target
- * stands still with those of an earlier standstill. An electrode that seems to have lost its
- * voltage or its move makes a slow test pulse, then an electrode that seems healthy makes one, then
- * the suspected one again. The electrode is held if it did not respond although the other one
- * did, or responded with the wrong sign.
+ * reversed, and holds them, while the loop goes on. It compares mean readings over half a pulse
+ * with those of an earlier standstill of the target, also while the target moves. An electrode that
+ * seems to have lost its voltage or its move makes slow test pulses, together with an electrode
+ * that seems healthy. The electrode is held if it does not respond in two pulses in which the other
+ * one does, or responds with the wrong sign.
  *
- * Pauses of the target are compared from half a pulse after its last motion on, for half a pulse;
- * the proof takes four pulses, during which the loop damps vibration, but does not follow loads. A
- * target that moves interrupts both, and they begin again afterwards: in a loop whose target never
- * stands still for two pulses, no electrode is found. The pulse of a suspect is compared with that
- * of another electrode, so that what hides both responses, such as strong hysteresis, makes no
- * healthy electrode a faulty one; but then a faulty one is not found either (more than about 20 %
- * hysteresis, or 10 % without compensation).
+ * The pulses begin a quarter of a pulse after the last motion of the target. During the pulses the
+ * loop damps vibration, but does not follow loads. A target that moves interrupts them, and they
+ * begin again afterwards: in a loop whose target never stands still for two and a quarter pulses,
+ * no electrode is found. An electrode that lacks less than about 5 % of its voltage range is not
+ * suspected until it lacks more.
+ *
+ * The gain of a suspect is compared with that of another electrode, so that what hides both
+ * responses makes no healthy electrode a faulty one. Where both respond weakly, as with strong
+ * hysteresis, the pulses are repeated with up to four times their height, at most half the voltage
+ * range; with more than about 20 % hysteresis, or 10 % without compensation, many faults are still
+ * not found. A load that jumps during a pulse is noticed, and the pulse is repeated.
  */
 typedef enum pzs_electrode_fault {
     PZS_FAULT_NONE = 0,
@@ -1273,7 +1277,7 @@ extern const pzs_block_type pzs_pulse_detector_block;
     PZS_ALIGNED(PZS_ALIGNED(sizeof(pzs_pulse_detector)) +                                          \
                 sizeof(pzs_real) *                                                                 \
                     (PZS_DENSE(inputs) + 5u * (size_t)(inputs) + 2u * PZS_FOURS(inputs) +          \
-                     5u * (size_t)(sensors) + (size_t)(outputs)) +                                 \
+                     6u * (size_t)(sensors) + (size_t)(outputs)) +                                 \
                 sizeof(uint32_t) * ((size_t)(inputs) / PZS_TILE + 2u) +                            \
                 (sizeof(uint16_t) + 3u) * (size_t)(inputs) + (size_t)(sensors))
 

@@ -3,28 +3,36 @@
  * Fault detector for a loop that damps vibration (pzs_loop.h): finds dead, stuck and reversed
  * electrodes from the readings of the sensors, while the loop goes on.
  *
- * Suspicion: the mean readings and the mean voltages during a standstill of the target are compared
- * with those of an earlier standstill. Let du be the change of the voltages, dy that of the
- * readings, D the static readings per volt, and S the scales of the sensors. The lost voltages f
- * minimise |S (dy - D (du + f))|^2 + ridge |f|^2. A structure whose gain differs from the model
- * loses a common part c of all voltage changes, f = c du, which is taken out. The electrode whose
- * remaining loss explains most of the difference is suspected, if it lost about its own voltage (as
- * a dead electrode) or its own change of voltage (as a stuck or reversed one).
+ * Suspicion: the mean readings and the mean voltages of a window of time are compared with those of
+ * an earlier standstill of the target. The weights of the means fall to 0 at both ends of the
+ * window, so that vibration hardly changes them, even while the target moves. Let du be the change
+ * of the voltages, dy that of the readings, D the static readings per volt, and S the scales of the
+ * sensors. The lost voltages f minimise |S (dy - D (du + f))|^2 + ridge |f|^2. A structure whose
+ * gain differs from the model loses a common part c of all voltage changes, f = c du, which is
+ * taken out. The electrode whose remaining loss explains most of the difference is suspected, if it
+ * lost about its own voltage (as a dead electrode) or its own change of voltage (as a stuck or
+ * reversed one).
  *
- * Proof: the suspected electrode makes a slow test pulse (test_pulse.h), during which the loop
- * damps vibration, but does not follow the target. Readings and voltages are multiplied by the even
- * weights of the pulse and summed, so that constant loads, drift and vibration drop out. The
- * response is fitted by the modelled responses to this electrode and to all others; the factor of
- * the first one is the gain of the electrode. Then a reference electrode makes a pulse of its own,
- * then the suspected one again. The suspected electrode is faulty if both its gains are small or
- * negative in comparison with the gain of the reference electrode. Whatever else hides responses
- * (hysteresis, a wrong model, missing readings, lost control) hides that of the reference electrode
- * too.
+ * Proof: the suspected electrode and a reference electrode, which seems healthy, make slow test
+ * pulses (test_pulse.h) at the same time, during which the loop damps vibration, but does not
+ * follow the target. Readings and voltages are multiplied by the even weights of the pulse and
+ * summed, so that constant loads, drift and vibration drop out. The response is fitted by the
+ * modelled responses to the suspected electrode, to the reference electrode and to all others; the
+ * factors of the first two are the gains of these electrodes. The suspected electrode is faulty if
+ * its gain is small or negative, in comparison with that of the reference electrode, in two pulses
+ * one after the other. Whatever else hides responses (hysteresis, a wrong model, missing readings,
+ * lost control) hides that of the reference electrode too. Where neither electrode responds, as
+ * with strong hysteresis, the pulses are repeated with larger voltages.
  *
- * A motion of the target interrupts standstill and pulse, which are repeated later.
+ * A load that jumps during a pulse can hide a response. Readings and voltages are therefore also
+ * summed with weights that are negative before the middle of the pulse and positive after it, to
+ * which a pulse contributes nothing and a jump much. A pulse during which the readings have jumped
+ * by a part of the response proves nothing.
  *
- * The work of a tick is outputs + 6 (inputs + sensors) operations. At the end of a standstill 2
- * inputs sensors + inputs^2 multiply-adds are added, and at the end of a pulse inputs sensors.
+ * A motion of the target interrupts a proof, which begins anew after a pause of the target.
+ *
+ * The work of a tick is outputs + 8 (inputs + sensors) operations. At the end of a window 3
+ * inputs sensors + inputs^2 multiply-adds are added, and at the end of a pulse 3 inputs sensors.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -43,10 +51,12 @@
  */
 #define RIDGE PZS_R(1e-4)
 /*
- * Smallest part of the difference between two standstills of the target that a lost voltage of one
- * electrode must explain for this electrode to be suspected.
+ * Smallest part of the difference between an earlier standstill of the target and the present
+ * window that the loss of a suspected electrode explains. LEAST_MOVING_SHARE holds for a window in
+ * which the target has moved, because vibration and damping add to the difference.
  */
 #define LEAST_SHARE PZS_R(0.2)
+#define LEAST_MOVING_SHARE PZS_R(0.3)
 /*
  * Smallest and largest voltage that an electrode must seem to have lost to be suspected, relative
  * to the voltage or to the voltage change that it would lose if it were dead, stuck or reversed.
@@ -74,19 +84,36 @@
  */
 #define LEAST_REFERENCE PZS_R(0.4)
 /*
- * A suspected electrode is faulty if the gains of both its test pulses are smaller than SILENT
- * times the gain of the reference electrode, a healthy one. It is reversed if the first of these
- * gains is below the negative of REVERSED times the gain of the reference electrode. A gain is a
- * response divided by the modelled response.
+ * A suspected electrode is faulty if its gain in each of SILENT_PULSES test pulses is smaller than
+ * SILENT times the gain of the reference electrode, a healthy one. It is reversed if the last of
+ * these gains is below the negative of REVERSED times the gain of the reference electrode. A gain
+ * is a response divided by the modelled response.
  */
 #define SILENT PZS_R(0.5)
+#define SILENT_PULSES 2u
 #define REVERSED PZS_R(0.3)
+/*
+ * Largest jump of the readings during a test pulse that proves a fault, measured by the late
+ * weights (test_pulse.h) and relative to the modelled response of the suspected electrode. A single
+ * jump of a load that is not noticed changes the gain by less than 2.4 times this number.
+ */
+#define JUMPED PZS_R(0.1)
+/*
+ * Largest jump of the readings during a test pulse that proves a fault, relative to the modelled
+ * response of the reference electrode, a healthy one, whose gain may be less accurate.
+ */
+#define REFERENCE_JUMPED PZS_R(0.2)
 /*
  * Largest energy of the part of a measured response to a test pulse that has another shape than the
  * modelled response, relative to the energy of the modelled response. A larger part means that
  * something else has disturbed the test pulse.
  */
 #define DISTURBED PZS_R(0.25)
+/*
+ * Smallest part of the modelled response to the reference electrode that is independent of the
+ * response to the suspected electrode, relative to its energy.
+ */
+#define DEPENDENT PZS_R(0.05)
 /*
  * The evaluation of a test pulse expects that the gain of all other electrodes (response divided by
  * modelled response) is 1. This is the weight of the expectation, relative to the energy of the
@@ -99,18 +126,18 @@
  */
 #define MOST_TRIES 4u
 /*
- * Number of standstills of the target during which an electrode that has passed its test is not
- * suspected.
+ * Number of windows (times over which readings are averaged) during which an electrode that has
+ * passed its test is not suspected.
  */
-#define CLEARED_RESTS 32u
+#define CLEARED_WINDOWS 32u
 /*
  * Input number that means: no electrode is suspected, or there is no healthy electrode with which a
  * suspected one could be compared.
  */
 #define NO_INPUT 0xFFFFu
 /*
- * At most this part (1/MISSING_LIMIT) of the sensors may give no reading during a standstill of the
- * target or a test pulse.
+ * At most this part (1/MISSING_LIMIT) of the sensors may give no reading during a window, in
+ * which readings are averaged, or a test pulse.
  */
 #define MISSING_LIMIT 8u
 /*
@@ -119,22 +146,24 @@
  */
 #define STILL PZS_R(64)
 
+/* Phases of the detector: windows in which readings are averaged, and test pulses. */
+enum { WAITING = 0, PULSING };
 /*
- * Phases of the fault detector: waiting until the structure has settled, averaging while the target
- * stands still, a first pulse of the suspected and of the reference electrode that is not
- * evaluated, and test pulses that are evaluated.
+ * Columns of the fit of a test pulse: modelled responses to the suspected electrode, to the
+ * reference electrode, and to all other electrodes.
  */
-enum { SETTLING = 0, RESTING, CONDITIONING, PULSING };
-/*
- * Test pulses that are evaluated before an electrode is found faulty, in their order: suspected
- * electrode, reference electrode (a healthy one), suspected electrode again.
- */
-enum { FIRST_PULSE = 0, REFERENCE_PULSE, SECOND_PULSE };
+enum { SUSPECT = 0, REFERENCE, OTHERS, COLUMNS };
 
 static pzs_real square(pzs_real number)
 {
     return number * number;
 }
+
+/*
+ * Where neither electrode responds, as with strong hysteresis, the pulses are repeated with this
+ * multiple of their heights.
+ */
+#define GROWTH PZS_R(4)
 
 /* ---- memory ------------------------------------------------------------- */
 
@@ -157,12 +186,13 @@ static void lay_out(pzs_pulse_detector *detector, uint32_t inputs, uint32_t sens
     state->first_voltage = take_reals(&next, inputs);
     state->voltage = take_reals(&next, inputs);
     state->base_voltage = take_reals(&next, inputs);
-    state->rest_voltage = take_reals(&next, inputs);
+    state->late_voltage = take_reals(&next, inputs);
     state->move = take_reals(&next, PZS_FOURS(inputs));
     state->loss = take_reals(&next, PZS_FOURS(inputs));
     state->last_reading = take_reals(&next, sensors);
     state->first_reading = take_reals(&next, sensors);
     state->reading = take_reals(&next, sensors);
+    state->late_reading = take_reals(&next, sensors);
     state->base_reading = take_reals(&next, sensors);
     state->difference = take_reals(&next, sensors);
     state->wanted = take_reals(&next, outputs);
@@ -191,23 +221,34 @@ static void place(pzs_pulse_detector *detector, const pzs_loop_signals *signals)
     lay_out(detector, tables->inputs, tables->sensors, problem->outputs);
     guard_repair_bool(&state->has_base);
     guard_repair_bool(&state->has_taken);
+    guard_repair_bool(&state->is_grown);
+    guard_repair_bool(&state->is_moving);
+    state->silent = state->silent < SILENT_PULSES ? state->silent : 0;
     const bool has_pair = state->suspect < tables->inputs && state->reference < tables->inputs;
     if (!has_pair) {
         state->suspect = NO_INPUT;
         state->reference = NO_INPUT;
         state->has_taken = false;
     }
-    if (state->phase > (has_pair ? PULSING : RESTING))
-        state->phase = SETTLING;
+    if (state->phase > (has_pair ? PULSING : WAITING))
+        state->phase = WAITING;
+}
+
+/* Go to the first tick of a phase of the detector. */
+static void begin(pzs_pulse_detector_state *state, uint32_t phase)
+{
+    state->phase = (uint8_t)phase;
+    state->position = 0;
+    state->is_moving = false;
 }
 
 /*
- * Return the input of an electrode under test: number 0 is the suspected electrode, number 1 the
- * healthy one with which it is compared.
+ * Return the input of an electrode under test: number SUSPECT is the suspected electrode, number
+ * REFERENCE the healthy one with which it is compared.
  */
 static uint32_t tested_input(const pzs_pulse_detector_state *state, uint32_t number)
 {
-    return number == 0 ? state->suspect : state->reference;
+    return number == SUSPECT ? state->suspect : state->reference;
 }
 
 /* ---- readings and voltages ------------------------------------------------ */
@@ -236,61 +277,74 @@ static void take_readings(pzs_pulse_detector_state *state, const pzs_real *readi
     }
 }
 
-/* Return the duration of the present standstill of the target or test pulse (ticks). */
+/*
+ * Return the duration of the present window, in which readings are averaged, or of the present test
+ * pulse (ticks). Before the pulses of a proof a shorter window lets vibration decay.
+ */
 static uint32_t window_ticks(const pzs_pulse_detector_state *state)
 {
     const uint32_t ticks = state->tables->pulse_ticks;
-    return state->phase == RESTING ? ticks / 2u : ticks;
+    if (state->phase == WAITING)
+        return state->suspect == NO_INPUT ? ticks / 2u : ticks / 4u;
+    return ticks;
 }
 
-/*
- * Return the weight of a tick in the sums over the present standstill of the target or test pulse.
- */
-static pzs_real weight_of(const pzs_pulse_detector_state *state, uint32_t tick)
+/* Weights of a tick in the sums over a window or a test pulse (1). */
+typedef struct weights {
+    pzs_real mean; /* weight in a mean value that vibration hardly changes, or even weight of a test
+                      pulse */
+    pzs_real late; /* late weight of a test pulse */
+} weights;
+
+static weights weights_of(const pzs_pulse_detector_state *state, uint32_t tick)
 {
     const uint32_t ticks = window_ticks(state);
-    if (state->phase == RESTING)
-        return 1 / (pzs_real)ticks;
-    return test_pulse_even(test_pulse_place(tick, ticks));
+    const pzs_real place = test_pulse_place(tick, ticks);
+    if (state->phase == WAITING)
+        return (weights){test_pulse_mean(place) / (pzs_real)ticks, 0};
+    return (weights){test_pulse_even(place), test_pulse_late(place)};
 }
 
 /*
- * Add the present voltages [inputs] to their weighted sums over the present standstill of the
- * target or test pulse.
+ * Add the present voltages [inputs] to their weighted sums over the present window or test pulse.
  */
 static void add_voltages(pzs_pulse_detector_state *state, const pzs_real *voltage)
 {
-    const pzs_real weight = weight_of(state, state->position);
+    const weights weight = weights_of(state, state->position);
     for (uint32_t j = 0; j < state->tables->inputs; j++) {
         if (state->position == 0) {
             state->first_voltage[j] = voltage[j];
             state->voltage[j] = 0;
+            state->late_voltage[j] = 0;
         }
-        state->voltage[j] += weight * (voltage[j] - state->first_voltage[j]);
+        const pzs_real change = voltage[j] - state->first_voltage[j];
+        state->voltage[j] += weight.mean * change;
+        state->late_voltage[j] += weight.late * change;
     }
 }
 
 /*
- * Add the present readings to their weighted sums over the present standstill of the target or test
- * pulse.
- *   tick in  tick of the standstill or pulse whose voltages the readings show
+ * Add the present readings to their weighted sums over the present window or test pulse.
+ *   tick in  tick of the window or pulse whose voltages the readings show
  */
 static void add_readings(pzs_pulse_detector_state *state, uint32_t tick)
 {
-    const pzs_real weight = weight_of(state, tick);
+    const weights weight = weights_of(state, tick);
     for (uint32_t i = 0; i < state->tables->sensors; i++) {
         if (tick == 0) {
             state->first_reading[i] = state->last_reading[i];
             state->reading[i] = 0;
+            state->late_reading[i] = 0;
         }
-        state->reading[i] += weight * (state->last_reading[i] - state->first_reading[i]);
+        const pzs_real change = state->last_reading[i] - state->first_reading[i];
+        state->reading[i] += weight.mean * change;
+        state->late_reading[i] += weight.late * change;
     }
 }
 
 /*
- * Measure in one tick of a standstill of the target or of a test pulse: add the voltages, and the
- * readings, which show the voltages that were set `delay` + 1 ticks ago, to their sums. Returns
- * whether the standstill or pulse has ended.
+ * Make one tick of a window in which readings are averaged, or of a test pulse. The readings show
+ * the voltages that were set `delay` + 1 ticks ago. Returns whether the window or pulse has ended.
  */
 static bool measure(pzs_pulse_detector_state *state, const pzs_real *voltage)
 {
@@ -305,8 +359,7 @@ static bool measure(pzs_pulse_detector_state *state, const pzs_real *voltage)
 }
 
 /*
- * Whether enough sensors gave usable readings in the present standstill of the target or test
- * pulse.
+ * Whether enough sensors gave usable readings in the present window or test pulse.
  */
 static bool has_enough(const pzs_pulse_detector_state *state)
 {
@@ -347,18 +400,37 @@ static void set_voltage(pzs_control *control, uint32_t j, pzs_real voltage)
 }
 
 /*
- * Begin to hold the two electrodes under test, the suspected one and the healthy one with which it
- * is compared, at their present voltages.
+ * Return the height of the test pulse of input j (V), negative near the upper voltage limit. Large
+ * pulses are limited by half the voltage range and by the step limit.
  */
-static void take_electrodes(pzs_pulse_detector_state *state)
+static pzs_real height_of(const pzs_pulse_detector_state *state, uint32_t j, pzs_real start)
 {
+    const pzs_problem *problem = state->control->state.problem;
+    const pzs_real range = (problem->upper[j] - problem->lower[j]) / 2;
+    const pzs_real steps = (pzs_real)state->tables->pulse_ticks / 4 * problem->step_limit[j];
+    const pzs_real most = range < steps ? range : steps, height = state->tables->amplitude[j];
+    const pzs_real grown = GROWTH * height < most ? GROWTH * height : most;
+    const bool is_upwards = problem->upper[j] - start >= start - problem->lower[j];
+    const pzs_real size = state->is_grown ? grown : height;
+    return is_upwards ? size : -size;
+}
+
+/*
+ * Begin the test pulses of the suspected electrode and of the reference electrode at their present
+ * voltages.
+ */
+static void begin_pulses(pzs_pulse_detector_state *state)
+{
+    begin(state, PULSING);
     for (uint32_t k = 0; k < 2; k++) {
         const uint32_t j = tested_input(state, k);
         state->start[k] = state->control->state.voltage[j];
         state->set[k] = state->start[k];
+        state->height[k] = height_of(state, j, state->start[k]);
         set_voltage(state->control, j, state->start[k]);
         state->electrode[j] = PZS_ELECTRODE_TESTED;
     }
+    state->silent = 0;
     state->has_taken = true;
 }
 
@@ -405,31 +477,16 @@ static bool is_overridden(const pzs_pulse_detector_state *state)
     return false;
 }
 
-/*
- * Return the height of the test pulse of input j (V): negative if the voltage `start` before the
- * pulse is nearer to the upper voltage limit than to the lower one.
- */
-static pzs_real height_of(const pzs_pulse_detector_state *state, uint32_t j, pzs_real start)
-{
-    const pzs_problem *problem = state->control->state.problem;
-    const pzs_real height = state->tables->amplitude[j];
-    const bool is_upwards = problem->upper[j] - start >= start - problem->lower[j];
-    return is_upwards ? height : -height;
-}
-
 /* Set the voltages of both electrodes under test for the next tick, inside their voltage limits. */
 static void set_test_voltages(pzs_pulse_detector_state *state)
 {
     const pzs_problem *problem = state->control->state.problem;
     const uint32_t ticks = state->tables->pulse_ticks;
-    const uint32_t pulsing = state->stage == REFERENCE_PULSE ? 1u : 0u;
     for (uint32_t k = 0; k < 2 && state->has_taken; k++) {
         const uint32_t j = tested_input(state, k);
-        const bool moves = state->phase == CONDITIONING || pulsing == k;
-        pzs_real voltage = state->start[k];
-        if (moves && state->position < ticks)
-            voltage += height_of(state, j, voltage) *
-                       test_pulse_at(test_pulse_place(state->position, ticks));
+        const pzs_real place = test_pulse_place(state->position, ticks);
+        const pzs_real pulse = state->position < ticks ? test_pulse_at(place) : 0;
+        const pzs_real voltage = state->start[k] + state->height[k] * pulse;
         state->set[k] = number_clamp(voltage, problem->lower[j], problem->upper[j]);
         set_voltage(state->control, j, state->set[k]);
     }
@@ -438,26 +495,27 @@ static void set_test_voltages(pzs_pulse_detector_state *state)
 /* ---- suspicion ------------------------------------------------------------ */
 
 /*
- * Compute the mean voltages and mean readings of a standstill of the target from the weighted sums
- * over it; the mean readings replace first_reading.
+ * Turn the sums over a window into mean voltages and mean readings, which replace first_voltage and
+ * first_reading.
  */
 static void find_means(pzs_pulse_detector_state *state)
 {
     for (uint32_t j = 0; j < state->tables->inputs; j++)
-        state->rest_voltage[j] = state->first_voltage[j] + state->voltage[j];
+        state->first_voltage[j] += state->voltage[j];
     for (uint32_t i = 0; i < state->tables->sensors; i++)
         state->first_reading[i] += state->reading[i];
 }
 
 /*
- * Compute the difference between the last standstill of the target and an earlier one: the changes
- * of the voltages, and the changes of the readings that the model does not explain by them.
+ * Compute the difference between the means of the last window and those of an earlier standstill of
+ * the target: the changes of the voltages, and the changes of the readings that these do not
+ * explain.
  */
-static void compare_rests(pzs_pulse_detector_state *state)
+static void compare_means(pzs_pulse_detector_state *state)
 {
     const pzs_selftest_tables *tables = state->tables;
     for (uint32_t j = 0; j < tables->inputs; j++)
-        state->move[j] = state->rest_voltage[j] - state->base_voltage[j];
+        state->move[j] = state->first_voltage[j] - state->base_voltage[j];
     pzs_product_matrix(state->difference, state->direct, state->move, tables->sensors,
                        tables->inputs);
     for (uint32_t i = 0; i < tables->sensors; i++) {
@@ -467,10 +525,10 @@ static void compare_rests(pzs_pulse_detector_state *state)
 }
 
 /*
- * Estimate, by regularised least squares, the voltages that all electrodes have lost between two
- * standstills of the target, from the changes of the readings that the model does not explain.
- * Returns the energy of the changes that no lost voltage explains, divided by the regularisation
- * (V2).
+ * Estimate, by regularised least squares, the voltages that all electrodes have lost between an
+ * earlier standstill of the target and the last window, from the changes of the readings that the
+ * model does not explain. Returns the energy of the changes that no lost voltage explains, divided
+ * by the regularisation (V2).
  */
 static pzs_real find_losses(pzs_pulse_detector_state *state)
 {
@@ -520,11 +578,10 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
 }
 
 /*
- * Return the part (0 to 1) of the difference between two standstills of the target that the lost
- * voltage of electrode j explains, or 0 where the loss is not that of a faulty electrode.
- *   sums in  sums over all electrodes that are not held
- *   rest in  energy of the readings that no lost voltage explains, divided by the regularisation
- *            (V2)
+ * Return the part of the difference from an earlier standstill of the target that the lost voltage
+ * of electrode j explains (0 to 1), or 0 where the loss is not that of a faulty electrode. sums in
+ * sums over all electrodes that are not held rest in  energy of the readings that no lost voltage
+ * explains (V2)
  */
 static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, const loss_sums *sums,
                          pzs_real rest)
@@ -537,22 +594,22 @@ static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, cons
     const pzs_real others =
         sums->losses - square(loss) - 2 * common * both + square(common) * moves + rest;
     const bool is_plausible = is_loss_of(own, (1 + common) * move) ||
-                              is_loss_of(own, (1 + common) * state->rest_voltage[j]);
+                              is_loss_of(own, (1 + common) * state->first_voltage[j]);
     if (!is_plausible || !(number_absolute(own) > NOTICED * state->tables->amplitude[j]))
         return 0;
     return square(own) / (square(own) + (others > 0 ? others : 0));
 }
 
 /*
- * Return the electrode whose lost voltage explains the largest part of the difference between two
- * standstills of the target, or NO_INPUT if no electrode is to be suspected of a fault.
- *   rest in  energy of the readings that no lost voltage explains, divided by the regularisation
- *            (V2)
+ * Return the electrode whose lost voltage explains the largest part of the difference from an
+ * earlier standstill of the target, or NO_INPUT if no electrode is suspected.
+ *   rest  in  energy of the readings that no lost voltage explains (V2)
+ *   least in  smallest part of the difference that makes an electrode suspected (1)
  */
-static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real rest)
+static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real rest, pzs_real least)
 {
     const loss_sums sums = sum_losses(state);
-    pzs_real largest = LEAST_SHARE;
+    pzs_real largest = least;
     uint32_t suspect = NO_INPUT;
     for (uint32_t j = 0; j < state->tables->inputs; j++) {
         const bool is_observed =
@@ -567,24 +624,42 @@ static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real res
 }
 
 /*
- * Return the healthy electrode with which the suspected one is compared: the one with the strongest
- * test pulse among those that seem to have followed their voltages, or else among all. Returns
- * NO_INPUT if there is none.
- *   but in  electrode that must not be chosen; NO_INPUT: every electrode may be
+ * Return the squared sine of the angle between the modelled responses to electrode j and to the
+ * suspected electrode (0 to 1).
+ */
+static pzs_real distinctness(const pzs_pulse_detector_state *state, uint32_t j)
+{
+    const pzs_selftest_tables *tables = state->tables;
+    pzs_real both = 0;
+    for (uint32_t i = 0; i < tables->sensors; i++) {
+        const pzs_real *row = state->direct + (size_t)i * tables->inputs;
+        both += square(tables->scale[i]) * row[j] * row[state->suspect];
+    }
+    return 1 - square(both) / (state->diagonal[j] * state->diagonal[state->suspect]);
+}
+
+/*
+ * Return the electrode whose gain is compared with that of the suspected electrode. The responses
+ * of both should differ in shape and be of similar size, because the errors of a much larger one
+ * would hide the smaller one. Electrodes that seem to have followed their voltages are preferred.
+ * Returns NO_INPUT if there is none. but in  electrode that is not chosen; NO_INPUT: none
  */
 static uint32_t find_reference(const pzs_pulse_detector_state *state, uint32_t but)
 {
+    const uint32_t suspect = state->suspect;
+    const pzs_real own = state->diagonal[suspect] * square(state->tables->amplitude[suspect]);
     pzs_real largest = 0;
     uint32_t reference = NO_INPUT;
     for (uint32_t j = 0; j < state->tables->inputs; j++) {
         const bool is_healthy = state->electrode[j] == PZS_ELECTRODE_OBSERVED ||
                                 state->electrode[j] == PZS_ELECTRODE_CLEARED;
-        if (j == state->suspect || j == but || !is_healthy || is_held(state->control, j))
+        if (j == suspect || j == but || !is_healthy || is_held(state->control, j))
             continue;
         const bool has_followed =
             2 * number_absolute(state->loss[j]) < number_absolute(state->move[j]);
-        const pzs_real pulse = state->diagonal[j] * square(state->tables->amplitude[j]);
-        const pzs_real merit = has_followed ? 100 * pulse : pulse;
+        const pzs_real ratio = state->diagonal[j] * square(state->tables->amplitude[j]) / own;
+        const pzs_real merit = (has_followed ? 100 : 1) * square(distinctness(state, j)) *
+                               (ratio > 1 ? 1 / ratio : ratio);
         if (merit > largest) {
             largest = merit;
             reference = j;
@@ -595,7 +670,7 @@ static uint32_t find_reference(const pzs_pulse_detector_state *state, uint32_t b
 
 /*
  * Whether the voltage of any electrode has changed by twice the height of its test pulse or more
- * between the earlier and the last standstill of the target.
+ * since an earlier standstill of the target.
  */
 static bool has_moved(const pzs_pulse_detector_state *state)
 {
@@ -606,12 +681,12 @@ static bool has_moved(const pzs_pulse_detector_state *state)
 }
 
 /*
- * Store the mean voltages and readings of the last standstill of the target, with which later
- * standstills are compared.
+ * Store the mean voltages and readings of the last window, in which the target stood still, for
+ * comparison with those of later windows.
  */
 static void set_base(pzs_pulse_detector_state *state)
 {
-    memcpy(state->base_voltage, state->rest_voltage,
+    memcpy(state->base_voltage, state->first_voltage,
            state->tables->inputs * sizeof *state->base_voltage);
     for (uint32_t i = 0; i < state->tables->sensors; i++)
         if (!state->is_missing[i])
@@ -621,130 +696,193 @@ static void set_base(pzs_pulse_detector_state *state)
 
 /* ---- proof ---------------------------------------------------------------- */
 
-/* Start a phase of the fault detector, such as a standstill of the target or a test pulse. */
-static void begin(pzs_pulse_detector_state *state, uint32_t phase)
-{
-    state->phase = (uint8_t)phase;
-    state->position = 0;
-}
-
-/*
- * End the test of a suspected electrode, and let the control step choose the voltages of both
- * electrodes under test again.
- */
+/* End the proof, and return both electrodes under test to the control step. */
 static void end_proof(pzs_pulse_detector_state *state)
 {
     release_electrodes(state);
     state->suspect = NO_INPUT;
     state->reference = NO_INPUT;
-    begin(state, SETTLING);
+    begin(state, WAITING);
 }
 
 /*
  * End the test of a suspected electrode that is not faulty, or whose test gave no result. The
- * electrode is not suspected during a fixed number of further standstills of the target
- * (CLEARED_RESTS).
+ * electrode is not suspected during a fixed number of further windows, in which readings are
+ * averaged.
  */
 static void clear_suspect(pzs_pulse_detector_state *state)
 {
     const uint32_t suspect = state->suspect;
     end_proof(state);
     state->electrode[suspect] = PZS_ELECTRODE_CLEARED;
-    state->pause[suspect] = CLEARED_RESTS;
+    state->pause[suspect] = CLEARED_WINDOWS;
 }
 
 /*
- * Begin to test a suspected electrode: choose the healthy electrode with which it is compared, and
- * let both make a first pulse.
+ * Suspect an electrode, if there is a reference electrode, with which its response to a test pulse
+ * can be compared.
  */
-static void begin_proof(pzs_pulse_detector *detector, uint32_t suspect)
+static void begin_suspicion(pzs_pulse_detector *detector, uint32_t suspect)
 {
     pzs_pulse_detector_state *state = &detector->state;
+    state->suspect_voltage = state->first_voltage[suspect];
+    state->suspect_move = state->move[suspect];
+    state->suspect_loss = state->loss[suspect];
     state->suspect = (uint16_t)suspect;
     state->reference = (uint16_t)find_reference(state, NO_INPUT);
-    state->stage = FIRST_PULSE;
     state->tries = 0;
     if (state->reference == NO_INPUT) {
         state->suspect = NO_INPUT;
         return;
     }
     detector->info.tests++;
-    begin(state, CONDITIONING);
-    take_electrodes(state);
+}
+
+/* Least-squares fit of the response to a test pulse by three modelled responses. */
+typedef struct pulse_fit {
+    pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of the products of the modelled responses;
+                                          after the factorisation its L D L^T factors (1) */
+    pzs_real response[COLUMNS]; /* products of the measured with the modelled responses; after the
+                                   solution the gains (1) */
+    pzs_real own;               /* energy of the modelled response to the suspected electrode (1) */
+    pzs_real energy;            /* energy of the measured response (1) */
+} pulse_fit;
+
+/*
+ * Set column[COLUMNS] to the modelled responses of sensor i to the test pulses of the suspected
+ * electrode and of the reference electrode, and to the voltages of all others, times the scale of
+ * the sensor (1).
+ */
+static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
+                            pzs_real column[COLUMNS])
+{
+    const pzs_real scale = state->is_missing[i] ? 0 : state->tables->scale[i];
+    const pzs_real *row = state->direct + (size_t)i * state->tables->inputs;
+    column[SUSPECT] = scale * row[state->suspect] * state->voltage[state->suspect];
+    column[REFERENCE] = scale * row[state->reference] * state->voltage[state->reference];
+    column[OTHERS] = scale * state->difference[i];
 }
 
 /*
- * Sums over the sensors by which the test pulse of one electrode is evaluated. A response is the
- * weighted sum of the readings of a sensor over the pulse, times the scale of the sensor (1).
+ * Compute the products of the measured and of the modelled responses to the test pulse. The gain of
+ * all other electrodes is expected to be 1, so that it stays there if they have moved in the shape
+ * of the electrodes under test.
  */
-typedef struct pulse_sums {
-    pzs_real own, others, both; /* sums over the sensors of the squared modelled responses to the
-                                   electrode under test (own), of those to all other electrodes
-                                   (others), and of the products of the two responses (both) */
-    pzs_real own_response, other_response; /* sums over the sensors of the measured response times
-                                              the modelled response to the electrode under test
-                                              (own_response), and times that to all other electrodes
-                                              (other_response) */
-    pzs_real response; /* sum over the sensors of the squared measured responses */
-} pulse_sums;
-
-/*
- * Compare the weighted sums of the readings over the test pulse of electrode j with those that the
- * model predicts from the voltage of electrode j and from the voltages of all other electrodes.
- */
-static pulse_sums compare_pulse(pzs_pulse_detector_state *state, uint32_t j)
+static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
 {
     const pzs_selftest_tables *tables = state->tables;
-    pulse_sums sums = {0, 0, 0, 0, 0, 0};
+    pulse_fit fit = {{{0}}, {0}, 0, 0};
     memcpy(state->move, state->voltage, tables->inputs * sizeof *state->move);
-    state->move[j] = 0;
+    state->move[state->suspect] = 0;
+    state->move[state->reference] = 0;
     pzs_product_matrix(state->difference, state->direct, state->move, tables->sensors,
                        tables->inputs);
     for (uint32_t i = 0; i < tables->sensors; i++) {
+        pzs_real column[COLUMNS];
+        model_responses(state, i, column);
         const pzs_real scale = state->is_missing[i] ? 0 : tables->scale[i];
-        const pzs_real response = scale * state->reading[i], others = scale * state->difference[i];
-        const pzs_real own =
-            scale * state->direct[(size_t)i * tables->inputs + j] * state->voltage[j];
-        sums.own += square(own);
-        sums.others += square(others);
-        sums.both += own * others;
-        sums.own_response += own * response;
-        sums.other_response += others * response;
-        sums.response += square(response);
+        const pzs_real measured = scale * state->reading[i];
+        for (uint32_t k = 0; k < COLUMNS; k++) {
+            fit.response[k] += column[k] * measured;
+            for (uint32_t j = 0; j <= k; j++)
+                fit.matrix[k][j] += column[k] * column[j];
+        }
+        fit.energy += square(measured);
     }
-    return sums;
+    fit.own = fit.matrix[SUSPECT][SUSPECT];
+    fit.matrix[OTHERS][OTHERS] += EXPECTED * fit.own;
+    fit.response[OTHERS] += EXPECTED * fit.own;
+    fit.energy += EXPECTED * fit.own;
+    return fit;
+}
+
+/*
+ * Replace the matrix of a fit by its L D L^T factors. Returns whether the modelled responses to
+ * both electrodes under test are independent of each other.
+ */
+static bool factor_fit(pulse_fit *fit)
+{
+    for (uint32_t k = 0; k < COLUMNS; k++) {
+        const pzs_real diagonal = fit->matrix[k][k];
+        for (uint32_t j = 0; j < k; j++) {
+            for (uint32_t i = 0; i < j; i++)
+                fit->matrix[k][j] -= fit->matrix[k][i] * fit->matrix[j][i] * fit->matrix[i][i];
+            fit->matrix[k][j] /= fit->matrix[j][j];
+            fit->matrix[k][k] -= square(fit->matrix[k][j]) * fit->matrix[j][j];
+        }
+        if (!(fit->matrix[k][k] > (k < OTHERS ? DEPENDENT * diagonal : 0)))
+            return false;
+    }
+    return true;
+}
+
+/*
+ * Solve for the gains of the first `count` modelled responses.
+ *   response [count] in/out  products of the measured with the modelled responses; gains
+ */
+static void solve_fit(const pulse_fit *fit, pzs_real *response, uint32_t count)
+{
+    for (uint32_t k = 0; k < count; k++)
+        for (uint32_t j = 0; j < k; j++)
+            response[k] -= fit->matrix[k][j] * response[j];
+    for (uint32_t k = count; k-- > 0;) {
+        response[k] /= fit->matrix[k][k];
+        for (uint32_t j = k + 1u; j < count; j++)
+            response[k] -= fit->matrix[j][k] * response[j];
+    }
 }
 
 /* Result of one test pulse. */
 typedef struct pulse_response {
-    pzs_real gain; /* measured response of the electrode to the test pulse, divided by the modelled
-                      response (1) */
-    bool is_measured; /* false: other influences than the test pulse have changed the readings, so
-                         that the gain means nothing */
+    pzs_real gain[2];   /* measured divided by modelled response, of the suspected electrode and of
+                           the reference electrode (1) */
+    pzs_real jumped[2]; /* jump of the readings in the shape of each of both electrodes, measured by
+                           the late weights (1) */
+    bool is_measured;   /* false: the pulse was disturbed */
 } pulse_response;
 
 /*
- * Evaluate the test pulse of electrode j. The measured response is fitted by two modelled
- * responses, that to electrode j and that to all other electrodes, each times an unknown gain. The
- * gain of the other electrodes is expected to be near 1, so that the fit stays unique if they have
- * moved in the shape of electrode j.
+ * Compute by how much the readings have jumped during the test pulse, in the shapes of both
+ * electrodes under test, beside what the voltages explain with the gains of the pulse.
  */
-static pulse_response evaluate_pulse(pzs_pulse_detector_state *state, uint32_t j)
+static void find_jumps(pzs_pulse_detector_state *state, const pulse_fit *fit,
+                       pulse_response *result)
 {
-    const pulse_sums sums = compare_pulse(state, j);
-    const pzs_real prior = EXPECTED * sums.own, others = sums.others + prior;
-    const pzs_real determinant = others * sums.own - square(sums.both);
-    pulse_response result = {0, false};
-    if (!(determinant > 0) || !has_enough(state))
+    const pzs_selftest_tables *tables = state->tables;
+    for (uint32_t j = 0; j < tables->inputs; j++)
+        state->move[j] = fit->response[OTHERS] * state->late_voltage[j];
+    for (uint32_t k = 0; k < 2; k++) {
+        const uint32_t j = tested_input(state, k);
+        state->move[j] = fit->response[k] * state->late_voltage[j];
+        result->jumped[k] = 0;
+    }
+    pzs_product_matrix(state->difference, state->direct, state->move, tables->sensors,
+                       tables->inputs);
+    for (uint32_t i = 0; i < tables->sensors; i++) {
+        pzs_real column[COLUMNS];
+        model_responses(state, i, column);
+        const pzs_real jump = tables->scale[i] * (state->late_reading[i] - state->difference[i]);
+        for (uint32_t k = 0; k < 2; k++)
+            result->jumped[k] += column[k] * jump;
+    }
+    solve_fit(fit, result->jumped, 2);
+}
+
+/* Evaluate the pulses of the suspected electrode and of the reference electrode. */
+static pulse_response evaluate_pulse(pzs_pulse_detector_state *state)
+{
+    pulse_fit fit = compare_pulse(state);
+    pulse_response result = {{0, 0}, {0, 0}, false};
+    pzs_real rest = fit.energy, product[COLUMNS];
+    memcpy(product, fit.response, sizeof product);
+    if (!factor_fit(&fit) || !has_enough(state))
         return result;
-    const pzs_real expected = sums.other_response + prior;
-    const pzs_real common = (expected * sums.own - sums.own_response * sums.both) / determinant;
-    result.gain = (sums.own_response - common * sums.both) / sums.own;
-    const pzs_real rest = sums.response + square(common) * sums.others +
-                          square(result.gain) * sums.own - 2 * common * sums.other_response -
-                          2 * result.gain * sums.own_response +
-                          2 * common * result.gain * sums.both;
-    result.is_measured = rest <= DISTURBED * sums.own;
+    solve_fit(&fit, fit.response, COLUMNS);
+    for (uint32_t k = 0; k < COLUMNS; k++)
+        rest -= product[k] * fit.response[k];
+    memcpy(result.gain, fit.response, sizeof result.gain);
+    result.is_measured = rest <= DISTURBED * fit.own;
+    find_jumps(state, &fit, &result);
     return result;
 }
 
@@ -766,48 +904,60 @@ static void hold_electrode(pzs_pulse_detector *detector, pzs_electrode_fault fau
 }
 
 /*
- * Return the fault of the suspected electrode, from the gain of its first test pulse and from the
- * voltage that it seemed to have lost before.
+ * Return the fault of the suspected electrode, from its gain and from the voltage that it seemed to
+ * have lost before.
  */
-static pzs_electrode_fault fault_of(const pzs_pulse_detector_state *state)
+static pzs_electrode_fault fault_of(const pzs_pulse_detector_state *state,
+                                    const pulse_response *response)
 {
-    if (-state->first_gain > REVERSED * state->reference_gain)
+    if (-response->gain[SUSPECT] > REVERSED * response->gain[REFERENCE])
         return PZS_FAULT_REVERSED;
     const pzs_real dead = number_absolute(state->suspect_loss + state->suspect_voltage);
     const pzs_real stuck = number_absolute(state->suspect_loss + state->suspect_move);
     return dead < stuck ? PZS_FAULT_DEAD : PZS_FAULT_STUCK;
 }
 
-/*
- * Continue the test of a suspected electrode after the test pulse of the reference electrode, a
- * healthy one. If the reference electrode has hardly responded, so that a small response of the
- * suspected one would mean nothing, another reference electrode is tried.
- *   gain in  response of the reference electrode, divided by the modelled response (1)
- */
-static void judge_reference(pzs_pulse_detector_state *state, pzs_real gain)
+/* Choose another reference electrode after the present one has not responded. */
+static void change_reference(pzs_pulse_detector_state *state)
 {
     const uint32_t failed = state->reference;
-    state->reference_gain = gain;
-    state->stage = SECOND_PULSE;
-    if (gain >= LEAST_REFERENCE)
-        return;
-    state->stage = REFERENCE_PULSE;
-    state->tries++;
     release_electrodes(state);
     const uint32_t next = find_reference(state, failed);
     state->reference = (uint16_t)(next != NO_INPUT ? next : failed);
-    begin(state, SETTLING);
+    begin_pulses(state);
 }
 
 /*
- * Whether the suspected electrode is faulty according to its two test pulses and to that of the
- * reference electrode, a healthy one.
- *   gain in  response to its second test pulse, divided by the modelled response (1)
+ * Continue the proof after a measured test pulse of both electrodes. Only if the gain of the
+ * reference electrode is large does a small gain of the suspected electrode mean anything. Returns
+ * the input that was found faulty, or NO_INPUT.
  */
-static bool is_faulty(const pzs_pulse_detector_state *state, pzs_real gain)
+static uint32_t judge_response(pzs_pulse_detector *detector, const pulse_response *response)
 {
-    const pzs_real least = SILENT * state->reference_gain;
-    return gain < least && state->first_gain < least;
+    pzs_pulse_detector_state *state = &detector->state;
+    const uint32_t suspect = state->suspect;
+    const pzs_real gain = response->gain[SUSPECT], reference = response->gain[REFERENCE];
+    const bool has_jumped = !(number_absolute(response->jumped[SUSPECT]) <= JUMPED &&
+                              number_absolute(response->jumped[REFERENCE]) <= REFERENCE_JUMPED);
+    if (!(gain < PASSED)) {
+        state->tries = MOST_TRIES;
+    } else if (reference < LEAST_REFERENCE) {
+        state->tries++;
+        state->is_grown = !state->is_grown;
+        if (state->is_grown)
+            begin_pulses(state);
+        else
+            change_reference(state);
+    } else if (!(gain < SILENT * reference)) {
+        state->tries = MOST_TRIES;
+    } else if (has_jumped) {
+        state->tries++;
+        state->silent = 0;
+    } else if (++state->silent >= SILENT_PULSES) {
+        hold_electrode(detector, fault_of(state, response));
+        return suspect;
+    }
+    return NO_INPUT;
 }
 
 /*
@@ -817,37 +967,24 @@ static bool is_faulty(const pzs_pulse_detector_state *state, pzs_real gain)
 static uint32_t judge(pzs_pulse_detector *detector)
 {
     pzs_pulse_detector_state *state = &detector->state;
-    const uint32_t suspect = state->suspect;
-    const bool is_reference = state->stage == REFERENCE_PULSE;
-    const pulse_response response =
-        evaluate_pulse(state, is_reference ? state->reference : suspect);
-    detector->info.gain = response.gain;
+    const pulse_response response = evaluate_pulse(state);
+    uint32_t found = NO_INPUT;
+    detector->info.gain = response.gain[SUSPECT];
     begin(state, PULSING);
-    if (!response.is_measured) {
+    if (response.is_measured)
+        found = judge_response(detector, &response);
+    else
         state->tries++;
-    } else if (is_reference) {
-        judge_reference(state, response.gain);
-    } else if (!(response.gain < PASSED)) {
-        state->tries = MOST_TRIES;
-    } else if (state->stage == FIRST_PULSE) {
-        state->first_gain = response.gain;
-        state->stage = REFERENCE_PULSE;
-    } else if (is_faulty(state, response.gain)) {
-        hold_electrode(detector, fault_of(state));
-        return suspect;
-    } else {
-        state->tries = MOST_TRIES;
-    }
-    if (state->tries >= MOST_TRIES)
+    if (found == NO_INPUT && state->tries >= MOST_TRIES)
         clear_suspect(state);
-    return NO_INPUT;
+    return found;
 }
 
 /* ---- tick ----------------------------------------------------------------- */
 
 /*
- * After a standstill of the target, count down the time for which electrodes that have passed a
- * test are not suspected, and observe electrodes again that the program has released.
+ * After a window in which readings were averaged, count down the time for which electrodes that
+ * have passed a test are not suspected, and observe electrodes again that the program has released.
  */
 static void update_states(pzs_pulse_detector_state *state)
 {
@@ -862,58 +999,50 @@ static void update_states(pzs_pulse_detector_state *state)
     }
 }
 
+/* Continue the proof that a motion of the target has interrupted. */
+static void resume_proof(pzs_pulse_detector_state *state)
+{
+    if (is_held(state->control, state->suspect) || is_held(state->control, state->reference))
+        end_proof(state);
+    else
+        begin_pulses(state);
+}
+
 /*
- * Evaluate a standstill of the target, and begin to test an electrode if its voltage seems to be
- * lost.
+ * Evaluate the means of a window, and choose an electrode to be tested. Its pulses begin at once if
+ * the target stood still in the window. A window before the pulses of a proof is not evaluated.
  */
-static void end_rest(pzs_pulse_detector *detector)
+static void end_window(pzs_pulse_detector *detector)
 {
     pzs_pulse_detector_state *state = &detector->state;
-    begin(state, RESTING);
+    const bool is_moving = state->is_moving;
+    begin(state, WAITING);
+    if (state->suspect != NO_INPUT) {
+        resume_proof(state);
+        return;
+    }
     if (!has_enough(state))
         return;
     find_means(state);
     update_states(state);
     if (!state->has_base) {
-        set_base(state);
-        return;
-    }
-    compare_rests(state);
-    const pzs_real rest = find_losses(state);
-    const uint32_t suspect = find_suspect(state, rest);
-    if (suspect == NO_INPUT) {
-        if (has_moved(state) || !number_is_finite(rest)) /* Sums that damaged memory has made
-                                                            infinite or NaN are replaced by those of
-                                                            the last standstill of the target. */
+        if (!is_moving)
             set_base(state);
         return;
     }
-    state->suspect_voltage = state->rest_voltage[suspect];
-    state->suspect_move = state->move[suspect];
-    state->suspect_loss = state->loss[suspect];
-    begin_proof(detector, suspect);
-}
-
-/*
- * After the structure has settled, begin to average voltages and readings over a standstill of the
- * target, or begin the test pulses of an electrode that is suspected already.
- */
-static void end_settling(pzs_pulse_detector_state *state)
-{
-    if (state->suspect == NO_INPUT) {
-        begin(state, RESTING);
+    compare_means(state);
+    const pzs_real rest = find_losses(state);
+    const uint32_t suspect =
+        find_suspect(state, rest, is_moving ? LEAST_MOVING_SHARE : LEAST_SHARE);
+    if (suspect != NO_INPUT)
+        begin_suspicion(detector, suspect);
+    if (is_moving)
         return;
-    }
-    begin(state, CONDITIONING);
-    take_electrodes(state);
-}
-
-/*
- * Return the number of ticks without a motion of the target after which the structure has settled.
- */
-static uint32_t settling_ticks(const pzs_pulse_detector_state *state)
-{
-    return state->tables->pulse_ticks / 2u;
+    if (state->suspect != NO_INPUT)
+        begin_pulses(state);
+    else if (has_moved(state) || !number_is_finite(rest)) /* renews sums that damaged memory made
+                                                             infinite or NaN */
+        set_base(state);
 }
 
 /*
@@ -924,29 +1053,23 @@ static uint32_t settling_ticks(const pzs_pulse_detector_state *state)
 static uint32_t run_phase(pzs_pulse_detector *detector, const pzs_real *voltage)
 {
     pzs_pulse_detector_state *state = &detector->state;
-    const bool is_measuring = state->phase == RESTING || state->phase == PULSING;
-    const bool has_ended = is_measuring && measure(state, voltage);
+    const bool has_ended = measure(state, voltage);
     state->position++;
-    if (state->phase == SETTLING && state->position >= settling_ticks(state)) {
-        end_settling(state);
-    } else if (state->phase == CONDITIONING && state->position > state->tables->pulse_ticks) {
-        begin(state, PULSING);
-    } else if (state->phase == RESTING && has_ended) {
-        end_rest(detector);
-    } else if (state->phase == PULSING && has_ended) {
+    if (has_ended && state->phase == PULSING)
         return judge(detector);
-    }
+    if (has_ended)
+        end_window(detector);
     return NO_INPUT;
 }
 
 /*
- * Interrupt the present standstill of the target and the present test pulse, which begin again
- * after the structure has settled.
+ * Interrupt the test pulses of a proof, which begin anew when the target has stood still for a
+ * while.
  */
 static void interrupt(pzs_pulse_detector_state *state)
 {
     release_electrodes(state);
-    begin(state, SETTLING);
+    begin(state, WAITING);
 }
 
 /* ---- block of the control loop -------------------------------------------- */
@@ -1042,8 +1165,9 @@ static pzs_status block_tick(void *self, pzs_loop_signals *signals)
     place(detector, signals);
     take_readings(state, signals->readings);
     const bool has_moved = has_target_moved(state, signals->wanted);
-    if (has_moved)
+    if (has_moved && state->suspect != NO_INPUT)
         interrupt(state);
+    state->is_moving = state->is_moving || has_moved;
     if (is_overridden(state))
         end_proof(state);
     const uint32_t found = run_phase(detector, acting_voltages(signals));

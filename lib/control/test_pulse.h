@@ -47,6 +47,32 @@ static inline pzs_real test_pulse_odd(pzs_real place)
 }
 
 /*
+ * Return the late weight of a reading at a place from -1 to 1 within a test pulse: the weights are
+ * antisymmetric in time, and a step in the middle contributes a twelfth of the number of ticks.
+ */
+static inline pzs_real test_pulse_late(pzs_real place)
+{
+    const pzs_real rest = 1 - place * place;
+    return place * (rest * rest);
+}
+
+/*
+ * Return the weight of a value at a place from -1 to 1 in a mean value that vibration hardly
+ * changes. The mean of these weights is 1.
+ */
+static inline pzs_real test_pulse_mean(pzs_real place)
+{
+    const pzs_real rest = 1 - place * place;
+    return PZS_R(1.875) * (rest * rest);
+}
+
+/*
+ * Sum of the pulse times the even weights, divided by the number of ticks and by the height of the
+ * pulse: the integral of b^7 (1 - 9 s^2) over s from -1 to 1, divided by 2.
+ */
+#define TEST_PULSE_RESPONSE PZS_R(0.149767)
+
+/*
  * Check that the tables of test pulses are intact and fit the loop in which they are used. Writes
  * to `where` the index of the input whose pulse exceeds its limits, or -1.
  * Errors: PZS_E_FORMAT, PZS_E_ARGUMENT, PZS_E_CRC, PZS_E_NONFINITE, PZS_E_LIMITS.
