@@ -169,13 +169,14 @@ double loop_work_detector(const block_counts *of, const loop_processor *on)
 
 /*
  * Upper bound of the instructions of the fault detector of a loop that damps vibration. In its
- * longest tick, the last one of a standstill of the target, it compares the mean readings with
- * those of an earlier standstill.
+ * longest tick it compares mean readings with those of an earlier standstill of the target, and
+ * chooses a healthy electrode with which it compares the suspected one.
  */
 double loop_work_pulse_detector(const block_counts *of, const loop_processor *on)
 {
+    const double inputs = (double)of->inputs, readings = (double)of->readings;
     return 3 * product(on, of->readings, of->inputs) + 2 * product(on, of->inputs, of->inputs) +
-           on->other * (100 * (double)of->readings + 200 * (double)of->inputs +
+           on->other * (20 * inputs * readings + 120 * readings + 220 * inputs +
                         20 * (double)of->outputs + 3000);
 }
 
