@@ -454,19 +454,20 @@ typedef enum pzs_supervisor_command {
  * the order of this list, so that a later one prevails.
  */
 typedef enum pzs_supervisor_event {
-    PZS_EVENT_FRAME = 0, /* event: usable readings arrived; in PZS_MODE_ARMED: all readings were
-                            usable and the voltages were parked */
-    PZS_EVENT_NO_FRAME,  /* event: no reading was usable, or the target was not finite */
-    PZS_EVENT_ARM,       /* event: the program gave the command PZS_COMMAND_ARM */
-    PZS_EVENT_PARK,      /* event: the program gave the command PZS_COMMAND_PARK (ramp to the park
-                            voltages) or PZS_COMMAND_FLAT (ramp to the reference voltages) */
+    PZS_EVENT_FRAME = 0, /* supervisor event: usable readings arrived; in PZS_MODE_ARMED: all
+                            readings were usable and the voltages were parked */
+    PZS_EVENT_NO_FRAME,  /* supervisor event: no reading was usable, or the target was not finite */
+    PZS_EVENT_ARM,       /* supervisor event: the program gave the command PZS_COMMAND_ARM */
+    PZS_EVENT_PARK, /* supervisor event: the program gave the command PZS_COMMAND_PARK (ramp to the
+                       park voltages) or PZS_COMMAND_FLAT (ramp to the reference voltages) */
     PZS_EVENT_RESUME,
     PZS_EVENT_STOP,
-    PZS_EVENT_TIMEOUT, /* event: no reading was usable for pzs_supervision.timeout ticks */
-    PZS_EVENT_ALARM,   /* event: the divergence monitor found the measured shape implausible for too
-                          long */
-    PZS_EVENT_ERROR,   /* event: another block returned an error, or tables are damaged */
-    PZS_EVENT_ARRIVED, /* event: a voltage ramp has ended */
+    PZS_EVENT_TIMEOUT, /* supervisor event: no reading was usable for pzs_supervision.timeout ticks
+                        */
+    PZS_EVENT_ALARM,   /* supervisor event: the divergence monitor found the measured shape
+                          implausible for too long */
+    PZS_EVENT_ERROR, /* supervisor event: another block returned an error, or tables are damaged */
+    PZS_EVENT_ARRIVED, /* supervisor event: a voltage ramp has ended */
     PZS_EVENTS
 } pzs_supervisor_event;
 
@@ -947,14 +948,15 @@ extern const pzs_block_type pzs_amplifier_block;
 
 typedef enum pzs_electrode_state {
     PZS_ELECTRODE_OBSERVED = 0,
-    PZS_ELECTRODE_TESTED,  /* state: the fault detector applies a test signal to the electrode */
-    PZS_ELECTRODE_CLEARED, /* state: the electrode has passed a test, and is not suspected during
-                              the next measured shapes */
-    PZS_ELECTRODE_UNOBSERVABLE, /* state: the electrode cannot be tested, because the shape does not
-                                   depend on its voltage, or as on a combination of the voltages of
-                                   other electrodes */
-    PZS_ELECTRODE_HELD /* state: the electrode was found faulty, and its voltage is kept constant
-                          until pzs_release */
+    PZS_ELECTRODE_TESTED,  /* electrode state: the fault detector applies a test signal to the
+                              electrode */
+    PZS_ELECTRODE_CLEARED, /* electrode state: the electrode has passed a test, and is not suspected
+                              during the next measured shapes */
+    PZS_ELECTRODE_UNOBSERVABLE, /* electrode state: the electrode cannot be tested, because the
+                                   shape does not depend on its voltage, or as on a combination of
+                                   the voltages of other electrodes */
+    PZS_ELECTRODE_HELD /* electrode state: the electrode was found faulty, and its voltage is kept
+                          constant until pzs_release */
 } pzs_electrode_state;
 
 /* Settings of the fault detector that a program may change after pzs_fault_detector_init. */
@@ -1058,20 +1060,22 @@ extern const pzs_block_type pzs_fault_detector_block;
 typedef enum pzs_wiring_state {
     PZS_WIRING_UNTESTED = 0,
     PZS_WIRING_HEALTHY,
-    PZS_WIRING_UNOBSERVABLE, /* finding: the response expected from the influence matrix is too
-                                small, compared with noise and vibration, to be tested */
-    PZS_WIRING_SILENT, /* finding: no sensor responds to the amplifier, or the sensor responds to no
-                          amplifier */
-    PZS_WIRING_REVERSED, /* finding: the measured response of the amplifier or sensor has the wrong
-                            sign */
-    PZS_WIRING_SWAPPED,  /* finding: cables are exchanged, because the measured response is the one
-                            expected of the amplifier or sensor with the index pzs_wiring.other */
-    PZS_WIRING_GAIN, /* finding: the gain of the amplifier or sensor differs from the mean gain of
-                        all amplifiers by more than the tolerance in the tables; or the mean gain is
-                        below 0.15 or above 2, and all responding amplifiers have this state */
-    PZS_WIRING_UNKNOWN, /* finding: the measured response resembles the response expected of no
-                           amplifier (or of no sensor) */
-    PZS_WIRING_NOISY    /* finding: the noise of the sensor exceeds the value in
+    PZS_WIRING_UNOBSERVABLE, /* self-test finding: the response expected from the influence matrix
+                                is too small, compared with noise and vibration, to be tested */
+    PZS_WIRING_SILENT,   /* self-test finding: no sensor responds to the amplifier, or the sensor
+                            responds to no amplifier */
+    PZS_WIRING_REVERSED, /* self-test finding: the measured response of the amplifier or sensor has
+                            the wrong sign */
+    PZS_WIRING_SWAPPED, /* self-test finding: cables are exchanged, because the measured response is
+                           the one expected of the amplifier or sensor with the index
+                           pzs_wiring.other */
+    PZS_WIRING_GAIN, /* self-test finding: the gain of the amplifier or sensor differs from the mean
+                        gain of all amplifiers by more than the tolerance in the tables; or the mean
+                        gain is below 0.15 or above 2, and all responding amplifiers have this state
+                      */
+    PZS_WIRING_UNKNOWN, /* self-test finding: the measured response resembles the response expected
+                           of no amplifier (or of no sensor) */
+    PZS_WIRING_NOISY    /* self-test finding: the noise of the sensor exceeds the value in
                            pzs_selftest_tables.noise */
 } pzs_wiring_state;
 
@@ -1154,12 +1158,13 @@ pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 typedef enum pzs_selftest_verdict {
     PZS_SELFTEST_RUNNING = 0,
     PZS_SELFTEST_PASSED,
-    PZS_SELFTEST_FAULTY,    /* verdict: the self-test has found a fault of at least one amplifier or
-                               sensor */
-    PZS_SELFTEST_DISTURBED, /* verdict: vibration or noise hides the response to the test pulse of
-                               at least one amplifier, whose state is PZS_WIRING_UNOBSERVABLE */
-    PZS_SELFTEST_ACCEPTED   /* verdict: the program has ended the self-test by pzs_selftest_accept,
-                               whatever its findings */
+    PZS_SELFTEST_FAULTY,    /* self-test verdict: the self-test has found a fault of at least one
+                               amplifier or sensor */
+    PZS_SELFTEST_DISTURBED, /* self-test verdict: vibration or noise hides the response to the test
+                               pulse of at least one amplifier, whose state is
+                               PZS_WIRING_UNOBSERVABLE */
+    PZS_SELFTEST_ACCEPTED   /* self-test verdict: the program has ended the self-test by
+                               pzs_selftest_accept, whatever its findings */
 } pzs_selftest_verdict;
 
 /* Results of the self-test that a program may read. */
@@ -1240,9 +1245,10 @@ extern const pzs_block_type pzs_selftest_block;
  */
 typedef enum pzs_electrode_fault {
     PZS_FAULT_NONE = 0,
-    PZS_FAULT_DEAD,    /* fault: the electrode has lost its voltage */
-    PZS_FAULT_STUCK,   /* fault: the electrode keeps a voltage, whatever its amplifier does */
-    PZS_FAULT_REVERSED /* fault: the electrode responds with the wrong sign */
+    PZS_FAULT_DEAD,  /* electrode fault: the electrode has lost its voltage */
+    PZS_FAULT_STUCK, /* electrode fault: the electrode keeps a voltage, whatever its amplifier does
+                      */
+    PZS_FAULT_REVERSED /* electrode fault: the electrode responds with the wrong sign */
 } pzs_electrode_fault;
 
 /* Results of the fault detector of a damped loop that a program may read. */

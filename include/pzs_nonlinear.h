@@ -408,11 +408,11 @@ typedef struct pzs_contact_settings {
 /* Ways in which a rigid contact body penetrates the shell. */
 typedef enum pzs_penetration {
     PZS_PENETRATION_NONE = 0,
-    PZS_PENETRATION_AT_NODE,       /* penetration: a node lies in the contact body, and the contact
-                                      pressure cannot push the node out */
-    PZS_PENETRATION_BETWEEN_NODES, /* penetration: the contact body enters an element between its
-                                      nodes */
-    PZS_PENETRATION_PASSED         /* penetration: the contact body has passed through an element */
+    PZS_PENETRATION_AT_NODE,       /* kind of penetration: a node lies in the contact body, and the
+                                      contact pressure cannot push the node out */
+    PZS_PENETRATION_BETWEEN_NODES, /* kind of penetration: the contact body enters an element
+                                      between its nodes */
+    PZS_PENETRATION_PASSED /* kind of penetration: the contact body has passed through an element */
 } pzs_penetration;
 
 /* Results of the contact that a program may read after an equilibrium. */

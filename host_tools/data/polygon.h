@@ -30,11 +30,11 @@ typedef struct polygon_sums {
 /* Faults that make a list of points unfit as the outline of an area. */
 typedef enum polygon_fault {
     POLYGON_GOOD,
-    POLYGON_FEW,      /* fault: the outline has fewer than three points */
-    POLYGON_INFINITE, /* fault: a coordinate of the outline is not a finite number */
-    POLYGON_REPEATED, /* fault: two neighbouring points of the outline are equal */
-    POLYGON_CROSSED,  /* fault: two sides of the outline cross or touch each other */
-    POLYGON_FLAT      /* fault: the area that the outline encloses is 0 */
+    POLYGON_FEW,      /* fault of an outline: it has fewer than three points */
+    POLYGON_INFINITE, /* fault of an outline: a coordinate of the outline is not a finite number */
+    POLYGON_REPEATED, /* fault of an outline: two neighbouring points of the outline are equal */
+    POLYGON_CROSSED,  /* fault of an outline: two sides of the outline cross or touch each other */
+    POLYGON_FLAT      /* fault of an outline: the area that the outline encloses is 0 */
 } polygon_fault;
 
 /*

@@ -68,10 +68,10 @@ double calibration_size(const pokes *pokes, const double *model);
 /* ---- faults ----------------------------------------------------------- */
 
 typedef enum wiring_fault_type {
-    WIRING_DEAD,     /* fault: the electrode does not act on the structure */
-    WIRING_REVERSED, /* fault: the electrode acts with the opposite sign */
-    WIRING_SWAPPED   /* fault: the cables of this electrode and of the electrode with the index
-                        `other` are exchanged */
+    WIRING_DEAD,     /* wiring fault: the electrode does not act on the structure */
+    WIRING_REVERSED, /* wiring fault: the electrode acts with the opposite sign */
+    WIRING_SWAPPED /* wiring fault: the cables of this electrode and of the electrode with the index
+                      `other` are exchanged */
 } wiring_fault_type;
 
 typedef struct wiring_fault {

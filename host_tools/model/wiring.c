@@ -39,14 +39,14 @@ typedef struct wiring {
                          amplifiers, summed over all pokes (shapes measured under known voltages)
                          (V2) */
     double *shapes;   /* [amplifiers][amplifiers] scalar products of each pair of columns of the
-                         model's influence   matrix */
+                         model's influence matrix */
     double *products; /* [amplifiers][amplifiers] for each amplifier and electrode, the sum over all
                          measured shapes of the amplifier's voltage times the scalar product of the
                          shape with the electrode's column of the model's influence matrix */
     double *matrix; /* [amplifiers][amplifiers] matrix of the normal equations for the gains of the
                        electrodes, then its Cholesky factor */
     double *gain;   /* [amplifiers] right-hand side of the normal equations, then gain of each
-                       electrode (ratio     of its actual to its model influence) */
+                       electrode (ratio of its actual to its model influence) */
     double *work;   /* [amplifiers] work vector for one column of the normal equations for the gains
                      */
     size_t *amplifier; /* [amplifiers] index of the amplifier to which each electrode is connected

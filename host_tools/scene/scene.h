@@ -591,22 +591,22 @@ typedef enum scene_event_type {
                           known */
     EVENT_DEAD,
     EVENT_STUCK,
-    EVENT_ALIVE, /* event: electrodes fall to 0 V (EVENT_DEAD), keep their last voltage
+    EVENT_ALIVE, /* simulation event: electrodes fall to 0 V (EVENT_DEAD), keep their last voltage
                     (EVENT_STUCK), or work again (EVENT_ALIVE) */
     EVENT_NAN,
-    EVENT_FROZEN,  /* event: a fraction of the sensors reads NaN (EVENT_NAN) or keeps its last value
-                      (EVENT_FROZEN) */
-    EVENT_LOST,    /* event: the controller does not run for some ticks */
-    EVENT_IMPULSE, /* event: a load acts like a hammer blow; the impulse of its force during
-                      `amount` seconds is applied in one instant */
-    EVENT_SINE, /* event: for some ticks a load is multiplied by amount * sin(2 pi frequency time)
-                 */
-    EVENT_LATE, /* event: for some ticks each voltage change takes effect late, by a random fraction
-                   of the tick interval that is at most `amount` */
-    EVENT_JITTER, /* event: for some ticks the tick interval is lengthened or shortened by a random
-                     fraction of at most `amount` */
-    EVENT_DELAY   /* event: for some ticks the readings arrive `amount` ticks later than the
-                     controller assumes */
+    EVENT_FROZEN,  /* simulation event: a fraction of the sensors reads NaN (EVENT_NAN) or keeps its
+                      last value (EVENT_FROZEN) */
+    EVENT_LOST,    /* simulation event: the controller does not run for some ticks */
+    EVENT_IMPULSE, /* simulation event: a load acts like a hammer blow; the impulse of its force
+                      during `amount` seconds is applied in one instant */
+    EVENT_SINE,    /* simulation event: for some ticks a load is multiplied by amount times sin(2 pi
+                      frequency time) */
+    EVENT_LATE,    /* simulation event: for some ticks each voltage change takes effect late, by a
+                      random fraction of the tick interval that is at most `amount` */
+    EVENT_JITTER,  /* simulation event: for some ticks the tick interval is lengthened or shortened
+                      by a random fraction of at most `amount` */
+    EVENT_DELAY    /* simulation event: for some ticks the readings arrive `amount` ticks later than
+                      the controller assumes */
 } scene_event_type;
 
 /*
