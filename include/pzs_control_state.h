@@ -133,8 +133,9 @@ typedef struct pzs_optimiser {
                           is known, next_voltage minus base voltages (V) */
     pzs_real inverse_trace; /* trace of the inverse of the Hessian restricted to the inputs of the
                                free set (V2/m2); 0: not computed */
-    pzs_real inverse_trace_bound; /* upper bound of inverse_trace that follows from the
-                                     regularisation weight (V2/m2); 0: there is none */
+    pzs_real inverse_trace_bound; /* upper bound of inverse_trace, the trace of the inverse of the
+                                     Hessian for the free set, that follows from the regularisation
+                                     weight (V2/m2); 0: there is none */
     /*
      * an input counts as linearly dependent on the inputs of the free set if its pivot, divided by
      * its diagonal entry of the Hessian, is below this number (1)

@@ -43,20 +43,21 @@ extern "C" {
  * order of their phases.
  */
 typedef enum pzs_block_phase {
-    PZS_PHASE_COMMISSION, /* the block runs before the loop takes control: as long as it returns a
-                             warning or an error, no other block runs; a list has at most one such
-                             block */
-    PZS_PHASE_READINGS,   /* the block changes the sensor readings or the target shape */
-    PZS_PHASE_SHAPE, /* the block computes the measured shape from the sensor readings; a list has
-                        at most one such block */
-    PZS_PHASE_STEP,  /* the block chooses the voltages, and its tables are a pzs_problem; a list has
-                        exactly one such block */
-    PZS_PHASE_VOLTAGE,  /* the block changes the chosen voltages in the way in which the amplifiers
-                           will change them */
-    PZS_PHASE_OBSERVE,  /* the block compares voltages and measured shape, and may fix the voltages
-                           of faulty electrodes */
-    PZS_PHASE_SUPERVISE /* the block runs in every tick, also after an error of another block, and
-                           decides last on voltages and status; a list has at most one such block */
+    PZS_PHASE_COMMISSION, /* phase in which a block runs before the loop takes control: as long as
+                             the block returns a warning or an error, no other block runs; a list
+                             has at most one such block */
+    PZS_PHASE_READINGS, /* phase in which a block changes the sensor readings or the target shape */
+    PZS_PHASE_SHAPE, /* phase in which a block computes the measured shape from the sensor readings;
+                        a list has at most one such block */
+    PZS_PHASE_STEP, /* phase in which a block, whose tables are a pzs_problem, chooses the voltages;
+                       a list has exactly one such block */
+    PZS_PHASE_VOLTAGE, /* phase in which a block changes the chosen voltages in the way in which the
+                          amplifiers will change them */
+    PZS_PHASE_OBSERVE, /* phase in which a block compares voltages and measured shape, and may fix
+                          the voltages of faulty electrodes */
+    PZS_PHASE_SUPERVISE /* phase in which a block runs in every tick, also after an error of another
+                           block, and decides last on voltages and status; a list has at most one
+                           such block */
 } pzs_block_phase;
 
 /*

@@ -204,7 +204,7 @@ static int write_solve(const report_job *job, const void *result)
 }
 
 /*
- * Write a VTU file of the deformed mesh, with the potentials of bare faces.
+ * Write a VTU file of the deformed mesh, with the potentials of bare faces (without electrodes).
  *   vector [nodes][3] in  displacement of the middle surface
  * Returns 0, or -1 where memory runs out.
  */

@@ -22,13 +22,19 @@ static const char *name_of(const design *design, int k)
                                       : design->electrode_name[input - design->sensor_first];
 }
 
-/* Number of electrodes of amplifiers and sensors; the potentials of bare faces follow them. */
+/*
+ * Number of electrodes of amplifiers and sensors; the potentials of bare faces (without electrodes)
+ * follow them.
+ */
 static int electrodes_of_patches(const design *design)
 {
     return design->electrodes.count - design->bare.count;
 }
 
-/* Lowest and highest potential of a bare face, and the number of its nodes with a potential. */
+/*
+ * Lowest and highest potential of a bare face (without electrode), and the number of its nodes with
+ * a potential.
+ */
 typedef struct face_range {
     double lowest, highest;
     int nodes;

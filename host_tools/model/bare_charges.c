@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Charges at the potentials of bare faces while the strains are zero (bare_charges.h). */
+/*
+ * Charges at the potentials of bare faces (without electrodes) while the strains are zero
+ * (bare_charges.h).
+ */
 #include "bare_charges.h"
 #include "load_forces.h"
 
@@ -15,7 +18,8 @@ static int row_of(const design *design, int potential)
     return design->electrodes.count - design->bare.count + potential;
 }
 
-/* Compute the charges at the eight potentials of a layer in an element that a uniform field draws.
+/*
+ * Compute the charges at the eight potentials of a layer in an element that a uniform field draws.
  */
 static void charges_of(const design *design, int layer, int element, const laminate_field *uniform,
                        double charge[POTENTIAL_NODES])

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Charges at the potentials of bare faces, as rows of the table of electrodes. In this table the
- * potentials follow the electrodes of amplifiers and sensors.
+ * Charges at the potentials of bare faces (without electrodes), as rows of the table of electrodes.
+ * In this table the potentials follow the electrodes of amplifiers and sensors.
  */
 #ifndef BARE_CHARGES_H
 #define BARE_CHARGES_H

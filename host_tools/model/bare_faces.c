@@ -5,8 +5,9 @@
 #include <string.h>
 
 /*
- * A potential belongs to a node of an interface: interface i lies below layer i and above layer i -
- * 1, so that layer i lies between the interfaces i and i + 1.
+ * Return the slot of a node on an interface between layers: the index interface * nodes + node.
+ * Interface i lies below layer i and above layer i - 1, so that layer i lies between the interfaces
+ * i and i + 1.
  */
 static size_t slot_of(const mesh *mesh, int interface, int node)
 {
@@ -33,13 +34,16 @@ static bool face_is_bare(const bare_faces *bare, int layer, int face)
 /* ---- connected parts -------------------------------------------------- */
 
 /*
- * Sets of connected slots (nodes of interfaces). A slot that is not `used` has no potential; the
- * parents of the slots of a set lead to its root, and a set is grounded if one of its layers has a
- * face that is an electrode at 0 V.
+ * Sets of connected slots. A slot is a node on an interface between layers. A slot that is not
+ * `used` has no potential; the parents of the slots of a set lead to its root, and a set is
+ * grounded if one of its layers has a face that is an electrode at 0 V.
  */
 typedef struct slot_sets {
-    bool *used, *grounded; /* [slots]; grounded is that of the root of a set */
-    size_t *parent;        /* [slots] */
+    bool *used, *grounded; /* [slots] used: whether the slot (node on an interface) has a potential;
+                              grounded: for the root of a set of slots, whether the set is connected
+                              with an electrode at 0 V */
+    size_t *parent; /* [slots] next slot (node on an interface) on the way from each slot to the
+                       root of its set */
 } slot_sets;
 
 static size_t root_of(const slot_sets *sets, size_t slot)
@@ -57,7 +61,10 @@ static void join(slot_sets *sets, size_t first, size_t second)
     sets->grounded[least] = sets->grounded[least] || sets->grounded[most];
 }
 
-/* Mark and connect the slots of the bare faces of one layer in one element. */
+/*
+ * Mark the slots (nodes on interfaces between layers) of the bare faces (without electrodes) of one
+ * layer in one element as used, and connect them.
+ */
 static void join_element(const bare_faces *bare, int layer, int element, slot_sets *sets)
 {
     const mesh *mesh = bare->mesh;
@@ -78,8 +85,8 @@ static void join_element(const bare_faces *bare, int layer, int element, slot_se
 }
 
 /*
- * Number the potentials: one for each used slot, except the first slot of each set that is not
- * grounded, whose potential is 0.
+ * Number the electric potentials: one for each used slot (node on an interface between layers),
+ * except the first slot of each set of connected slots that is not grounded, whose potential is 0.
  */
 static void number_slots(bare_faces *bare, const slot_sets *sets, size_t slots)
 {
@@ -100,14 +107,17 @@ static int no_memory(const bare_faces *bare, char *error)
         "the potentials of the bare faces do not fit into memory; use fewer elements");
 }
 
-/* Return whether a layer has a bare face and is present in an element type. */
+/* Return whether a layer has a bare face (without electrode) and is present in an element type. */
 static bool is_bare_in_type(const bare_faces *bare, int layer, int type)
 {
     return bare->layer[layer].bare != BARE_NONE &&
            bare->mesh->place[type].present_plies >> layer & 1u;
 }
 
-/* Compute the tables of the potentials of one layer in one element type. */
+/*
+ * Compute the stress resultants and capacitances of the electric potentials on the faces of one
+ * layer in one element type.
+ */
 static void fill_type(bare_faces *bare, int type, int layer)
 {
     const mesh *mesh = bare->mesh;
@@ -123,7 +133,10 @@ static void fill_type(bare_faces *bare, int type, int layer)
                                           bare->capacitance[row * layers + (size_t)other]);
 }
 
-/* List the slot of each potential, and compute the tables of the element types. */
+/*
+ * List the slot (node on an interface between layers) of each electric potential, and compute the
+ * stress resultants and capacitances of the potentials in all element types.
+ */
 static int fill_tables(bare_faces *bare, char *error)
 {
     const mesh *mesh = bare->mesh;
@@ -193,7 +206,10 @@ void bare_faces_free(bare_faces *bare)
 
 /* ---- effects ---------------------------------------------------------- */
 
-/* Row of a layer in an element in the tables of the potentials. */
+/*
+ * Return the row of the tables of stress resultants and capacitances that belongs to a layer in an
+ * element.
+ */
 static size_t row_of(const bare_faces *bare, int layer, int element)
 {
     return (size_t)bare->mesh->element_type[element] * (size_t)bare->layers + (size_t)layer;

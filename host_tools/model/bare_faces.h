@@ -12,25 +12,26 @@
 #include "../mesh/potential_element.h"
 
 /*
- * Largest number of potentials of bare faces. Each potential costs a linear solve, and the matrix
- * of their charges per volt is dense.
+ * Largest number of potentials of bare faces (without electrodes). Each potential costs a linear
+ * solve, and the matrix of their charges per volt is dense.
  */
 enum { BARE_POTENTIALS = 2000 };
 
 /*
- * Potentials of the bare faces of a mesh, with tables for its element types. Interface i, between
- * the layers i - 1 and i, and a node together are the slot i * nodes + node.
+ * Potentials of the bare faces (without electrodes) of a mesh, with tables for its element types.
+ * Interface i, between the layers i - 1 and i, and a node together are the slot i * nodes + node.
  */
 typedef struct bare_faces {
     const mesh *mesh;
     int layers;
-    const scene_layer *layer; /* [layers] */
+    const scene_layer *layer; /* [layers] layers of the scene */
     int first_input; /* index of the input of the structure that is the first potential; the
                         potentials are the last inputs */
-    int count;       /* number of potentials; 0: the scene has no bare faces */
-    int *number;     /* [(layers + 1) nodes] number of the potential of each slot, or -1 where the
-                        potential is 0 */
-    size_t *slot;    /* [count] slot of each potential */
+    int count;       /* number of potentials; 0: the scene has no bare faces (without electrodes) */
+    int *number;  /* [(layers + 1) nodes] number of the potential of each slot (node on an interface
+                     between layers), or -1 where the potential is 0 */
+    size_t *slot; /* [count] slot (node on an interface between layers) of each electric potential
+                   */
     double (*resultants)[POTENTIAL_NODES][LAMINATE_STRAINS]; /* [types][layers] prescribed stress
                                                                 resultants of the eight potentials
                                                                 of a layer in each element type */
@@ -40,15 +41,15 @@ typedef struct bare_faces {
 } bare_faces;
 
 /*
- * Number the potentials of the bare faces of a scene's layers. Where all faces of a connected part
- * are bare, the potential of its first node is 0. The mesh and the scene must exist as long as the
- * result. Returns 0, or -1 with error filled.
+ * Number the potentials of the bare faces (without electrodes) of a scene's layers. Where all faces
+ * of a connected part are bare, the potential of its first node is 0. The mesh and the scene must
+ * exist as long as the result. Returns 0, or -1 with error filled.
  */
 int bare_faces_build(bare_faces *bare, const mesh *mesh, const scene *scene, char *error);
 
 void bare_faces_free(bare_faces *bare);
 
-/* Return whether a layer has a bare face and is present in an element. */
+/* Return whether a layer has a bare face (without electrode) and is present in an element. */
 bool bare_faces_has(const bare_faces *bare, int layer, int element);
 
 /*
@@ -81,10 +82,10 @@ double bare_faces_potential(const bare_faces *bare, const double *value, int lay
                             int node);
 
 /*
- * Compute the mean electric field of a layer with bare faces in an element: the voltage across the
- * layer (V), and the field along the axes 1 and 2 of the shell at its inner and at its outer face
- * (along [2][2] out, V/m). Returns false, with a field of 0, where the layer has no bare face or is
- * not present.
+ * Compute the mean electric field of a layer with bare faces (without electrodes) in an element:
+ * the voltage across the layer (V), and the field along the axes 1 and 2 of the shell at its inner
+ * and at its outer face (along [2][2] out, V/m). Returns false, with a field of 0, where the layer
+ * has no bare face or is not present.
  *   value [inputs] in  input values, with the computed potentials
  */
 bool bare_faces_field(const bare_faces *bare, const double *value, int layer, int element,

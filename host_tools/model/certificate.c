@@ -116,7 +116,7 @@ double certificate_first(const certificate *certificate)
 
 /* ---- text -------------------------------------------------------------- */
 
-/* Write a text on the range of stable tick rates. */
+/* Write a text on the range of tick rates at which the control loop is stable. */
 static void range_text(const certificate *certificate, char text[SCENE_ERROR])
 {
     if (!isfinite(certificate->stable_rate))
@@ -133,7 +133,7 @@ static void range_text(const certificate *certificate, char text[SCENE_ERROR])
                  certificate->stable_rate);
 }
 
-/* Write a text on the stability at the scene's tick rate. */
+/* Write a text on the stability of the control loop at the tick rate of the scene. */
 static void rate_text(const certificate *certificate, char text[SCENE_ERROR])
 {
     if (certificate_refuses(certificate))

@@ -387,7 +387,10 @@ static void patch_columns(const mesh *mesh, const scene_actuator *actuator, row_
     }
 }
 
-/* Append one column of nodal forces per volt for each potential of the bare faces. */
+/*
+ * Append one column of nodal forces per volt for each potential of the bare faces (without
+ * electrodes).
+ */
 static void potential_columns(const design *design, row_builder *columns, double *dense)
 {
     double h0[LAMINATE_STRAINS];

@@ -60,18 +60,18 @@ typedef struct design {
                            build the design */
     mesh mesh;
     pzs_structure structure; /* Inputs in this order: amplifiers, loads, extra inputs, electrodes of
-                                sensors, potentials of bare faces. Outputs: target nodes, then named
-                                outputs. The extra inputs exist under nonlinear kinematics and have
-                                empty columns: one for each follower load in the order of loads, one
-                                for prescribed displacements, one for the motion of a contact's
-                                body. */
+                                sensors, potentials of bare faces (without electrodes). Outputs:
+                                target nodes, then named outputs. The extra inputs exist under
+                                nonlinear kinematics and have empty columns: one for each follower
+                                load in the order of loads, one for prescribed displacements, one
+                                for the motion of a contact's body. */
     pzs_electrodes electrodes; /* electrodes of the amplifiers and of the sensors, and potentials of
-                                  bare faces; empty unless the scene has sensors or bare faces or
-                                  asks for charges */
+                                  bare faces (without electrodes); empty unless the scene has
+                                  sensors or bare faces or asks for charges */
     int amplifiers;            /* number of amplifiers; they are the first inputs */
     int loads;                 /* number of loads; they are the inputs after the amplifiers */
     int sensor_first;          /* index of the first input that is an electrode of a sensor */
-    bare_faces bare;           /* potentials of bare faces, which are the last inputs */
+    bare_faces bare; /* potentials of bare faces (without electrodes), which are the last inputs */
     int targets; /* number of target rows (controlled displacements), which are the first outputs */
     int *target_node; /* [targets] number of the mesh node of each target row (controlled
                          displacement) */

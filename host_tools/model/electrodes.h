@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The electrodes of a scene as the library's table: electrodes of amplifiers and of sensors and the
- * potentials of bare faces, with the charge that each input causes while the shell does not deform.
+ * potentials of bare faces (without electrodes), with the charge that each input causes while the
+ * shell does not deform.
  */
 #ifndef ELECTRODES_H
 #define ELECTRODES_H
@@ -9,8 +10,8 @@
 #include "design.h"
 
 /*
- * Fill design->electrodes where the scene has sensors or bare faces or asks for a charge; otherwise
- * leave it empty. Returns 0, or -1 with error filled.
+ * Fill design->electrodes where the scene has sensors or bare faces (without electrodes) or asks
+ * for a charge; otherwise leave it empty. Returns 0, or -1 with error filled.
  */
 int electrodes_build(design *design, char *error);
 

@@ -76,7 +76,10 @@ static void append_actuator(resultant_builder *builder, const mesh *mesh,
     }
 }
 
-/* Append the stress resultants that each potential of the bare faces prescribes per volt. */
+/*
+ * Append the stress resultants that each potential of the bare faces (without electrodes)
+ * prescribes per volt.
+ */
 static void append_potentials(resultant_builder *builder, const design *design)
 {
     double h0[LAMINATE_STRAINS];

@@ -237,7 +237,7 @@ static double present_thickness(const mesh *mesh, int element)
 
 /*
  * Return the mean voltage across a layer in an element (V): that of its electrodes, or that of the
- * potentials of its bare faces.
+ * potentials of its bare faces (without electrodes).
  */
 static double voltage_across(const stress_field *field, int element, int layer)
 {
@@ -249,7 +249,7 @@ static double voltage_across(const stress_field *field, int element, int layer)
 
 /*
  * Add the stress resultants, times the area of the element, that the electric field of bare faces
- * along the surface prescribes in a layer.
+ * (without electrodes) along the surface prescribes in a layer.
  *   resultant [10] in/out  stress resultants of the element
  */
 static void add_along(const stress_field *field, int element, int layer, double resultant[10])

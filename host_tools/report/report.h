@@ -62,10 +62,10 @@ int report_vtu(FILE *file, const mesh *mesh, const stress_points *points, const 
                int arrays);
 
 /*
- * List the potentials of the bare faces of a design as arrays with values at the nodes; a face of a
- * layer is one array.
- *   value [inputs]      in   input values, with the computed potentials
- *   array [2 layers]    out  arrays, whose values the caller must free
+ * List the potentials of the bare faces (without electrodes) of a design as arrays with values at
+ * the nodes; a face of a layer is one array.
+ *   value [inputs]   in   input values, with the computed potentials
+ *   array [2 layers] out  arrays, whose values the caller must free
  * Returns the number of arrays, or -1 where memory runs out.
  */
 int report_potentials(const design *design, const double *value, report_array *array);
@@ -73,9 +73,9 @@ int report_potentials(const design *design, const double *value, report_array *a
 /*
  * Write a VTK file with the displacement and the recovered stresses: for each layer and height
  * stress and strain in material axes, at the element centres and averaged at the nodes; reserve
- * factors, resultants, electric fields, potentials of bare faces. A node on the border of a patch
- * has two points in the file, one for each side of the border. vector [nodes][3] in  displacement
- * of the middle surface, in Cartesian components
+ * factors, resultants, electric fields, potentials of bare faces (without electrodes). A node on
+ * the border of a patch has two points in the file, one for each side of the border.
+ *   vector [nodes][3] in  displacement of the middle surface, in Cartesian components
  */
 int report_stress_vtu(FILE *file, const stress_field *field, const double *vector);
 

@@ -157,7 +157,7 @@ static void add_structure(stress_file *out, const double *vector)
         stress_resultants(out->field, element, resultants->value + element * STRESS_RESULTANTS);
 }
 
-/* Add the potentials of the bare faces to the VTK file. */
+/* Add the potentials of the bare faces (without electrodes) to the VTK file. */
 static void add_potentials(stress_file *out)
 {
     const design *design = out->field->state.design;

@@ -179,7 +179,8 @@ typedef struct scene_material {
 
 /*
  * Faces of a piezoelectric layer that carry no electrode, as bits: the potential of a bare face
- * varies from node to node. The other face of a layer with one bare face is an electrode at 0 V.
+ * (without electrode) varies from node to node. The other face of a layer with one bare face is an
+ * electrode at 0 V.
  */
 enum { BARE_NONE = 0, BARE_INNER = 1, BARE_OUTER = 2, BARE_BOTH = 3 };
 

@@ -473,11 +473,11 @@ static int check_loads(const scene *scene, char *error)
     return 0;
 }
 
-/* ---- bare faces ---- */
+/* ---- bare faces (without electrodes) ---- */
 
 /*
- * Check neighbouring layers of which both have bare faces: the face between them is either bare for
- * both layers, or an electrode at 0 V for both.
+ * Check neighbouring layers of which both have bare faces (without electrodes): the face between
+ * them is either bare for both layers, or an electrode at 0 V for both.
  */
 static int check_bare_faces(const scene *scene, char *error)
 {

@@ -554,7 +554,10 @@ static int read_layer_of(reader *reader, int node, void *to, const void *rule)
                       name);
 }
 
-/* Read an output of the potential of a bare face of a layer, which is given by its name. */
+/*
+ * Read an output of the potential of a bare face (without electrode) of a layer, which is given by
+ * its name.
+ */
 static int read_potential(reader *reader, int node, void *to, const void *rule)
 {
     output_text *text = to;
