@@ -22,6 +22,11 @@
  * optimiser's pivoted Hessian (tableau) is computed.
  */
 #define MANY 32u
+/*
+ * Number of rank-one updates that are subtracted together from a row of the optimiser's pivoted
+ * Hessian (tableau).
+ */
+#define TOGETHER (PZS_WIDE ? 8u : 1u)
 #define BLOCK_WIDE                                                                                 \
     PZS_BY_TILE(4u, 16u, 32u) /* number of columns of the wide blocks in which the optimiser's     \
                                  pivoted Hessian (tableau) is updated */
@@ -44,13 +49,6 @@ static void set_multiple(pzs_real *restrict to, const pzs_real *restrict from, p
         to[i] = factor * from[i];
 }
 
-static void subtract_multiple(pzs_real *restrict to, const pzs_real *restrict from, pzs_real factor,
-                              size_t span)
-{
-    for (size_t i = 0; i < span; i++)
-        to[i] -= factor * from[i];
-}
-
 /* ---- collection of exchanges ----------------------------------------- */
 
 void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending)
@@ -64,13 +62,13 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending)
  * For many inputs, let the optimiser collect more pivot exchanges before it applies them, so that
  * its pivoted Hessian (tableau) is read and written less often while it is computed. The exchanges
  * are stored in memory of the dual method, which is not in use meanwhile: their rank-one updates in
- * the first half of its Cholesky factor, a copy of the updates in groups of columns in the second
- * half, and their pivots in its two vectors.
+ * the first third of its Cholesky factor, two copies of the updates in groups of columns in the
+ * rest, and their pivots in its two vectors.
  */
 static void collect_many(pzs_optimiser *optimiser)
 {
     const uint32_t reals = optimiser->inputs * (optimiser->inputs + 1u) / 2u;
-    const uint32_t fit = reals / (2u * optimiser->width + WIDE_BLOCK);
+    const uint32_t fit = reals / (3u * (optimiser->width + WIDE_BLOCK));
     if (optimiser->inputs < PZS_DUAL_INPUTS || fit <= PZS_PENDING)
         return;
     optimiser->pending = optimiser->factor;
@@ -81,6 +79,46 @@ static void collect_many(pzs_optimiser *optimiser)
 /* ---- exchanges ------------------------------------------------------- */
 
 /*
+ * Return whether only the entries up to the diagonal of the tableau (the optimiser's pivoted
+ * Hessian) are kept up to date: on a host with the vector unit AVX2, while the tableau is computed.
+ */
+static inline bool keeps_half(const pzs_optimiser *optimiser)
+{
+    return product_is_wide(optimiser->width) && optimiser->is_rebuilding;
+}
+
+/*
+ * Read row k of the tableau (the optimiser's pivoted Hessian), without the pivot exchanges that are
+ * collected but not yet applied.
+ *   row [width] out  row k; its entries beyond the number of inputs may stay unchanged
+ */
+static inline void read_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
+{
+    const size_t width = optimiser->width, count = keeps_half(optimiser) ? k + 1u : width;
+    memcpy(row, optimiser->tableau + k * width, count * sizeof *row);
+    for (uint32_t j = k + 1u; keeps_half(optimiser) && j < optimiser->inputs; j++)
+        row[j] = optimiser->tableau[j * width + k];
+}
+
+/*
+ * Subtract from row k of the tableau (the optimiser's pivoted Hessian) the rank-one updates of up
+ * to TOGETHER collected pivot exchanges, the first of which has the index `first`. row [width]
+ * in/out  row k of the tableau
+ */
+static inline void subtract_updates(const pzs_optimiser *optimiser, uint32_t first, uint32_t k,
+                                    pzs_real *restrict row)
+{
+    static const uint16_t index[] = {0, 1, 2, 3, 4, 5, 6, 7};
+    const size_t width = optimiser->width;
+    const pzs_real *update = optimiser->pending + first * width;
+    pzs_real factor[TOGETHER];
+    uint32_t count = 0;
+    for (; count < TOGETHER && first + count < optimiser->pending_count; count++)
+        factor[count] = optimiser->exchange[first + count].sign * update[count * width + k];
+    pzs_product_subtract_rows(row, update, width, index, factor, count, optimiser_span(optimiser));
+}
+
+/*
  * Compute row k of the tableau, the pivoted Hessian of the optimiser, including the pivot exchanges
  * that are collected but not yet applied to the matrix. An exchange of input k changes the tableau
  * as follows, with `row`, its row k before the exchange, with the pivot p = row_k, and with u = row
@@ -89,7 +127,8 @@ static void collect_many(pzs_optimiser *optimiser)
  *   entry i, k  to  row_i / |p|, which is the same formula on a zero entry if u_k is set to
  *               -sign(p) / sqrt |p|,
  *   entry k, k  to  -1 / p.
- * The row of an exchanged input is thus a multiple of u, independent of its earlier values.
+ * The row of an exchanged input is thus a multiple of u, independent of its earlier values. In the
+ * updates collected before, its entry has been set to zero when it was exchanged.
  */
 static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
 {
@@ -102,14 +141,12 @@ static void correct_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real *re
         set_multiple(row, optimiser->pending + (j - 1u) * width, own->scale, span);
         row[k] = own->pivot;
     } else {
-        memcpy(row, optimiser->tableau + k * width, width * sizeof *row);
+        read_row(optimiser, k, row);
     }
-    for (; j < optimiser->pending_count; j++) {
-        const pzs_real *update = optimiser->pending + j * width;
-        const pzs_exchange *exchange = &optimiser->exchange[j];
-        row[exchange->input] = 0;
-        subtract_multiple(row, update, exchange->sign * update[k], span);
-    }
+    for (uint32_t later = j; later < optimiser->pending_count; later++)
+        row[optimiser->exchange[later].input] = 0;
+    for (; j < optimiser->pending_count; j += TOGETHER)
+        subtract_updates(optimiser, j, k, row);
 }
 
 void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
@@ -132,6 +169,8 @@ void pzs_tableau_exchange_side(pzs_optimiser *optimiser, uint32_t k, pzs_real *r
     const pzs_real pivot = row[k], scale = 1 / PZS_SQRT(number_absolute(pivot));
     const pzs_real sign = pivot < 0 ? (pzs_real)-1 : (pzs_real)1;
     pzs_real *update = optimiser->pending + optimiser->pending_count * width;
+    for (uint32_t j = 0; j < optimiser->pending_count; j++)
+        optimiser->pending[j * width + k] = 0;
     set_multiple(update, row, scale, span);
     for (size_t i = 0; i < span; i++)
         optimiser->pivot[i] -= sign * update[i] * update[i];
@@ -148,38 +187,49 @@ void pzs_tableau_exchange_side(pzs_optimiser *optimiser, uint32_t k, pzs_real *r
 }
 
 /*
- * Compute the rows and columns of the exchanged inputs in the tableau (the optimiser's pivoted
- * Hessian), and set these inputs to zero in the collected rank-one updates, which are later applied
- * to all other rows.
+ * Set to zero the entries of exchanged inputs in at most `most` rows of the tableau (the
+ * optimiser's pivoted Hessian) from row i on, up to the block on the diagonal. The collected
+ * rank-one updates then give these entries their new values.
  */
-static void apply_to_exchanged(pzs_optimiser *optimiser)
+static void clear_exchanged(pzs_optimiser *optimiser, size_t i, size_t most)
 {
     const size_t width = optimiser->width;
+    const size_t rows = optimiser->inputs - i < most ? optimiser->inputs - i : most;
+    pzs_real *first = optimiser->tableau + i * width;
     for (uint32_t j = 0; j < optimiser->pending_count; j++) {
-        const uint32_t input = optimiser->exchange[j].input;
-        pzs_real *row = optimiser->tableau + input * width;
-        correct_row(optimiser, input, row);
-        for (uint32_t i = 0; i < optimiser->inputs; i++)
-            optimiser->tableau[i * width + input] = row[i];
+        const size_t input = optimiser->exchange[j].input;
+        if (input >= i && input < i + rows)
+            memset(optimiser->tableau + input * width, 0, width * sizeof(pzs_real));
+        for (size_t line = 0; input < i + rows && line < rows; line++)
+            first[line * width + input] = 0;
     }
-    for (uint32_t j = 0; j < optimiser->pending_count; j++)
-        for (uint32_t i = 0; i < optimiser->pending_count; i++)
-            optimiser->pending[i * width + optimiser->exchange[j].input] = 0;
 }
 
 /*
- * Copy a block of the tableau (pivoted Hessian), a symmetric matrix, to its mirror position across
- * the diagonal.
- *   i, j    in  row and column of the first entry of the block
- *   columns in  number of columns of the block, a multiple of 4 (BLOCK)
+ * Set the diagonal entries of exchanged inputs in the tableau (the optimiser's pivoted Hessian),
+ * for which the collected rank-one updates give wrong values. The array `pivot` holds the diagonal
+ * after all collected exchanges.
  */
-static inline void mirror_block(pzs_optimiser *optimiser, size_t i, size_t j, size_t rows,
+static void set_exchanged_diagonal(pzs_optimiser *optimiser)
+{
+    for (uint32_t j = 0; j < optimiser->pending_count; j++) {
+        const size_t input = optimiser->exchange[j].input;
+        optimiser->tableau[input * optimiser->width + input] = optimiser->pivot[input];
+    }
+}
+
+/*
+ * Copy a block of a symmetric matrix to its mirror position across the diagonal.
+ *   matrix  in/out  rows of the matrix, `width` reals apart
+ *   i, j    in      row and column of the first entry of the block
+ *   columns in      number of columns of the block, a multiple of BLOCK
+ */
+static inline void mirror_block(pzs_real *matrix, size_t width, size_t i, size_t j, size_t rows,
                                 size_t columns)
 {
-    const size_t width = optimiser->width;
     for (size_t row = 0; row < rows; row++) {
-        const pzs_real *from = optimiser->tableau + (i + row) * width + j;
-        pzs_real *to = optimiser->tableau + j * width + i + row;
+        const pzs_real *from = matrix + (i + row) * width + j;
+        pzs_real *to = matrix + j * width + i + row;
         for (size_t column = 0; column < columns; column += BLOCK) {
             UNROLLED
             for (unsigned k = 0; k < BLOCK; k++, to += width)
@@ -225,8 +275,8 @@ static inline void mirror_block(pzs_optimiser *optimiser, size_t i, size_t j, si
             for (unsigned column = 0; column < (COUNT); column++)                                  \
                 ((entry *)(at + line * width))[column] = block[line][column];                      \
         }                                                                                          \
-        if (j + columns <= i)                                                                      \
-            mirror_block(optimiser, i, j, ROWS, columns);                                          \
+        if (j + columns <= i && !keeps_half(optimiser))                                            \
+            mirror_block(optimiser->tableau, width, i, j, ROWS, columns);                          \
     }
 
 UPDATE_BLOCK(update_square, pzs_real, BLOCK, BLOCK)
@@ -238,53 +288,40 @@ UPDATE_BLOCK(update_wide, lane, BLOCK, BLOCK_WIDE / IN_LANE)
 #endif
 
 /*
- * On a host with the vector unit AVX2, copy the collected rank-one updates of the optimiser's
- * pivoted Hessian (tableau) into groups of WIDE_BLOCK columns, which pzs_wide_update reads without
- * gaps. The copy lies behind the updates, in memory of the dual method. Returns the first group, or
- * NULL on another processor.
+ * On a host with the vector unit AVX2, apply all collected rank-one updates to the optimiser's
+ * pivoted Hessian (tableau) while it is being computed, up to and including its diagonal. Copies of
+ * the updates in groups of columns lie behind the updates, in memory of the dual method. Returns
+ * whether this was done, which is not possible on other processors.
  */
-static const pzs_real *group_updates(const pzs_optimiser *optimiser)
+static bool apply_wide(pzs_optimiser *optimiser)
 {
     const size_t width = optimiser->width, count = optimiser->pending_count;
     if (optimiser->pending != optimiser->factor || !product_is_wide(width))
-        return NULL;
+        return false;
     pzs_real *groups = optimiser->factor + optimiser->pending_most * width;
-    for (size_t j = 0; j < width; j += WIDE_BLOCK) {
-        const size_t columns = width - j < WIDE_BLOCK ? width - j : WIDE_BLOCK;
-        for (size_t k = 0; k < count; k++)
-            memcpy(groups + j * count + k * WIDE_BLOCK, optimiser->pending + k * width + j,
-                   columns * sizeof *groups);
+    pzs_real *factors = groups + optimiser->pending_most * (width + WIDE_BLOCK);
+    pzs_wide_group(groups, factors, optimiser->pending, width, &optimiser->exchange->sign,
+                   sizeof *optimiser->exchange / sizeof(pzs_real), count, optimiser->inputs);
+    for (size_t i = 0; i < optimiser->inputs; i += WIDE_BLOCK) {
+        clear_exchanged(optimiser, i, WIDE_BLOCK);
+        pzs_wide_update_rows(optimiser->tableau, width, optimiser->inputs, i, factors, groups,
+                             count);
     }
-    return groups;
-}
-
-/*
- * Apply all collected rank-one updates to a block of the tableau (the optimiser's pivoted Hessian)
- * that lies below the diagonal, with BLOCK rows and WIDE_BLOCK columns.
- */
-static void update_group(pzs_optimiser *optimiser, const pzs_real *groups, size_t i, size_t j)
-{
-    const size_t count = optimiser->pending_count, within = i % WIDE_BLOCK;
-    pzs_wide_update(optimiser->tableau + i * optimiser->width + j, optimiser->width,
-                    groups + (i - within) * count + within, groups + j * count,
-                    &optimiser->exchange->sign, sizeof *optimiser->exchange / sizeof(pzs_real),
-                    count);
-    mirror_block(optimiser, i, j, BLOCK, WIDE_BLOCK);
+    return true;
 }
 
 /*
  * Apply all collected rank-one updates to the lower triangle of the tableau (pivoted Hessian) block
- * by block, and mirror it to the upper triangle. Blocks on the diagonal are computed as a whole;
- * the last rows, fewer than a block has, one by one.
+ * by block and, unless only half of the tableau is kept up to date, mirror it to the upper
+ * triangle. Blocks on the diagonal are computed as a whole; the last rows, fewer than a block has,
+ * one by one.
  */
 static void apply_to_all(pzs_optimiser *optimiser)
 {
-    const pzs_real *groups = group_updates(optimiser);
     const size_t inputs = optimiser->inputs, even = inputs & ~(size_t)(BLOCK - 1u);
+    clear_exchanged(optimiser, 0, inputs);
     for (size_t i = 0; i < even; i += BLOCK) {
         size_t j = 0;
-        for (; groups != NULL && j + WIDE_BLOCK <= i; j += WIDE_BLOCK)
-            update_group(optimiser, groups, i, j);
         for (; BLOCK_WIDE > BLOCK && j + BLOCK_WIDE <= i; j += BLOCK_WIDE)
             update_wide(optimiser, i, j);
         for (; j <= i; j += BLOCK)
@@ -299,9 +336,17 @@ void pzs_tableau_apply(pzs_optimiser *optimiser)
 {
     if (optimiser->pending_count == 0)
         return;
-    apply_to_exchanged(optimiser);
-    apply_to_all(optimiser);
+    if (!apply_wide(optimiser))
+        apply_to_all(optimiser);
+    set_exchanged_diagonal(optimiser);
     optimiser->pending_count = 0;
+}
+
+void pzs_tableau_complete(pzs_optimiser *optimiser)
+{
+    if (keeps_half(optimiser))
+        pzs_wide_mirror(optimiser->tableau, optimiser->width, optimiser->inputs);
+    optimiser->is_rebuilding = false;
 }
 
 /* ---- recomputation --------------------------------------------------- */
@@ -353,16 +398,19 @@ bool pzs_tableau_rebuild(pzs_optimiser *optimiser)
     pzs_real *pending = optimiser->pending;
     pzs_tableau_read_pivots(optimiser);
     collect_many(optimiser);
-    while (optimiser->is_rebuilding && optimiser_affords(optimiser, cost)) {
+    bool is_complete = false;
+    while (!is_complete && optimiser_affords(optimiser, cost)) {
         const uint32_t k = next_pivot(optimiser);
-        optimiser->is_rebuilding = k < optimiser->inputs;
-        if (optimiser->is_rebuilding) {
+        is_complete = k == optimiser->inputs;
+        if (!is_complete) {
             pzs_tableau_row(optimiser, k, optimiser->next_voltage);
             pzs_tableau_exchange(optimiser, k, optimiser->next_voltage);
             optimiser->waiting[k] = 0;
         }
     }
     pzs_tableau_apply(optimiser);
+    if (is_complete)
+        pzs_tableau_complete(optimiser);
     pzs_tableau_collect(optimiser, pending);
     optimiser->is_dual = !optimiser->is_rebuilding && optimiser->active_count == 0 &&
                          optimiser->inputs >= PZS_DUAL_INPUTS;

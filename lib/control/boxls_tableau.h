@@ -62,9 +62,16 @@ void pzs_tableau_exchange_side(pzs_optimiser *optimiser, uint32_t k, pzs_real *r
 
 /*
  * Apply the collected pivot exchanges to all entries of the tableau, the optimiser's pivoted
- * Hessian.
+ * Hessian. On hosts with the vector unit AVX2, while the tableau is computed anew, only the entries
+ * up to the diagonal are kept up to date.
  */
 void pzs_tableau_apply(pzs_optimiser *optimiser);
+
+/*
+ * End a recomputation of the tableau (the optimiser's pivoted Hessian), so that all of its entries
+ * are up to date. All collected pivot exchanges must have been applied before.
+ */
+void pzs_tableau_complete(pzs_optimiser *optimiser);
 
 /*
  * Begin to recompute the tableau (the optimiser's pivoted Hessian) from the Hessian: all inputs

@@ -475,25 +475,13 @@ static int32_t bad_limit(const pzs_problem *problem)
     return -1;
 }
 
-/* Return the index of the first entry of a table that is not finite, or -1. */
-static int32_t bad_number(const pzs_problem *problem, const pzs_real *influence)
-{
-    const uint32_t inputs = problem->inputs, outputs = problem->outputs;
-    int32_t bad = pzs_guard_nonfinite(influence, outputs * inputs);
-    bad = bad >= 0 ? bad : pzs_guard_nonfinite(problem->weight, outputs);
-    bad = bad >= 0 ? bad : pzs_guard_nonfinite(problem->reference_voltage, inputs);
-    bad = bad >= 0 || problem->hessian == NULL
-              ? bad
-              : pzs_guard_nonfinite(problem->hessian, inputs * inputs);
-    return bad;
-}
-
 pzs_status pzs_control_check_problem(const pzs_problem *problem, const pzs_real *influence,
                                      int32_t *where)
 {
     const int missing = problem->weight == NULL || problem->lower == NULL ||
                         problem->upper == NULL || problem->step_limit == NULL ||
                         problem->reference_voltage == NULL || influence == NULL;
+    int32_t bad;
     *where = -1;
     if (problem->format != PZS_TABLE_FORMAT)
         return PZS_E_FORMAT;
@@ -501,13 +489,15 @@ pzs_status pzs_control_check_problem(const pzs_problem *problem, const pzs_real 
         problem->outputs == 0 || !(problem->regularisation >= 0) ||
         (problem->limit_rows != NULL && problem->limit_rows->call == NULL))
         return PZS_E_ARGUMENT;
-    if (pzs_problem_crc(problem) != problem->crc)
+    if (pzs_problem_check(problem, &bad) != problem->crc)
         return PZS_E_CRC;
+    if (bad < 0 && influence != problem->influence)
+        bad = pzs_guard_nonfinite(influence, (uint32_t)problem->outputs * problem->inputs);
     *where = bad_limit(problem);
     if (*where >= 0)
         return PZS_E_LIMITS;
-    *where = bad_number(problem, influence);
-    if (*where >= 0 || !number_is_finite(problem->regularisation))
+    *where = bad;
+    if (bad >= 0)
         return PZS_E_NONFINITE;
     return problem->limit_rows != NULL ? problem->limit_rows->call->check_rows(problem, where)
                                        : PZS_OK;
@@ -558,26 +548,6 @@ size_t pzs_control_bytes(const pzs_problem *problem)
     const uint32_t rows = limit_row_count(problem);
     return PZS_CONTROL_BYTES(problem->inputs, problem->outputs) +
            (rows > 0 ? PZS_LIMIT_ROW_BYTES(problem->inputs, rows) : 0);
-}
-
-void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k)
-{
-    const uint32_t inputs = control->state.problem->inputs,
-                   outputs = control->state.problem->outputs,
-                   width = control->state.optimiser.width;
-    const pzs_real *weight = control->state.problem->weight;
-    pzs_real *hessian = control->state.optimiser.hessian, *row = hessian + (size_t)k * width,
-             *column = control->state.weighted;
-    if (table != NULL) {
-        memcpy(row, table + (size_t)k * inputs, inputs * sizeof(pzs_real));
-    } else {
-        for (uint32_t i = 0; i < outputs; i++)
-            column[i] = weight[i] * weight[i] * control->state.influence[(size_t)i * inputs + k];
-        pzs_product_sum_rows(row, control->state.influence, inputs, column, outputs, inputs);
-        for (uint32_t j = 0; j < k; j++)
-            row[j] = hessian[(size_t)j * width + k];
-    }
-    row[k] += control->state.problem->regularisation;
 }
 
 /*
@@ -651,16 +621,16 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
     const int32_t lacking = guard_missing_bytes(work, bytes, need);
     if (lacking >= 0)
         return finish(control, PZS_E_WORKSPACE, lacking);
-    memset(work, 0, need);
+    /* Hessian and tableau, which come first in the workspace, are written as a whole below. */
+    const size_t matrices =
+        2u * sizeof(pzs_real) * problem->inputs * PZS_CONTROL_WIDTH(problem->inputs);
+    memset((uint8_t *)work + matrices, 0, need - matrices);
     pzs_control_place(control, work);
-    for (uint32_t k = 0; k < problem->inputs; k++)
-        pzs_control_form_row(control, influence == NULL ? problem->hessian : NULL, k);
-    pzs_optimiser *optimiser = &control->state.optimiser;
     const int32_t overflow =
-        pzs_guard_nonfinite(optimiser->hessian, optimiser->inputs * optimiser->width);
+        pzs_control_form_hessian(control, influence == NULL ? problem->hessian : NULL);
     if (overflow >= 0)
         return finish(control, PZS_E_NONFINITE, overflow);
-    set_initial_state(optimiser, control);
+    set_initial_state(&control->state.optimiser, control);
     control->state.stage = CONTROL_READY;
     return PZS_OK;
 }

@@ -18,6 +18,13 @@
 uint32_t pzs_problem_crc(const pzs_problem *problem);
 
 /*
+ * Return the checksum of a voltage problem, and look for numbers that are not finite in its
+ * influence matrix, Hessian, output weights and reference voltages. *bad receives the index of the
+ * first such number in its array, or -1. Each array is read once.
+ */
+uint32_t pzs_problem_check(const pzs_problem *problem, int32_t *bad);
+
+/*
  * Check the tables of a voltage problem.
  *   influence [outputs][inputs] in   influence matrix that is used with them (m/V)
  *   where                       out  index to which the status refers, or -1
@@ -57,7 +64,7 @@ void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damp
  */
 void pzs_control_set_held(pzs_control *control, uint32_t input, pzs_real voltage);
 
-/* ---- parts of the initialisation that a loop repeats (control.c, restore.c) */
+/* ---- parts of the initialisation that a loop repeats ---------------- */
 
 /*
  * Set the pointers of the controller to its arrays in the workspace. The voltage problem of the
@@ -70,6 +77,12 @@ void pzs_control_place(pzs_control *control, void *work);
  * matrix and output weights. The Hessian is symmetric to the last bit.
  */
 void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k);
+
+/*
+ * Compute all rows of the Hessian like pzs_control_form_row. The tableau of the optimiser is used
+ * as work array. Returns the index of the first entry of the Hessian that is not finite, or -1.
+ */
+int32_t pzs_control_form_hessian(const pzs_control *control, const pzs_real *table);
 
 /*
  * Find out whether any step limit is shorter than the distance between the voltage limits of its

@@ -4,6 +4,14 @@
 #include "problem.h"
 #include "../core/guard.h"
 
+#define SLICE 4096u /* number of reals that are checked together */
+
+/*
+ * Set of the parts of a voltage problem whose numbers must be finite, one bit for each part:
+ * influence matrix, Hessian, output weights, reference voltages, regularisation.
+ */
+#define FINITE_PARTS (1u << 2 | 1u << 3 | 1u << 4 | 1u << 8 | 1u << 9)
+
 /*
  * List the arrays of the limit rows (limits of weighted sums of voltages) that the checksum of a
  * voltage problem covers. An array that is missing or too large to be read gets the size 0 bytes.
@@ -45,11 +53,44 @@ void pzs_problem_parts(const pzs_problem *problem, pzs_table_part part[PROBLEM_P
     list_row_parts(problem, part + 11);
 }
 
-uint32_t pzs_problem_crc(const pzs_problem *problem)
+/*
+ * Continue a CRC-32 over an array of reals, and find its first entry that is not finite. Both are
+ * done slice by slice, so that the array is read from memory only once.
+ *   bad in/out  index of the first number that is not finite, or -1; an index already found stays
+ */
+static uint32_t check_reals(uint32_t crc, const pzs_table_part *part, int32_t *bad)
+{
+    const pzs_real *value = part->data;
+    const size_t count = part->bytes / sizeof *value;
+    for (size_t i = 0; i < count; i += SLICE) {
+        const size_t some = count - i < SLICE ? count - i : SLICE;
+        crc = pzs_guard_crc(crc, value + i, some * sizeof *value);
+        const int32_t found = pzs_guard_nonfinite(value + i, (uint32_t)some);
+        if (*bad < 0 && found >= 0)
+            *bad = (int32_t)i + found;
+    }
+    return crc;
+}
+
+uint32_t pzs_problem_check(const pzs_problem *problem, int32_t *bad)
 {
     pzs_table_part part[PROBLEM_PARTS];
+    uint32_t crc = GUARD_CRC_START;
+    *bad = -1;
     pzs_problem_parts(problem, part);
-    return pzs_scrub_crc(part, PROBLEM_PARTS);
+    for (uint32_t k = 0; k < PROBLEM_PARTS; k++) {
+        if (FINITE_PARTS >> k & 1u)
+            crc = check_reals(crc, &part[k], bad);
+        else
+            crc = pzs_guard_array_crc(crc, part[k].data, part[k].bytes, 1);
+    }
+    return ~crc;
+}
+
+uint32_t pzs_problem_crc(const pzs_problem *problem)
+{
+    int32_t bad;
+    return pzs_problem_check(problem, &bad);
 }
 
 pzs_status pzs_problem_seal(pzs_problem *problem)

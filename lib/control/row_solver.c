@@ -329,17 +329,20 @@ static bool complete_tableau(const rows_run *run)
 {
     pzs_optimiser *tableau = run->tableau;
     const pzs_real stiffest = stiffest_of(run);
-    while (tableau->is_rebuilding && affords(run, PZS_ITERATION_WORK(run->count))) {
+    bool is_complete = !tableau->is_rebuilding;
+    while (!is_complete && affords(run, PZS_ITERATION_WORK(run->count))) {
         const uint32_t k = next_pivot(run, stiffest);
-        tableau->is_rebuilding = k < run->count;
-        if (tableau->is_rebuilding) {
+        is_complete = k == run->count;
+        if (!is_complete) {
             exchange(run, k);
             tableau->waiting[k] = 0;
         }
         tableau->work += tableau->width;
     }
     pzs_tableau_apply(tableau);
-    return !tableau->is_rebuilding;
+    if (is_complete && tableau->is_rebuilding)
+        pzs_tableau_complete(tableau);
+    return is_complete;
 }
 
 /*

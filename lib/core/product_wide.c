@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* Products for hosts with the vector unit AVX2 (product_wide.h). */
 #include "product_wide.h"
+#include <string.h>
 #include "unrolled.h"
 
 #if PZS_WIDE
 
 #define AVX2 __attribute__((target("avx2")))
+#define AVX512 __attribute__((target("avx512f")))
 #define IN_VECTOR 4u /* number of reals in a vector register of the processor */
 #define VECTORS 8u   /* number of vector registers in which sums of a matrix product are kept */
 #define SPREAD (IN_VECTOR * VECTORS)
@@ -13,6 +15,10 @@
 
 typedef pzs_real wide_vector __attribute__((vector_size(IN_VECTOR * sizeof(pzs_real)),
                                             aligned(sizeof(pzs_real)), may_alias));
+
+/* The WIDE_BLOCK entries of a row of a block, in one register of a processor with AVX-512. */
+typedef pzs_real widest_vector __attribute__((vector_size(WIDE_BLOCK * sizeof(pzs_real)),
+                                              aligned(sizeof(pzs_real)), may_alias));
 
 /*
  * Add `rows` rows of a table, each multiplied by its factor, to SPREAD sums, the number of columns
@@ -119,9 +125,45 @@ AVX2 void pzs_wide_dot(pzs_real sum[8], const pzs_real *left, const pzs_real *ri
     *(wide_vector *)(sum + IN_VECTOR) = high;
 }
 
-AVX2 void pzs_wide_update(pzs_real *block, size_t stride, const pzs_real *column,
-                          const pzs_real *row, const pzs_real *sign, size_t sign_stride,
-                          size_t count)
+/*
+ * Copy WIDE_BLOCK entries of a vector, and the entries multiplied by a factor.
+ *   copy, scaled [WIDE_BLOCK] out  entries, multiplied entries
+ */
+AVX2 static inline void copy_group(pzs_real *restrict copy, pzs_real *restrict scaled,
+                                   const pzs_real *restrict vector, pzs_real factor)
+{
+    UNROLLED
+    for (unsigned k = 0; k < WIDE_BLOCK / IN_VECTOR; k++) {
+        const wide_vector entries = ((const wide_vector *)vector)[k];
+        ((wide_vector *)copy)[k] = entries;
+        ((wide_vector *)scaled)[k] = factor * entries;
+    }
+}
+
+AVX2 void pzs_wide_group(pzs_real *restrict groups, pzs_real *restrict scaled,
+                         const pzs_real *restrict table, size_t stride,
+                         const pzs_real *restrict factor, size_t factor_stride, size_t count,
+                         size_t columns)
+{
+    const size_t last = columns - columns % WIDE_BLOCK;
+    for (size_t k = 0; k < count; k++, table += stride, factor += factor_stride) {
+        size_t at = k * WIDE_BLOCK;
+        for (size_t j = 0; j < last; j += WIDE_BLOCK, at += count * WIDE_BLOCK)
+            copy_group(groups + at, scaled + at, table + j, *factor);
+        if (last < columns) {
+            pzs_real end[WIDE_BLOCK] = {0};
+            memcpy(end, table + last, (columns - last) * sizeof *end);
+            copy_group(groups + at, scaled + at, end, *factor);
+        }
+    }
+}
+
+/*
+ * Subtract, from four rows of a block of WIDE_BLOCK columns, the products of the entries of `count`
+ * vectors (parameters of pzs_wide_update_rows).
+ */
+AVX2 static void update_four_rows(pzs_real *block, size_t stride, const pzs_real *column,
+                                  const pzs_real *row, size_t count)
 {
     wide_vector low[4], high[4];
     UNROLLED
@@ -129,15 +171,13 @@ AVX2 void pzs_wide_update(pzs_real *block, size_t stride, const pzs_real *column
         low[line] = *(const wide_vector *)(block + line * stride);
         high[line] = *(const wide_vector *)(block + line * stride + IN_VECTOR);
     }
-    for (size_t k = 0; k < count;
-         k++, column += WIDE_BLOCK, row += WIDE_BLOCK, sign += sign_stride) {
+    for (size_t k = 0; k < count; k++, column += WIDE_BLOCK, row += WIDE_BLOCK) {
         const wide_vector first = *(const wide_vector *)row;
         const wide_vector second = *(const wide_vector *)(row + IN_VECTOR);
         UNROLLED
         for (unsigned line = 0; line < 4u; line++) {
-            const pzs_real factor = *sign * column[line];
-            low[line] -= factor * first;
-            high[line] -= factor * second;
+            low[line] -= column[line] * first;
+            high[line] -= column[line] * second;
         }
     }
     UNROLLED
@@ -145,6 +185,94 @@ AVX2 void pzs_wide_update(pzs_real *block, size_t stride, const pzs_real *column
         *(wide_vector *)(block + line * stride) = low[line];
         *(wide_vector *)(block + line * stride + IN_VECTOR) = high[line];
     }
+}
+
+/*
+ * Subtract, from a block of WIDE_BLOCK rows and columns, the products of the entries of `count`
+ * vectors (parameters of pzs_wide_update_rows). The block to the right of the next one is fetched
+ * into the cache. The empty assembler statement keeps the compiler from
+ * replacing a multiplication and a subtraction by one instruction that rounds only once.
+ */
+AVX512 static void update_eight_rows(pzs_real *block, size_t stride, const pzs_real *column,
+                                     const pzs_real *row, size_t count)
+{
+    widest_vector sum[WIDE_BLOCK];
+    UNROLLED
+    for (unsigned line = 0; line < WIDE_BLOCK; line++) {
+        sum[line] = *(const widest_vector *)(block + line * stride);
+        __builtin_prefetch(block + line * stride + 2 * WIDE_BLOCK, 1);
+    }
+    for (size_t k = 0; k < count; k++, column += WIDE_BLOCK, row += WIDE_BLOCK) {
+        const widest_vector entries = *(const widest_vector *)row;
+        UNROLLED
+        for (unsigned line = 0; line < WIDE_BLOCK; line++) {
+            widest_vector product = column[line] * entries;
+            __asm__("" : "+v"(product));
+            sum[line] -= product;
+        }
+    }
+    UNROLLED
+    for (unsigned line = 0; line < WIDE_BLOCK; line++)
+        *(widest_vector *)(block + line * stride) = sum[line];
+}
+
+/*
+ * Subtract, from a block of WIDE_BLOCK rows and columns, the products of the entries of `count`
+ * vectors (parameters of pzs_wide_update_rows).
+ */
+static void update_block(pzs_real *block, size_t stride, const pzs_real *column,
+                         const pzs_real *row, size_t count)
+{
+    if (__builtin_cpu_supports("avx512f")) {
+        update_eight_rows(block, stride, column, row, count);
+        return;
+    }
+    for (unsigned half = 0; half < WIDE_BLOCK; half += 4u)
+        update_four_rows(block + half * stride, stride, column + half, row, count);
+}
+
+/* Copy a block of `rows` rows and `columns` columns of a matrix. */
+static void copy_block(pzs_real *to, size_t to_stride, const pzs_real *from, size_t from_stride,
+                       size_t rows, size_t columns)
+{
+    for (size_t line = 0; line < rows; line++)
+        memcpy(to + line * to_stride, from + line * from_stride, columns * sizeof *to);
+}
+
+/*
+ * Update a block of at most WIDE_BLOCK rows and columns at the end of the matrix, in a copy with
+ * zeros beyond the end (parameters of pzs_wide_update_rows).
+ */
+static void update_last_block(pzs_real *block, size_t stride, size_t rows, size_t columns,
+                              const pzs_real *column, const pzs_real *row, size_t count)
+{
+    pzs_real whole[WIDE_BLOCK * WIDE_BLOCK] = {0};
+    copy_block(whole, WIDE_BLOCK, block, stride, rows, columns);
+    update_block(whole, WIDE_BLOCK, column, row, count);
+    copy_block(block, stride, whole, WIDE_BLOCK, rows, columns);
+}
+
+void pzs_wide_update_rows(pzs_real *matrix, size_t stride, size_t size, size_t i,
+                          const pzs_real *column, const pzs_real *row, size_t count)
+{
+    const size_t rows = size - i < WIDE_BLOCK ? size - i : WIDE_BLOCK;
+    for (size_t j = 0; j <= i; j += WIDE_BLOCK) {
+        pzs_real *block = matrix + i * stride + j;
+        if (rows == WIDE_BLOCK)
+            update_block(block, stride, column + i * count, row + j * count, count);
+        else
+            update_last_block(block, stride, rows, j < i ? WIDE_BLOCK : rows, column + i * count,
+                              row + j * count, count);
+    }
+}
+
+/* Few columns are copied at a time, so that the rows to which they go stay in the cache. */
+void pzs_wide_mirror(pzs_real *matrix, size_t stride, size_t size)
+{
+    for (size_t first = 0; first < size; first += WIDE_BLOCK)
+        for (size_t i = first + 1u; i < size; i++)
+            for (size_t j = first; j < i && j < first + WIDE_BLOCK; j++)
+                matrix[j * stride + i] = matrix[i * stride + j];
 }
 
 #endif

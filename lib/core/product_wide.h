@@ -15,8 +15,8 @@
  */
 #define WIDE_COLUMNS 48u
 #define WIDE_BLOCK                                                                                 \
-    8u /* number of columns of a block of the optimiser's pivoted matrix that pzs_wide_update      \
-          updates */
+    8u /* number of rows and of columns of the blocks of a symmetric matrix that                   \
+          pzs_wide_update_rows updates */
 
 /* Return whether products of rows of `cols` entries use the loops with AVX2 instructions. */
 static inline bool product_is_wide(size_t cols)
@@ -48,16 +48,35 @@ void pzs_wide_subtract_rows(pzs_real *restrict vector, const pzs_real *restrict 
 void pzs_wide_dot(pzs_real sum[8], const pzs_real *left, const pzs_real *right, size_t count);
 
 /*
- * Subtract from a block of four rows and WIDE_BLOCK columns the products of the entries of `count`
- * vectors.
- *   block                      in/out  entries of the block, rows `stride` reals apart
- *   column [count][WIDE_BLOCK] in      the first four of each eight: entries of the vectors that
- *                                      belong to the rows
- *   row    [count][WIDE_BLOCK] in      entries of the vectors that belong to the columns
- *   sign   [count]             in      factor of each vector; factors are sign_stride reals apart
+ * Copy vectors, the rows of a table, into groups of WIDE_BLOCK columns, which pzs_wide_update_rows
+ * reads without gaps; the last group is filled up with zeros.
+ *   groups [groups][count][WIDE_BLOCK] out  entries of the vectors
+ *   scaled [groups][count][WIDE_BLOCK] out  entries of the vectors, each vector multiplied by its
+ *                                           factor
+ *   table  [count][columns]            in   vectors, `stride` reals apart
+ *   factor [count]                     in   factors, factor_stride reals apart
  */
-void pzs_wide_update(pzs_real *block, size_t stride, const pzs_real *column, const pzs_real *row,
-                     const pzs_real *sign, size_t sign_stride, size_t count);
+void pzs_wide_group(pzs_real *restrict groups, pzs_real *restrict scaled,
+                    const pzs_real *restrict table, size_t stride, const pzs_real *restrict factor,
+                    size_t factor_stride, size_t count, size_t columns);
+
+/*
+ * Subtract the products of the entries of `count` vectors from WIDE_BLOCK rows of a symmetric
+ * matrix [size][size], up to and including the diagonal, with AVX-512 instructions if the processor
+ * has them. The rows begin at row i, a multiple of WIDE_BLOCK; there are fewer at the end of the
+ * matrix. Entries above the diagonal, but in the block of the diagonal, change too.
+ *   matrix                             in/out  rows of the matrix, `stride` reals apart
+ *   column [groups][count][WIDE_BLOCK] in      entries of the vectors that belong to the rows
+ *   row    [groups][count][WIDE_BLOCK] in      entries of the vectors that belong to the columns
+ */
+void pzs_wide_update_rows(pzs_real *matrix, size_t stride, size_t size, size_t i,
+                          const pzs_real *column, const pzs_real *row, size_t count);
+
+/*
+ * Copy the entries below the diagonal of a symmetric matrix [size][size] to those above it.
+ *   matrix in/out  rows of the matrix, `stride` reals apart
+ */
+void pzs_wide_mirror(pzs_real *matrix, size_t stride, size_t size);
 
 #else
 
@@ -68,8 +87,11 @@ void pzs_wide_update(pzs_real *block, size_t stride, const pzs_real *column, con
 #define pzs_wide_sum_rows(...) ((void)0)
 #define pzs_wide_subtract_rows(...) ((void)0)
 #define pzs_wide_dot(sum, left, right, count) ((void)(sum), (void)(left), (void)(right))
-#define pzs_wide_update(block, stride, column, row, sign, sign_stride, count)                      \
-    ((void)(block), (void)(column), (void)(row), (void)(count))
+#define pzs_wide_group(groups, scaled, table, stride, factor, factor_stride, count, columns)       \
+    ((void)(groups), (void)(scaled), (void)(factor))
+#define pzs_wide_update_rows(matrix, stride, size, i, column, row, count)                          \
+    ((void)(column), (void)(row), (void)(count))
+#define pzs_wide_mirror(matrix, stride, size) ((void)0)
 
 #endif
 #endif

@@ -77,6 +77,50 @@ static void the_tableau_is_the_inverse(void **state)
     }
 }
 
+static void the_hessian_is_the_sum_of_products(void **state)
+{
+    (void)state; /* law: without a Hessian in the tables, each of its entries is the sum over the
+                    outputs, one after the other, of the products that define it, to the last bit,
+                    for every number of inputs and outputs that leaves a part of a block */
+    enum { COLUMNS = 75, ROWS = 150 };
+    static pzs_real influence[ROWS * COLUMNS], weight[ROWS];
+    static pzs_real zero[COLUMNS];
+    static double work[PZS_CONTROL_BYTES(COLUMNS, ROWS) / sizeof(double) + 1];
+    static pzs_control control;
+    for (unsigned i = 0; i < ROWS * COLUMNS; i++)
+        influence[i] = (pzs_real)uniform(&desk, -1, 1);
+    for (unsigned i = 0; i < ROWS; i++)
+        weight[i] = (pzs_real)uniform(&desk, .5, 2);
+    for (unsigned n = 40; n <= COLUMNS; n += 5) {
+        const unsigned outputs = 2 * n;
+        pzs_problem problem = {.inputs = (uint16_t)n,
+                               .outputs = (uint16_t)outputs,
+                               .influence = influence,
+                               .weight = weight,
+                               .lower = zero,
+                               .upper = zero,
+                               .step_limit = zero,
+                               .reference_voltage = zero,
+                               .regularisation = PZS_R(0.1)};
+        assert_int_equal(pzs_problem_seal(&problem), PZS_OK);
+        assert_int_equal(pzs_control_init(&control, &problem, NULL, work, sizeof work), PZS_OK);
+        const pzs_optimiser *optimiser = &control.state.optimiser;
+        for (unsigned k = 0; k < n; k++)
+            for (unsigned j = k; j < n; j++) {
+                pzs_real sum = 0;
+                for (unsigned i = 0; i < outputs; i++) {
+                    const pzs_real left = weight[i] * weight[i] * influence[i * n + k];
+                    sum += left * influence[i * n + j];
+                }
+                sum += j == k ? problem.regularisation : 0;
+                const pzs_real upper = optimiser->hessian[k * optimiser->width + j];
+                const pzs_real lower = optimiser->hessian[j * optimiser->width + k];
+                assert_memory_equal(&upper, &sum, sizeof sum);
+                assert_memory_equal(&lower, &sum, sizeof sum);
+            }
+    }
+}
+
 static void targets_that_jump(void **state)
 {
     (void)state; /* law: after every jump of the target the voltages are those of the optimum */
@@ -178,8 +222,11 @@ static void damage_is_overcome(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_tableau_is_the_inverse), cmocka_unit_test(targets_that_jump),
-        cmocka_unit_test(warm_and_cold_agree),        cmocka_unit_test(a_cut_is_continued),
+        cmocka_unit_test(the_tableau_is_the_inverse),
+        cmocka_unit_test(the_hessian_is_the_sum_of_products),
+        cmocka_unit_test(targets_that_jump),
+        cmocka_unit_test(warm_and_cold_agree),
+        cmocka_unit_test(a_cut_is_continued),
         cmocka_unit_test(damage_is_overcome),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
