@@ -69,6 +69,11 @@ static const struct rule {
      "elements that are nearly triangles are inaccurate; use others"},
     {"slenderness", SUBJECT_MESH, measure_slenderness, 1e-5, 0.5, "",
      "compare the units of the thickness with those of the surface or mesh file"},
+    {"file_slenderness", SUBJECT_MESH, measure_file_slenderness, 1e-4, 0.5, "",
+     "compare the unit of the places in the file with that of the scene: write mesh: {unit: mm}, or "
+     "the points of the surface in units.length"},
+    {"points_height", SUBJECT_MESH, measure_points_height, 0, 3, "",
+     "write x, y and z of the points in the scene's unit of length"},
     {"uniform_shear", SUBJECT_MESH, measure_shear, -HUGE_VAL, 0.05, "",
      "the laminate comes out too stiff; use element: {shear: equilibrium}"},
     {"faces", SUBJECT_MESH, measure_faces, 0, 0.05, "",

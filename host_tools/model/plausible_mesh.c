@@ -79,13 +79,49 @@ static double shorter_side(const mesh *mesh)
     return extent[0] + extent[1] + extent[2] - largest - smallest;
 }
 
-int measure_slenderness(const subject *of, int k, measured *found)
+/* Whether the places of the nodes come from a mesh file or from measured points. */
+static bool has_file(const subject *of)
+{
+    return of->scene->quads != NULL || of->scene->surface.type == SURFACE_POINTS;
+}
+
+/*
+ * Measure the thickness over the shorter side of the structure, for a structure whose places come
+ * from a mesh file or measured points, or for all others.
+ */
+static int measure_thin(const subject *of, int k, bool is_from_file, measured *found)
 {
     const double side = shorter_side(of->mesh);
-    if (side > 0)
+    found->at = of->scene->at_surface;
+    if (side > 0 && has_file(of) == is_from_file)
         found->value = of->mesh->laminate.thickness / side;
     snprintf(found->what, WHAT, "thickness over the shorter side of the structure, %g over %g",
              of->mesh->laminate.thickness, side);
+    return k == 0;
+}
+
+int measure_slenderness(const subject *of, int k, measured *found)
+{
+    return measure_thin(of, k, false, found);
+}
+
+int measure_file_slenderness(const subject *of, int k, measured *found)
+{
+    return measure_thin(of, k, true, found);
+}
+
+int measure_points_height(const subject *of, int k, measured *found)
+{
+    double extent[3];
+    mesh_extent(of->mesh, extent);
+    const double side = fmin(extent[0], extent[1]);
+    found->at = of->scene->at_surface;
+    if (of->scene->surface.type == SURFACE_POINTS && side > 0)
+        found->value = extent[2] / side;
+    snprintf(found->what, WHAT,
+             "range of z of the surface fitted to the points over the shorter range of x and y, %g "
+             "over %g",
+             extent[2], side);
     return k == 0;
 }
 

@@ -88,6 +88,7 @@ measure measure_limit_field, measure_applied_field, measure_resolution, measure_
 measure measure_locking, measure_coarse, measure_strips, measure_narrow;
 measure measure_shear, measure_faces, measure_slenderness;
 measure measure_held_spring, measure_long_spring;
+measure measure_file_slenderness, measure_points_height;
 
 /*
  * Functions that measure the numbers of a mesh from a file for the plausibility rules

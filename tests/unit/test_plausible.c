@@ -375,8 +375,9 @@ static void test_places(void **state)
     for (int i = 0; i < 30; i++)
         snprintf(many + strlen(many), sizeof many - strlen(many),
                  "{name: l%d, material: ceramic, thickness: %d},", i, 2 + i);
-    snprintf(many + strlen(many), sizeof many - strlen(many),
-             "];patches=[];sensors=[];outputs=[];loads=[]");
+    snprintf(
+        many + strlen(many), sizeof many - strlen(many),
+        "];patches=[];sensors=[];outputs=[];loads=[];supports=[{edge: theta1-, fix: clamped}]");
     warnings_of(PLATE, many, &warnings);
     assert_int_equal(warnings.count, PLAUSIBLE_MOST);
     assert_int_equal(warnings.dropped, 30 - PLAUSIBLE_MOST);
@@ -819,6 +820,45 @@ static void test_slenderness(void **state)
     }
 }
 
+/*
+ * Law: places from a file in another unit than the scene's are warned of by the thickness over the
+ * shorter side (0.2 m), on both sides of both limits, and heights in another unit than x and y by
+ * their range over that side. The points of a saddle are 0.3 m x 0.2 m, with heights of +-1 unit.
+ */
+static void test_places_in_another_unit(void **state)
+{
+    (void)state;
+    static const struct {
+        double thickness, height;
+        const char *rule;
+    } row[] = {
+        {1.98e-5, 0.01, "file_slenderness"}, {2.02e-5, 0.01, NULL}, {0.098, 0.01, NULL},
+        {0.102, 0.01, "file_slenderness"},   {2e-3, 0.29, NULL},    {2e-3, 0.31, "points_height"}};
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        char changes[800];
+        plausible warnings;
+        scene_run r;
+        memset(&warnings, 0, sizeof warnings);
+        const double z = row[i].height;
+        snprintf(
+            changes, sizeof changes,
+            "element=improved;surface={type: points, points: [[0, 0, %g], [0.3, 0, %g], [0, 0.2, %g], [0.3, "
+            "0.2, %g]]};mesh={theta1: {elements: 6}, theta2: {elements: 6}};"
+            "layers=[{material: plate, thickness: %.17g}];outputs=[];loads=[];supports=[{edge: theta1-, fix: clamped}]",
+            z, -z, -z, z, row[i].thickness);
+        if (scene_run_open(&r, "vlasov-plate", changes) < 0)
+            fail_msg("%s", r.error);
+        plausible_mesh(&warnings, &r.analysis.design.mesh);
+        for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+            const bool is_expected =
+                row[k].rule && row[i].rule && strcmp(row[i].rule, row[k].rule) == 0;
+            if (row[k].rule && (find_rule(&warnings, row[k].rule) != NULL) != is_expected)
+                fail_msg("row %zu: %s", i, row[k].rule);
+        }
+        scene_run_close(&r);
+    }
+}
+
 /* ---- shipped scenes --------------------------------------------------- */
 
 /*
@@ -906,6 +946,7 @@ int main(void)
         cmocka_unit_test(test_general_mesh),
         cmocka_unit_test(test_soft_core),
         cmocka_unit_test(test_slenderness),
+        cmocka_unit_test(test_places_in_another_unit),
         cmocka_unit_test(test_shipped),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
