@@ -157,7 +157,30 @@ void print_certificate(const certificate *certificate)
     print_lines(text);
 }
 
-void print_vibration_summary(const certificate *certificate)
+/* Print why the control tick has no vibration model, and up to which tick rate it is stable. */
+static void print_no_model(const certificate *certificate, bool is_quasi_static)
+{
+    const bool is_stable = certificate->is_assessed && !certificate_refuses(certificate);
+    if (!certificate->has_modes || !certificate->is_assessed)
+        printf("the tick has no vibration model, because vibration is not known: %s\n",
+               certificate->reason);
+    else if (is_quasi_static)
+        puts("the tick has no vibration model, as --quasi-static asks for");
+    else if (!(certificate->rate > 0))
+        puts("the tick has no vibration model, because the scene gives no tick rate: write "
+             "control: {rate: 1000}");
+    else if (is_stable)
+        puts("the tick has no vibration model and needs none at its rate");
+    if (!certificate->is_assessed || !isfinite(certificate->stable_rate))
+        return;
+    if (certificate->stable_rate > 0)
+        printf("without a vibration model the loop is stable up to %.3g ticks a second\n",
+               certificate->stable_rate);
+    else
+        puts("without a vibration model the loop was found stable at no tick rate");
+}
+
+void print_vibration_summary(const certificate *certificate, bool is_quasi_static)
 {
     const certificate_loop *loop = &certificate->loop;
     if (loop->is_made && loop->observed > 0)
@@ -168,8 +191,8 @@ void print_vibration_summary(const certificate *certificate)
     else if (loop->is_made)
         printf("the tick damps no mode, all are too fast; %d of %d storms (stress tests) settle\n",
                loop->storms - loop->failed, loop->storms);
-    else if (certificate->is_assessed)
-        puts("the tick has no vibration model");
+    else if (certificate->is_made)
+        print_no_model(certificate, is_quasi_static);
 }
 
 /*

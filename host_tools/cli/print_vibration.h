@@ -17,11 +17,10 @@ void print_vibration_json(const design *design, const vibration *vibration,
                           const mesh_error *mesh_error);
 
 /*
- * Print in one line which vibration modes the control tick damps and in how many simulated tests
- * with fast target jumps the shape settles; print nothing if the stability of the loop is not
- * known.
+ * Print which vibration modes the control tick damps and in how many simulated tests with fast
+ * target jumps the shape settles, or why the tick has no vibration model.
  */
-void print_vibration_summary(const certificate *certificate);
+void print_vibration_summary(const certificate *certificate, bool is_quasi_static);
 
 /*
  * Print the first natural frequency and the stability of the control loop, or why they could not be

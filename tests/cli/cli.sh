@@ -661,6 +661,9 @@ run 0 tables plate-closed-loop -o "$dir/x.h" && grep -q 'pzs_vibration_block' "$
 run 0 tables plate-closed-loop --set control.moving_target=true -o "$dir/x.h" && grep -q 'pzs_governor_block' "$dir/x.h"; check 'tables of a moving target have a governor' $?
 run 0 tables plate-closed-loop --set dynamics='{damping: 0.2}' --set control.rate=4 -o "$dir/x.h" && ! grep -q QUASI_STATIC "$dir/x.h"; check 'tables of a stable loop' $?
 grep -q '^#define PLATE_CLOSED_LOOP_QUASI_STATIC 1' "$dir/target.h" && grep -q 'has no vibration model' "$dir/target.h"; check '--quasi-static marks the header' $?
+run 0 tables plate-50-patches -o "$dir/none.h" && grep -q 'because the scene gives no tick rate: write control' "$dir/out" && grep -q 'stable up to 0.445 ticks a second' "$dir/out" &&
+    run 0 tables free-form-panel -o "$dir/none.h" && grep -q 'vibration is not known: .* no density in materials' "$dir/out"
+check 'tables say why the tick has no vibration model' $?
 run 0 check plate-closed-loop --json && json "j['certificate']['stable'] is True and j['certificate']['storms']==30 and j['certificate']['storms_failed']==0 and
     0.9<j['certificate']['radius']<1 and 1.33<j['certificate']['margin']['gain']<5 and j['certificate']['readings_older']>=1 and j['certificate']['readings_newer']==0 and j['certificate']['modes_observed']==9 and
     j['certificate']['margin']['frequency'][0]<0.9 and j['certificate']['margin']['frequency'][1]>1.1 and j['certificate']['rate_from']<500 and j['certificate']['rate_to']>1500"
