@@ -3,6 +3,7 @@
  * The program pzs: simulation and precomputation on the host, with one function for each command.
  */
 #define _POSIX_C_SOURCE 200809L
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -769,6 +770,37 @@ static double target_amplitude(const design *design)
     return most / design->mesh.laminate.thickness;
 }
 
+/* Root mean square of the target over the target nodes. */
+static double target_rms(const design *design)
+{
+    double squares = 0;
+    for (int i = 0; i < design->targets; i++)
+        squares += design->target[i] * design->target[i] / design->targets;
+    return sqrt(squares);
+}
+
+/*
+ * Add a warning where the voltages reach little of the target within their limits. Returns 0, or -1
+ * with error filled.
+ */
+static int warn_of_target(analysis *analysis, char *error)
+{
+    const common_limits own = {.source = LIMITS_SCENE};
+    voltages best;
+    memset(&best, 0, sizeof best);
+    if (analysis->design.problem.inputs == 0)
+        return 0;
+    const int failed = voltages_optimum(analysis, own, &best, error) < 0;
+    const plausible_optimum optimum = {.target =
+                                           target_rms(&analysis->design) > 0 ? 1 : (double)NAN,
+                                       .error = best.error,
+                                       .share = (double)NAN};
+    if (!failed)
+        plausible_target(&analysis->warnings, analysis->design.scene, &optimum);
+    voltages_free(&best);
+    return failed ? -1 : 0;
+}
+
 /*
  * Add a warning where the control loop is stable, but would be unstable if the sensor readings were
  * one tick older than the scene file states, or where the target is so large that the linear
@@ -777,9 +809,11 @@ static double target_amplitude(const design *design)
 static void warn_of_loop(analysis *analysis)
 {
     const certificate_loop *loop = &analysis->certificate.loop;
+    const design *design = &analysis->design;
+    const double wanted = target_rms(design);
     if (loop->is_made && loop->is_stable)
-        plausible_loop(&analysis->warnings, analysis->design.scene, certificate_older(loop),
-                       target_amplitude(&analysis->design));
+        plausible_loop(&analysis->warnings, design->scene, certificate_older(loop),
+                       target_amplitude(design), wanted > 0 ? design->simulate.noise / wanted : 0);
 }
 
 /*
@@ -819,6 +853,8 @@ static int prepare_tables(analysis *analysis, tables_image image, char *error)
         return -1;
     if ((image == TABLES_CONTROL || (image == TABLES_LINEAR && design->goal.given)) &&
         analysis_influence(analysis, error) < 0)
+        return -1;
+    if (image == TABLES_CONTROL && warn_of_target(analysis, error) < 0)
         return -1;
     if (judge_loop(analysis, error) < 0)
         return -1;
@@ -935,6 +971,8 @@ static int command_check(const options *options, analysis *analysis)
     char error[SCENE_ERROR];
     progress_stage("influence matrix");
     if (analysis->design.goal.given && analysis_influence(analysis, error) < 0)
+        return complain(error, OPTIONS_WRONG);
+    if (analysis->design.goal.given && warn_of_target(analysis, error) < 0)
         return complain(error, OPTIONS_WRONG);
     progress_stage("stability of the loop");
     certificate_make(&analysis->certificate, analysis);

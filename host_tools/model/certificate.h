@@ -80,7 +80,8 @@ typedef struct certificate_loop {
     int storms, failed; /* number of storms (simulations with fast jumps of the target), and number
                            of storms that did not settle */
     double worst; /* largest distance from the best shape at the end of a storm (a simulation with
-                     fast jumps of the target), relative to the norm of the target */
+                     fast jumps of the target), relative to the norm of the target, or to a fiftieth
+                     of what the voltages reach where that is more */
     double worst_gain, worst_frequency,
         worst_step; /* static response to voltages and natural frequencies, relative to the model,
                        of the structure in the worst storm (simulation with fast target jumps), and

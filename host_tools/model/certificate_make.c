@@ -321,6 +321,14 @@ static void assess(certificate *certificate, const analysis *analysis)
                  "delay of %d ticks: at most %d can be assessed", delay, DELAY_LIMIT);
         return;
     }
+    int held = 0;
+    for (int k = 0; k < design->amplifiers; k++)
+        held += design_is_held(design, k);
+    if (held == design->amplifiers) {
+        snprintf(certificate->reason, sizeof certificate->reason,
+                 "every amplifier is held at one voltage, so that the loop moves nothing");
+        return;
+    }
     double *loop = loop_gains(analysis, &certificate->vibration, certificate->modes,
                               &certificate->assumes_measured);
     if (!loop) {

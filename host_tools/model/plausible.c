@@ -157,6 +157,12 @@ static const struct rule {
      "readings one tick older can make the loop swing without end; measure the age, converters and "
      "filters included, and write the largest; without safety: none the loop parks the voltages "
      "when it swings"},
+    {"sensor_noise", SUBJECT_LOOP, measure_noise, 0, 0.3, "times the target",
+     "readings then tell little of the shape, and the supervisor takes as much for healthy; compare "
+     "the number with units.length"},
+    {"no_voltage_limits", SUBJECT_SCENE, measure_unlimited, 0, 0, "amplifiers",
+     "the loop may ask for any voltage; write limits: {voltage: [-200, 200]}, which no voltage of "
+     "the device exceeds"},
     {"selftest_hysteresis", SUBJECT_SCENE, measure_tested_hysteresis, 0, 0.25,
      "of the voltage range",
      "the ceramic hardly follows the small pulses of the self-test, which then calls healthy "
@@ -310,9 +316,11 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
     apply_all(warnings, SUBJECT_PATH, &of);
 }
 
-void plausible_loop(plausible *warnings, const scene *scene, int older, double amplitude)
+void plausible_loop(plausible *warnings, const scene *scene, int older, double amplitude,
+                    double noise)
 {
-    const subject of = {.scene = scene, .name = "", .older = older, .amplitude = amplitude};
+    const subject of = {
+        .scene = scene, .name = "", .older = older, .amplitude = amplitude, .noise = noise};
     apply_all(warnings, SUBJECT_LOOP, &of);
 }
 

@@ -90,15 +90,19 @@ void plausible_path(plausible *warnings, const scene *scene, double difference,
                     unsigned negative_pivots);
 
 /*
- * Warn about a stable control loop with a vibration model in two cases: the loop becomes unstable
+ * Warn about a stable control loop with a vibration model in three cases: the noise of its sensors
+ * is as large as its target; the loop becomes unstable
  * if the sensor readings are one tick older than the scene file states; or the target displaces the
  * structure by so many thicknesses that the linear vibration model may be wrong.
  *   older     in  largest number of ticks by which the readings may be older than the scene file
  *                 states
  *       while the loop stays stable
  *   amplitude in  largest displacement of the target divided by the thickness of the structure
+ *   noise     in  standard deviation of the sensors' noise, divided by the root mean square of the
+ *                 target; 0 where the target is zero
  */
-void plausible_loop(plausible *warnings, const scene *scene, int older, double amplitude);
+void plausible_loop(plausible *warnings, const scene *scene, int older, double amplitude,
+                    double noise);
 
 /* Print plausibility warnings as a block of lines; print nothing where there are none. */
 void plausible_print(FILE *file, const plausible *warnings);

@@ -28,6 +28,8 @@ typedef struct subject {
                                  equilibrium */
     double amplitude;         /* largest displacement of the target divided by the thickness of the
                                  structure */
+    double noise; /* standard deviation of the noise of the sensors divided by the root mean square
+                     of the target */
     int older; /* largest number of ticks by which the sensor readings may be older than the scene
                   file states while the control loop stays stable */
 } subject;
@@ -78,7 +80,7 @@ measure measure_stack_stiffness, measure_stack_stroke, measure_stack_energy, mea
 measure measure_repeated_stack;
 
 /* Functions that measure the numbers of a scene for the plausibility rules (plausible_scene.c). */
-measure measure_surface_misfit, measure_damping;
+measure measure_surface_misfit, measure_damping, measure_unlimited;
 measure measure_limit_field, measure_applied_field, measure_resolution, measure_electrode;
 
 /*
@@ -117,7 +119,8 @@ measure measure_target, measure_unreached, measure_idle, measure_dependent;
  * older than stated, and how many thicknesses the target displaces the structure
  * (plausible_result.c).
  */
-measure measure_age, measure_amplitude, measure_amplitude_certified, measure_amplitude_at_target;
+measure measure_age, measure_noise, measure_amplitude, measure_amplitude_certified,
+    measure_amplitude_at_target;
 
 /*
  * Function that measures the hysteresis of the actuators where the control loop has a self-test

@@ -246,6 +246,15 @@ int measure_age(const subject *of, int k, measured *found)
     return k == 0;
 }
 
+int measure_noise(const subject *of, int k, measured *found)
+{
+    found->value = of->noise;
+    found->at = of->scene->simulate.at;
+    snprintf(found->what, WHAT, "noise of the sensors, simulate.sensors.noise, %g",
+             of->scene->simulate.noise);
+    return k == 0;
+}
+
 int measure_tested_hysteresis(const subject *of, int k, measured *found)
 {
     const bool has_test = of->scene->safety.amplitude > 0;

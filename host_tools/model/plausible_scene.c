@@ -290,3 +290,18 @@ int measure_damping(const subject *of, int k, measured *found)
     snprintf(found->what, WHAT, "damping ratio of mode %d", k + 1);
     return 1;
 }
+
+/* ---- limits of a control loop ------------------------------------------- */
+
+int measure_unlimited(const subject *of, int k, measured *found)
+{
+    const scene *scene = of->scene;
+    if (k > 0 || !(scene->control.rate > 0))
+        return 0;
+    found->at = scene->limits.at;
+    found->value = 0;
+    for (int i = 0; i < scene->amplifiers; i++)
+        found->value += !isfinite(allowed(scene, i));
+    snprintf(found->what, WHAT, "voltages without limits in a control loop");
+    return 1;
+}

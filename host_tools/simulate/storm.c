@@ -98,6 +98,34 @@ static void fill_limits(storm_rig *rig)
     }
 }
 
+/*
+ * Smallest scale of the errors of the shape, relative to the norm of the shape under half the
+ * voltage range of all amplifiers with random signs.
+ */
+static const double least_scale = 0.02;
+
+/*
+ * Set the scale of the errors of the shape: the norm of the target, or a small part of what the
+ * voltages reach where the target is zero or nearly zero, as in a loop that only damps vibration.
+ * Returns whether memory sufficed.
+ */
+static bool fill_scale(storm_rig *rig)
+{
+    const design *design = &rig->analysis->design;
+    double squares = 0;
+    double *column = calloc(rig->targets + 1, sizeof *column);
+    for (size_t k = 0; k < rig->amplifiers && column; k++) {
+        const double half = (rig->upper[k] - rig->lower[k]) / 2;
+        for (size_t i = 0; i < rig->targets; i++)
+            column[i] = half * rig->influence[i * rig->amplifiers + k];
+        squares += design_squares(design, column, NULL);
+    }
+    rig->scale = fmax(sqrt(design_squares(design, design->target, NULL)),
+                      fmax(least_scale * sqrt(squares), 1e-300));
+    free(column);
+    return column != NULL;
+}
+
 static bool take_memory(storm_rig *rig)
 {
     const size_t amplifiers = rig->amplifiers, sensors = rig->sensors, targets = rig->targets;
@@ -141,6 +169,8 @@ int storm_open(storm_rig *rig, const analysis *analysis, const estimator *estima
     list_rows(rig);
     fill_static(rig, analysis->influence);
     fill_limits(rig);
+    if (!fill_scale(rig))
+        return no_memory(analysis, error);
     compensation_fill(&rig->ceramic, &design->hysteresis, &design->problem, design->control.rate);
     return 0;
 }
@@ -673,7 +703,7 @@ static pzs_status run_storm(storm *storm, storm_result *result)
     const int every = clamp_ticks(0.6 * period, EVERY_LEAST, EVERY_MOST),
               rest = clamp_ticks(REST_PERIODS * period, REST_LEAST, REST_MOST),
               end = clamp_ticks(period, END_LEAST, END_MOST);
-    const double size = fmax(weighted_distance(storm, storm->last_target, NULL), 1e-300);
+    const double size = storm->rig->scale;
     int quiet = 0;
     result->ticks = TARGETS * every + rest;
     for (int k = 0; k < result->ticks; k++) {
@@ -758,7 +788,7 @@ static double slope(const double *value, int count)
 static pzs_status run_free(storm *storm, int ticks, double *size, storm_result *result)
 {
     const modal *modal = &storm->rig->modal;
-    const double scale = fmax(weighted_distance(storm, storm->last_target, NULL), 1e-12);
+    const double scale = storm->rig->scale;
     for (size_t i = 0; i < modal->modes; i++) {
         storm->inertia.deviation[i] = 2 * random_uniform(&storm->random) - 1;
         storm->inertia.velocity[i] = 2 * random_uniform(&storm->random) - 1;

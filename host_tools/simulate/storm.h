@@ -79,6 +79,8 @@ typedef struct storm_rig {
                              amplifier */
     double *influence; /* [targets][amplifiers] static displacement of each target row (controlled
                           displacement) per volt of each amplifier */
+    double scale;      /* norm of the target, or a fiftieth of what the voltages reach where that
+                          is more: the unit of the errors of the shape (m) */
     uint32_t *row;     /* [sensors] index of the structure's output row that each sensor measures */
     double *lower, *upper; /* [amplifiers] finite limits within which random voltages are drawn (V)
                             */

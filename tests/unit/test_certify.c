@@ -133,6 +133,41 @@ static void test_limits_between_amplifiers(void **state)
     assert_true(fabs(growth[2].growth - growth[0].growth) < 1e-12);
 }
 
+/*
+ * Law: a loop whose target is zero, or a millionth of what the voltages reach, settles in storms as
+ * the loop with the scene's target does; the errors of its shape are relative to a fiftieth of
+ * what the voltages reach.
+ */
+static void test_zero_target(void **state)
+{
+    static const char *const changes[] = {"target.value=0", "target.value=1e-12*theta1"};
+    (void)state;
+    for (int i = 0; i < 2; i++) {
+        const estimator none = {0};
+        const storm_plant plant = {.gain = 1.33, .frequency = 0.9, .step_limit = 1, .seed = 1};
+        scene_run run;
+        damper damper;
+        loop_blocks blocks;
+        storm_rig rig;
+        storm_result result;
+        assert_int_equal(scene_run_open(&run, PANEL, changes[i]), 0);
+        assert_int_equal(analysis_influence(&run.analysis, run.error), 0);
+        certificate_make(&run.analysis.certificate, &run.analysis);
+        const damper_options options = damper_options_of(&run.analysis);
+        assert_int_equal(damper_make(&damper, &run.analysis, NULL, &options, run.error), 0);
+        loop_blocks_fill(&blocks, &run.analysis.design, &none, &damper);
+        assert_int_equal(storm_open(&rig, &run.analysis, NULL, run.error), 0);
+        storm_use(&rig, blocks.block, blocks.count, options.delay);
+        if (storm_run(&rig, &plant, &result, run.error) < 0)
+            fail_msg("%s", run.error);
+        print_message("    %s: ends %.2g after %d ticks\n", changes[i], result.end, result.ticks);
+        assert_true(result.passed && result.peak > 10);
+        storm_close(&rig);
+        damper_close(&damper);
+        scene_run_close(&run);
+    }
+}
+
 /* The text of a certificate explains its words and states the tolerance of a storm. */
 static void test_text(void **state)
 {
@@ -191,19 +226,23 @@ static void test_warning(void **state)
     (void)state;
     memset(&warnings, 0, sizeof warnings);
     assert_int_equal(scene_run_open(&run, PANEL, ""), 0);
-    plausible_loop(&warnings, &run.scene, 1, 0.99);
+    plausible_loop(&warnings, &run.scene, 1, 0.99, 0.29);
     assert_int_equal(warnings.count, 0);
-    plausible_loop(&warnings, &run.scene, 0, 0.99);
+    plausible_loop(&warnings, &run.scene, 0, 0.99, 0.29);
     assert_int_equal(warnings.count, 1);
     assert_string_equal(warnings.warning[0].rule, "readings_age");
-    plausible_loop(&warnings, &run.scene, 1, 1.1);
+    plausible_loop(&warnings, &run.scene, 1, 1.1, 0.29);
     assert_int_equal(warnings.count, 2);
     assert_string_equal(warnings.warning[1].rule, "loop_amplitude");
+    plausible_loop(&warnings, &run.scene, 1, 0.99, 0.31);
+    assert_int_equal(warnings.count, 3);
+    assert_string_equal(warnings.warning[2].rule, "sensor_noise");
+    warnings.count = 2;
     scene_run_close(&run);
     assert_int_equal(scene_run_open(&run, PANEL, "kinematics=nonlinear"), 0);
-    plausible_loop(&warnings, &run.scene, 1, 1.99);
+    plausible_loop(&warnings, &run.scene, 1, 1.99, 0.29);
     assert_int_equal(warnings.count, 2);
-    plausible_loop(&warnings, &run.scene, 1, 2.1);
+    plausible_loop(&warnings, &run.scene, 1, 2.1, 0.29);
     assert_int_equal(warnings.count, 3);
     assert_string_equal(warnings.warning[2].rule, "loop_amplitude_certified");
     scene_run_close(&run);
@@ -274,8 +313,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_older_readings), cmocka_unit_test(test_limits_between_amplifiers),
-        cmocka_unit_test(test_text),           cmocka_unit_test(test_supervised),
-        cmocka_unit_test(test_tolerated_load), cmocka_unit_test(test_warning),
+        cmocka_unit_test(test_text),           cmocka_unit_test(test_zero_target),
+        cmocka_unit_test(test_supervised),     cmocka_unit_test(test_tolerated_load),
+        cmocka_unit_test(test_warning),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

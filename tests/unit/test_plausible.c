@@ -96,6 +96,10 @@ static const edge_case edges[] = {
      4.95e4},
     {"limit_field", METRES, ACTUATED "limits={voltage: [-252.5, 1]}",
      ACTUATED "limits={voltage: [-247.5, 1]}", 1.01e6},
+    {"no_voltage_limits", METRES,
+     ACTUATED "control={rate: 10};limits={each: [{actuator: v, voltage: [-1, 1]}]};"
+              "limits={step_limit: 1}",
+     ACTUATED "control={rate: 10};limits={each: [{actuator: v, voltage: [-1, 1]}]}", 1},
     {"damping", METRES, "dynamics={damping: 0.101}", "dynamics={damping: 0.099}", 0.101},
     {"damping", METRES, "dynamics={damping: [0.01, 0.5]}", "dynamics={damping: [0.01, 0.05]}", 0.5},
     {"limit_field", METRES,
@@ -310,7 +314,8 @@ static void test_unitless(void **state)
             plausible warnings;
             warnings_of(PLATE, with(unknown[k], edges[i].fires), &warnings);
             const int ratios = (find_rule(&warnings, "uneven_piezo") != NULL) +
-                               (find_rule(&warnings, "damping") != NULL);
+                               (find_rule(&warnings, "damping") != NULL) +
+                               (find_rule(&warnings, "no_voltage_limits") != NULL);
             if (warnings.count > ratios)
                 fail_msg("without SI units: %s", warnings.warning[0].text);
         }
