@@ -70,8 +70,8 @@ static const struct rule {
     {"slenderness", SUBJECT_MESH, measure_slenderness, 1e-5, 0.5, "",
      "compare the units of the thickness with those of the surface or mesh file"},
     {"file_slenderness", SUBJECT_MESH, measure_file_slenderness, 1e-4, 0.5, "",
-     "compare the unit of the places in the file with that of the scene: write mesh: {unit: mm}, or "
-     "the points of the surface in units.length"},
+     "compare the unit of the places in the file with that of the scene: write mesh: {unit: mm}, "
+     "or the points of the surface in units.length"},
     {"points_height", SUBJECT_MESH, measure_points_height, 0, 3, "",
      "write x, y and z of the points in the scene's unit of length"},
     {"uniform_shear", SUBJECT_MESH, measure_shear, -HUGE_VAL, 0.05, "",
@@ -158,8 +158,8 @@ static const struct rule {
      "filters included, and write the largest; without safety: none the loop parks the voltages "
      "when it swings"},
     {"sensor_noise", SUBJECT_LOOP, measure_noise, 0, 0.3, "times the target",
-     "readings then tell little of the shape, and the supervisor takes as much for healthy; compare "
-     "the number with units.length"},
+     "readings then tell little of the shape, and the supervisor takes as much for healthy; "
+     "compare the number with units.length"},
     {"no_voltage_limits", SUBJECT_SCENE, measure_unlimited, 0, 0, "amplifiers",
      "the loop may ask for any voltage; write limits: {voltage: [-200, 200]}, which no voltage of "
      "the device exceeds"},

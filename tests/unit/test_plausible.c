@@ -845,12 +845,13 @@ static void test_places_in_another_unit(void **state)
         scene_run r;
         memset(&warnings, 0, sizeof warnings);
         const double z = row[i].height;
-        snprintf(
-            changes, sizeof changes,
-            "element=improved;surface={type: points, points: [[0, 0, %g], [0.3, 0, %g], [0, 0.2, %g], [0.3, "
-            "0.2, %g]]};mesh={theta1: {elements: 6}, theta2: {elements: 6}};"
-            "layers=[{material: plate, thickness: %.17g}];outputs=[];loads=[];supports=[{edge: theta1-, fix: clamped}]",
-            z, -z, -z, z, row[i].thickness);
+        snprintf(changes, sizeof changes,
+                 "element=improved;surface={type: points, points: [[0, 0, %g], [0.3, 0, %g], "
+                 "[0, 0.2, %g], [0.3, "
+                 "0.2, %g]]};mesh={theta1: {elements: 6}, theta2: {elements: 6}};"
+                 "layers=[{material: plate, thickness: %.17g}];outputs=[];loads=[];"
+                 "supports=[{edge: theta1-, fix: clamped}]",
+                 z, -z, -z, z, row[i].thickness);
         if (scene_run_open(&r, "vlasov-plate", changes) < 0)
             fail_msg("%s", r.error);
         plausible_mesh(&warnings, &r.analysis.design.mesh);
