@@ -160,7 +160,7 @@ static const struct rule {
     {"sensor_noise", SUBJECT_LOOP, measure_noise, 0, 0.3, "times the target",
      "readings then tell little of the shape, and the supervisor takes as much for healthy; "
      "compare the number with units.length"},
-    {"no_voltage_limits", SUBJECT_SCENE, measure_unlimited, 0, 0, "amplifiers",
+    {"no_voltage_limits", SUBJECT_SCENE, measure_missing_limits, 0, 0, "amplifiers",
      "the loop may ask for any voltage; write limits: {voltage: [-200, 200]}, which no voltage of "
      "the device exceeds"},
     {"selftest_hysteresis", SUBJECT_SCENE, measure_tested_hysteresis, 0, 0.25,

@@ -80,7 +80,7 @@ measure measure_stack_stiffness, measure_stack_stroke, measure_stack_energy, mea
 measure measure_repeated_stack;
 
 /* Functions that measure the numbers of a scene for the plausibility rules (plausible_scene.c). */
-measure measure_surface_misfit, measure_damping, measure_unlimited;
+measure measure_surface_misfit, measure_damping, measure_missing_limits;
 measure measure_limit_field, measure_applied_field, measure_resolution, measure_electrode;
 
 /*

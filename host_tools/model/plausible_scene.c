@@ -293,7 +293,7 @@ int measure_damping(const subject *of, int k, measured *found)
 
 /* ---- limits of a control loop ------------------------------------------- */
 
-int measure_unlimited(const subject *of, int k, measured *found)
+int measure_missing_limits(const subject *of, int k, measured *found)
 {
     const scene *scene = of->scene;
     if (k > 0 || !(scene->control.rate > 0))
