@@ -285,7 +285,9 @@ static void loop_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 
 void certificate_text(const certificate *certificate, char text[CERTIFICATE_TEXT])
 {
-    char verdict[SCENE_ERROR] = "The control step has no vibration model.\n", range[SCENE_ERROR];
+    char verdict[SCENE_ERROR] = "The control step has no vibration model; the tables get one where "
+                                "the scene gives control: {rate: ...}.\n",
+         range[SCENE_ERROR];
     text[0] = '\0';
     if (certificate->is_made && certificate->has_modes && !certificate->is_assessed &&
         certificate->reason[0])

@@ -75,7 +75,7 @@ static const pzs_real example_target[9] = {
     PZS_R(0.0020000000000000005),
 };
 /*
- * The control step has no vibration model.
+ * The control step has no vibration model; the tables get one where the scene gives control: {rate: ...}.
  * Every rate up to 0.443 ticks a second is stable.
  */
 

@@ -20,7 +20,7 @@ const char *pzs_status_text(pzs_status status)
     case PZS_W_UNSTABLE: return "unstable equilibrium: the tangent has negative pivots";
     case PZS_W_BEHIND:
         return "a part of the shell that faces away from the contact body lies in it";
-    case PZS_W_PARKED: return "parked, or on the way there, as told: not in control";
+    case PZS_W_PARKED: return "not in control: at the park voltages, or on the way there";
     case PZS_W_RAMP: return "control was taken away: the output ramps to its park voltages";
     case PZS_W_OUTPUT: return "the last gate has corrected a voltage: working memory was damaged";
     case PZS_W_SELFTEST: return "self-test of amplifiers and sensors: not yet in control";
