@@ -495,6 +495,8 @@ double laminate_field_at(const laminate *laminate, const scene_element *element,
         return field->temperature[0] + (field->temperature[1] - field->temperature[0]) *
                                            (z - laminate->z[0]) / laminate->thickness;
     const double *face = laminate->ply[field->ply].z;
+    if (field->axis == LAMINATE_HEATED_PLY)
+        return 1;
     if (field->axis > 0)
         return field->along[0] +
                (field->along[1] - field->along[0]) * (z - face[0]) / (face[1] - face[0]);
@@ -505,6 +507,12 @@ double laminate_field_at(const laminate *laminate, const scene_element *element,
                 metric_at(element, place,
                           (face[0] + face[1] + (face[1] - face[0]) * gauss_x[point]) / 2, share);
     return 1 / (metric_at(element, place, z, share) * mean);
+}
+
+/* Return whether a field is a temperature, of one ply or of all plies. */
+static bool is_temperature(const laminate_field *field)
+{
+    return field->ply < 0 || field->axis == LAMINATE_HEATED_PLY;
 }
 
 /*
@@ -522,7 +530,7 @@ static const double *electric_stress_of(const laminate_ply *ply, const laminate_
  */
 static const double *field_stress_of(const laminate_ply *ply, const laminate_field *field)
 {
-    return field->ply < 0 ? ply->stress_per_kelvin : electric_stress_of(ply, field);
+    return is_temperature(field) ? ply->stress_per_kelvin : electric_stress_of(ply, field);
 }
 
 static int field_acts(const laminate_place *place, const laminate_field *field, int layer)
@@ -808,8 +816,8 @@ static void ply_stress(const laminate_ply *ply, const scene_element *element,
 }
 
 /*
- * Return the value of a field at the middle of a ply: 1 for a voltage, the temperature (K), or the
- * electric field along the surface (V/m).
+ * Return the value of a field at the middle of a ply: 1 for a voltage or a temperature of this ply,
+ * the temperature of all plies (K), or the electric field along the surface (V/m).
  */
 static double field_mean(const laminate *laminate, const laminate_field *field,
                          const laminate_ply *ply)
@@ -920,7 +928,7 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
                             const laminate_field *second)
 {
     const double thickness = ply->z[1] - ply->z[0];
-    if (second->ply < 0)
+    if (is_temperature(second))
         return first->axis > 0 ? ply->pyroelectric_along[first->axis - 1]
                                : ply->pyroelectric_charge / thickness;
     if (first->axis > 0 && second->axis > 0)

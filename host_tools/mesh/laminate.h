@@ -108,17 +108,28 @@ int laminate_modes(const laminate *laminate, const scene_element *element,
                    const laminate_place *place, double packed[4][LAMINATE_PACKED]);
 
 /*
- * Prescribed field: one volt across ply number `ply`, an electric field along the surface in that
- * ply, or for ply < 0 a temperature. Fields along the surface and temperatures are linear between
- * two faces.
+ * Type of a prescribed field in a ply: a temperature of this ply alone, one volt across the ply, or
+ * an electric field along the axis 1 or 2 of the shell.
+ */
+typedef enum laminate_axis {
+    LAMINATE_HEATED_PLY = -1,
+    LAMINATE_ACROSS,
+    LAMINATE_ALONG_1,
+    LAMINATE_ALONG_2
+} laminate_axis;
+
+/*
+ * Prescribed field: one volt across ply number `ply`, an electric field along the surface or a
+ * temperature of 1 K in that ply, or for ply < 0 a temperature of all plies. Electric fields along
+ * the surface and temperatures of all plies are linear between two faces.
  */
 typedef struct laminate_field {
     int ply;
-    double temperature[2]; /* temperature of the inner and of the outer face of the laminate (K) */
-    int axis;              /* 0: one volt across the ply; 1 or 2: electric field along this axis of
-                              the shell */
-    double along[2];       /* electric field along the surface at the inner and at the outer face of
-                              the ply (V/m), where axis is 1 or 2 */
+    double temperature[2]; /* for ply < 0, temperature of the inner and of the outer face of the
+                              laminate (K) */
+    int axis;        /* for ply >= 0, type of the field in the ply, a value of laminate_axis */
+    double along[2]; /* electric field along the surface at the inner and at the outer face of the
+                        ply (V/m), for LAMINATE_ALONG_1 and LAMINATE_ALONG_2 */
 } laminate_field;
 
 /*

@@ -51,9 +51,13 @@ void bare_charges_add_electrode(const design *design, int element, int ply, doub
     }
 }
 
-/* Add the charges that one temperature input causes at the potentials of a layer in an element. */
+/*
+ * Add the charges that one temperature, times a factor, causes at the potentials of a layer in an
+ * element, in the column of its input.
+ */
 static void add_temperature(const design *design, int layer, int element,
-                            const laminate_field *temperature, int input, double *dense)
+                            const laminate_field *temperature, double factor, int input,
+                            double *dense)
 {
     double charge[POTENTIAL_NODES];
     int number[POTENTIAL_NODES];
@@ -61,19 +65,28 @@ static void add_temperature(const design *design, int layer, int element,
     bare_faces_numbers(&design->bare, layer, element, number);
     for (int k = 0; k < POTENTIAL_NODES; k++)
         if (number[k] >= 0)
-            *entry_of(design, dense, row_of(design, number[k]), input) += charge[k];
+            *entry_of(design, dense, row_of(design, number[k]), input) += factor * charge[k];
+}
+
+void bare_charges_add_heater(const design *design, int element, int ply, double factor, int input,
+                             double *dense)
+{
+    const laminate_field kelvin = {.ply = ply, .axis = LAMINATE_HEATED_PLY};
+    for (int layer = 0; layer < design->layers && design->bare.count > 0; layer++)
+        if (bare_faces_has(&design->bare, layer, element))
+            add_temperature(design, layer, element, &kelvin, factor, input, dense);
 }
 
 static void add_temperatures(const design *design, int layer, int element, double *dense)
 {
     const laminate_field kelvin = {.ply = -1, .temperature = {1, 1}};
     for (int k = 0; k < design->actuators; k++)
-        if (design->actuator[k].is_temperature)
-            add_temperature(design, layer, element, &kelvin, design->actuator[k].first, dense);
+        if (scene_heats_all(&design->actuator[k]))
+            add_temperature(design, layer, element, &kelvin, 1, design->actuator[k].first, dense);
     for (int k = 0; k < design->loads; k++)
         if (design->load[k].type == LOAD_TEMPERATURE) {
             const laminate_field load = load_temperatures(&design->load[k]);
-            add_temperature(design, layer, element, &load, design->amplifiers + k, dense);
+            add_temperature(design, layer, element, &load, 1, design->amplifiers + k, dense);
         }
 }
 

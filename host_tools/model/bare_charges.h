@@ -27,4 +27,15 @@ void bare_charges_add(const design *design, int element, double *dense);
 void bare_charges_add_electrode(const design *design, int element, int ply, double factor, int row,
                                 double *dense);
 
+/*
+ * Add the charges that 1 K of a heater on a ply causes at the potentials of one element while the
+ * strains are zero.
+ *   factor in  temperature of the ply per kelvin of the heater, times the part of the element that
+ *       the heater covers
+ *   input  in  input of the heater
+ *   dense [electrodes][inputs] in/out  charge of each electrode or potential per unit of each input
+ */
+void bare_charges_add_heater(const design *design, int element, int ply, double factor, int input,
+                             double *dense);
+
 #endif

@@ -291,15 +291,18 @@ static int build_named(design *design, row_builder *rows, double *dense, int *no
 /* ---- inputs ----------------------------------------------------------- */
 
 /*
- * Add the prescribed stress resultants of one element, times its area, for 1 V across a ply (or for
- * a temperature change of 1 K where ply < 0), multiplied by `factor`, to h0 [10].
+ * Add the prescribed stress resultants of one element, times its area, to h0 [10], multiplied by
+ * `factor`: for 1 V across a ply, for a temperature change of this ply of 1 K (is_heat), or for a
+ * temperature change of all plies of 1 K (ply < 0).
  */
-static void add_unit_resultants(const mesh *mesh, int element, int ply, double factor,
+static void add_unit_resultants(const mesh *mesh, int element, int ply, bool is_heat, double factor,
                                 double h0[LAMINATE_STRAINS])
 {
+    const laminate_field unit = {
+        .ply = ply, .temperature = {1, 1}, .axis = is_heat ? LAMINATE_HEATED_PLY : LAMINATE_ACROSS};
     double one[LAMINATE_STRAINS];
-    laminate_unit_resultants(&mesh->laminate, &mesh->scene->element,
-                             &mesh->place[mesh->element_type[element]], ply, one);
+    laminate_resultants(&mesh->laminate, &mesh->scene->element,
+                        &mesh->place[mesh->element_type[element]], &unit, one);
     for (int i = 0; i < LAMINATE_STRAINS; i++)
         h0[i] += factor * one[i];
 }
@@ -354,16 +357,17 @@ static double share_of(const mesh *mesh, int element, const scene_patches *patch
 int design_actuation(const mesh *mesh, const scene_actuator *actuator, int cell, int element,
                      double h0[LAMINATE_STRAINS])
 {
-    int acts = actuator->is_temperature;
+    int acts = scene_heats_all(actuator);
     memset(h0, 0, LAMINATE_STRAINS * sizeof *h0);
-    if (actuator->is_temperature)
-        add_unit_resultants(mesh, element, -1, 1, h0);
+    if (scene_heats_all(actuator))
+        add_unit_resultants(mesh, element, -1, true, 1, h0);
     for (int k = 0; k < actuator->drives; k++) {
         const scene_patches *patches = &mesh->scene->patches[actuator->drive[k].patches];
         const double share = share_of(mesh, element, patches, cell);
         if (!(share > 0))
             continue;
-        add_unit_resultants(mesh, element, patches->layer, share * actuator->drive[k].factor, h0);
+        add_unit_resultants(mesh, element, patches->layer, actuator->is_temperature,
+                            share * actuator->drive[k].factor, h0);
         acts = 1;
     }
     return acts;

@@ -76,7 +76,7 @@ static void narrow_by_fields(const limits *limits)
     for (int index = 0; index < limits->scene->actuators; index++) {
         const scene_actuator *actuator = &limits->scene->actuator[index];
         for (int cell = 0; cell < actuator->grid[0] * actuator->grid[1]; cell++)
-            for (int k = 0; k < actuator->drives; k++)
+            for (int k = 0; k < actuator->drives && scene_has_electrodes(actuator); k++)
                 narrow_by_field(limits, actuator->first + cell, &actuator->drive[k]);
     }
 }

@@ -15,6 +15,7 @@ typedef struct across {
     int input, ply;
     double factor;
     double share; /* part of the element's area that the electrode covers, from 0 to 1 */
+    bool is_heat; /* true: the input is a temperature of the ply instead of a voltage */
     const scene_patches *patches;
     int patch;
 } across;
@@ -56,9 +57,10 @@ static void append_across(const mesh *mesh, const scene_actuator *actuator, int 
             return;
         design_patches_in(mesh, element, patches, list->part);
         for (int i = 0; i < count; i++)
-            list->entry[list->count++] =
-                (across){first + list->part[i].patch, patches->layer, actuator->drive[k].factor,
-                         list->part[i].share,         patches,        list->part[i].patch};
+            list->entry[list->count++] = (across){first + list->part[i].patch, patches->layer,
+                                                  actuator->drive[k].factor,   list->part[i].share,
+                                                  actuator->is_temperature,    patches,
+                                                  list->part[i].patch};
     }
 }
 
@@ -104,22 +106,28 @@ static void add_element(const design *design, int element, across_list *list, do
     all_across(design, element, list);
     for (int i = 0; i < list->count; i++) {
         const across *own = &list->entry[i];
+        if (own->is_heat) {
+            bare_charges_add_heater(design, element, own->ply, own->share * own->factor, own->input,
+                                    dense);
+            continue;
+        }
         double *row =
             dense + (size_t)electrodes_of(design, own->input) * design->structure.input.count;
         for (int j = 0; j < list->count; j++) {
             const across *other = &list->entry[j];
-            const laminate_field voltage = {.ply = other->ply};
+            const laminate_field unit = {
+                .ply = other->ply, .axis = other->is_heat ? LAMINATE_HEATED_PLY : LAMINATE_ACROSS};
             const double share = common_share(design, element, own, other);
             if (share > 0)
                 row[other->input] +=
                     share * own->factor * other->factor *
-                    laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &voltage);
+                    laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &unit);
         }
         bare_charges_add_electrode(design, element, own->ply, own->share * own->factor,
                                    electrodes_of(design, own->input), dense);
         for (int k = 0; k < scene->actuators; k++) {
             const laminate_field kelvin = {.ply = -1, .temperature = {1, 1}};
-            if (scene->actuator[k].is_temperature)
+            if (scene_heats_all(&scene->actuator[k]))
                 row[scene->actuator[k].first] +=
                     own->share * own->factor *
                     laminate_charge(&mesh->laminate, &scene->element, place, own->ply, &kelvin);
@@ -145,7 +153,7 @@ static uint16_t list_inputs(const design *design, uint16_t *input, uint8_t *open
     uint16_t count = 0;
     for (int k = 0; k < scene->actuators; k++)
         for (int cell = 0; cell < scene->actuator[k].grid[0] * scene->actuator[k].grid[1] &&
-                           scene->actuator[k].drives > 0;
+                           scene_has_electrodes(&scene->actuator[k]);
              cell++)
             input[count++] = (uint16_t)(scene->actuator[k].first + cell);
     for (int k = 0; k < scene->sensors; k++)

@@ -21,12 +21,14 @@ int plausible_drive(const scene *scene, int k, const scene_actuator **actuator,
                     const scene_drive **drive)
 {
     for (int i = 0; i < scene->actuators; i++) {
+        const int drives =
+            scene_has_electrodes(&scene->actuator[i]) ? scene->actuator[i].drives : 0;
         *actuator = &scene->actuator[i];
-        if (k < scene->actuator[i].drives) {
+        if (k < drives) {
             *drive = &scene->actuator[i].drive[k];
             return 1;
         }
-        k -= scene->actuator[i].drives;
+        k -= drives;
     }
     return 0;
 }

@@ -117,33 +117,34 @@ static void gather(const mesh *mesh, int element, const double *displacement, do
 /* ---- prescribed fields ------------------------------------------------------ */
 
 /*
- * Add the voltages that an actuator or sensor applies in an element through one grid of patches.
- *   value   in      voltages of the electrodes of the actuator or sensor (V)
- *   part    [most_parts] out  work array
- *   voltage [layers] in/out  voltages of the layers of the element (V)
+ * Add the voltages, or the temperatures of heaters, that an actuator or sensor applies in an
+ * element through one grid of patches. value   in      voltages of the electrodes (V) or
+ * temperatures of the heaters (K) part    [most_parts] out  work array applied [layers] in/out
+ * voltages or temperatures of the layers of the element
  */
 static void add_drive(const stress_field *field, int element, const scene_drive *drive,
-                      const double *value, design_part *part, double *voltage)
+                      const double *value, design_part *part, double *applied)
 {
     const scene_patches *patches = &field->state.design->patches[drive->patches];
     const int parts = design_patches_in(&field->state.design->mesh, element, patches, part);
     for (int i = 0; i < parts; i++)
-        voltage[patches->layer] += part[i].share * drive->factor * value[part[i].patch];
+        applied[patches->layer] += part[i].share * drive->factor * value[part[i].patch];
 }
 
 /*
- * Add the voltages that the electrodes of actuators or sensors apply in an element.
- *   value   [electrodes] in      voltages of the electrodes of all these actuators or sensors (V)
- *   part    [most_parts] out     work array
- *   voltage [layers]     in/out  voltages of the layers of the element (V)
+ * Add the voltages of the electrodes and the temperatures of the heaters of actuators or sensors in
+ * an element to the arrays `voltage` and `heat` of the field.
+ *   value [electrodes] in  voltages and temperatures of all these actuators or sensors
+ *   part  [most_parts] out work array
  */
-static void add_electrodes(const stress_field *field, int element, const scene_actuator *actuator,
-                           int count, const double *value, design_part *part, double *voltage)
+static void add_patches(const stress_field *field, int element, const scene_actuator *actuator,
+                        int count, const double *value, design_part *part)
 {
+    const size_t row = (size_t)element * (size_t)field->layers;
     for (int k = 0; k < count; k++)
         for (int drive = 0; drive < actuator[k].drives; drive++)
             add_drive(field, element, &actuator[k].drive[drive], value + actuator[k].first, part,
-                      voltage);
+                      (actuator[k].is_temperature ? field->heat : field->voltage) + row);
 }
 
 /*
@@ -155,7 +156,7 @@ static void add_temperatures(const stress_state *state, double temperature[2])
 {
     const design *design = state->design;
     for (int k = 0; k < design->actuators; k++)
-        for (int face = 0; face < 2 && design->actuator[k].is_temperature; face++)
+        for (int face = 0; face < 2 && scene_heats_all(&design->actuator[k]); face++)
             temperature[face] += state->input_value[design->actuator[k].first];
     for (int k = 0; k < design->loads; k++) {
         if (design->load[k].type != LOAD_TEMPERATURE)
@@ -182,17 +183,16 @@ static int most_parts(const design *design)
     return most;
 }
 
-static int fill_voltages(stress_field *field)
+/* Fill the voltages of electrodes and the temperatures of heaters in all elements and layers. */
+static int fill_patches(stress_field *field)
 {
     const stress_state *state = &field->state;
     const design *design = state->design;
     design_part *part = calloc((size_t)most_parts(state->design), sizeof *part);
     for (int element = 0; part && element < field->elements; element++) {
-        double *voltage = field->voltage + (size_t)element * (size_t)field->layers;
-        add_electrodes(field, element, design->actuator, design->actuators, state->input_value,
-                       part, voltage);
-        add_electrodes(field, element, design->sensor, design->sensors,
-                       state->input_value + state->design->sensor_first, part, voltage);
+        add_patches(field, element, design->actuator, design->actuators, state->input_value, part);
+        add_patches(field, element, design->sensor, design->sensors,
+                    state->input_value + state->design->sensor_first, part);
     }
     free(part);
     return part ? 0 : -1;
@@ -233,6 +233,12 @@ static double present_thickness(const mesh *mesh, int element)
                     laminate_area_ratio(option, place, z[1]));
     }
     return sum;
+}
+
+/* Return the temperature change of a layer in an element by heaters on its patches (K). */
+static double heat_of(const stress_field *field, int element, int layer)
+{
+    return field->heat[(size_t)element * (size_t)field->layers + (size_t)layer];
 }
 
 /*
@@ -283,8 +289,12 @@ static void fill_resultants(const stress_field *field, int element)
     for (int layer = 0; layer < field->layers; layer++) {
         const laminate_field volt = {.ply = layer};
         const double voltage = voltage_across(field, element, layer);
+        const laminate_field warm = {.ply = layer, .axis = LAMINATE_HEATED_PLY};
+        const double heat = heat_of(field, element, layer);
         if (voltage != 0)
             add_prescribed(mesh, element, &volt, voltage, resultant);
+        if (heat != 0)
+            add_prescribed(mesh, element, &warm, heat, resultant);
     }
     for (int layer = 0; layer < field->layers; layer++)
         add_along(field, element, layer, resultant);
@@ -326,7 +336,8 @@ static void prescribed_stress(const stress_field *field, int element, int layer,
     const laminate_place *place = place_of(mesh, element);
     const double voltage = voltage_across(field, element, layer) *
                            laminate_field_at(&mesh->laminate, &mesh->formulation, place, &volt, z);
-    const double kelvin = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &heat, z);
+    const double kelvin = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &heat, z) +
+                          heat_of(field, element, layer);
     for (int i = 0; i < 6; i++)
         stress[i] = ply->stress_per_voltage[i] * voltage + ply->stress_per_kelvin[i] * kelvin;
     double across, along[2][2];
@@ -422,7 +433,8 @@ static double electric_displacement(const stress_field *field, int element, int 
     const laminate_place *place = place_of(mesh, element);
     const double share = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &volt, z);
     const double voltage = voltage_across(field, element, layer);
-    const double kelvin = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &heat, z);
+    const double kelvin = laminate_field_at(&mesh->laminate, &mesh->formulation, place, &heat, z) +
+                          heat_of(field, element, layer);
     double sum = (-ply->capacitance * share * voltage - ply->pyroelectric_charge * kelvin) *
                  (ply->electrode_distance / (ply->z[1] - ply->z[0]));
     for (int i = 0; i < 6; i++)
@@ -480,6 +492,8 @@ bool stress_are_neighbours(const stress_field *field, int first, int second)
     return place_of(mesh, first)->present_plies == place_of(mesh, second)->present_plies &&
            memcmp(field->voltage + (size_t)first * layers, field->voltage + (size_t)second * layers,
                   layers * sizeof *field->voltage) == 0 &&
+           memcmp(field->heat + (size_t)first * layers, field->heat + (size_t)second * layers,
+                  layers * sizeof *field->heat) == 0 &&
            vector_dot(a->axis[0], b->axis[0]) > least_cosine &&
            vector_dot(a->axis[2], b->axis[2]) > least_cosine;
 }
@@ -529,10 +543,11 @@ static bool allocate(stress_field *field)
     const size_t elements = (size_t)field->elements, layers = (size_t)field->layers;
     field->element = calloc(elements, sizeof *field->element);
     field->voltage = calloc(elements * layers, sizeof *field->voltage);
+    field->heat = calloc(elements * layers, sizeof *field->heat);
     field->sample = calloc(elements * layers * STRESS_HEIGHTS, sizeof *field->sample);
     field->node_start = calloc((size_t)mesh->nodes + 2, sizeof *field->node_start);
     field->node_element = calloc(4 * elements, sizeof *field->node_element);
-    return field->element && field->voltage && field->sample && field->node_start &&
+    return field->element && field->voltage && field->heat && field->sample && field->node_start &&
            field->node_element;
 }
 
@@ -542,7 +557,7 @@ int stress_field_fill(stress_field *field, const stress_state *state)
     field->state = *state;
     field->elements = state->design->mesh.elements;
     field->layers = state->design->mesh.laminate.plies;
-    if (!allocate(field) || fill_voltages(field) < 0)
+    if (!allocate(field) || fill_patches(field) < 0)
         return -1;
     fill_node_elements(field);
     for (int element = 0; element < field->elements; element++) {
@@ -556,6 +571,7 @@ void stress_free(stress_field *field)
 {
     free(field->element);
     free(field->voltage);
+    free(field->heat);
     free(field->sample);
     free(field->node_start);
     free(field->node_element);

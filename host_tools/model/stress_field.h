@@ -82,8 +82,8 @@ typedef struct stress_sample {
 
 /*
  * Recovered stresses of a structure. Two elements are neighbours if they share a node, have equal
- * plies under equal voltages, and no fold lies between them. Gradients of stresses, and averages at
- * nodes, are formed only among neighbours.
+ * plies under equal voltages and heaters, and no fold lies between them. Gradients of stresses, and
+ * averages at nodes, are formed only among neighbours.
  */
 typedef struct stress_field {
     stress_state state;
@@ -92,6 +92,8 @@ typedef struct stress_field {
     double *voltage;         /* [elements][layers] voltage of the electrodes across each layer (V),
                                 multiplied by the fraction of the element that the electrode
                         covers */
+    double *heat; /* [elements][layers] temperature change of each layer by heaters on its patches
+                     (K), multiplied by the fraction of the element that a heater covers */
     stress_sample *sample; /* [elements][layers][STRESS_HEIGHTS] stresses in the shell axes; zero in
                               layers that are absent in the element */
     int *node_start; /* [nodes + 1] index in node_element at which the list of elements of each node

@@ -254,6 +254,16 @@ int scene_find_amplifier(const scene *scene, const char *name, int *first, int *
     return find(scene->actuator, scene->actuators, name, first, count);
 }
 
+bool scene_has_electrodes(const scene_actuator *actuator)
+{
+    return actuator->drives > 0 && !actuator->is_temperature;
+}
+
+bool scene_heats_all(const scene_actuator *actuator)
+{
+    return actuator->drives == 0 && actuator->is_temperature;
+}
+
 int scene_find_sensor(const scene *scene, const char *name, int *first, int *count)
 {
     return find(scene->sensor, scene->sensors, name, first, count);

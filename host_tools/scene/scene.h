@@ -322,15 +322,16 @@ typedef struct scene_spring {
 /*
  * An actuator has one amplifier for each position in its grids of patches; the patches at one
  * position are connected to its amplifier, each with a signed factor. Positions are numbered along
- * theta1 and theta2, fastest along theta2. An actuator may instead be one uniform temperature, or a
- * number of stacks with one amplifier each. A sensor is described by the same C struct: it has
- * electrodes but no amplifiers.
+ * theta1 and theta2, fastest along theta2. An actuator may instead be one uniform temperature,
+ * heaters on its patches, or a number of stacks with one amplifier each. A sensor is described by
+ * the same C struct: it has electrodes but no amplifiers.
  */
 typedef struct scene_actuator {
     char name[SCENE_NAME];
     int drives;
     scene_drive *drive;
-    bool is_temperature;
+    bool is_temperature;  /* true: the input is a temperature, of the whole shell if `drives` is 0,
+                             or  of the layers under the patches */
     scene_spring *stacks; /* points, directions and stiffness of the stacks of a stack actuator;
                              NULL: the actuator has no stacks */
     double applied;       /* voltage (V) or temperature (K) on every amplifier of an actuator in a
@@ -938,6 +939,12 @@ int scene_find_amplifier(const scene *scene, const char *name, int *first, int *
  * to *first + *count - 1. Returns 1 if there are any, else 0.
  */
 int scene_find_sensor(const scene *scene, const char *name, int *first, int *count);
+
+/* Return whether the patches of an actuator or sensor are electrodes, not heaters. */
+bool scene_has_electrodes(const scene_actuator *actuator);
+
+/* Return whether the input of an actuator is the temperature of the whole shell. */
+bool scene_heats_all(const scene_actuator *actuator);
 
 /*
  * Mark the nodes of a place (named set, or node nearest to a point) on a mesh from a file. A named

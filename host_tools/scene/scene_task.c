@@ -56,12 +56,17 @@ static int read_patches_of(reader *reader, int node, void *to, const void *rule)
                       "there are no patches named '%s'; add them to patches", to);
 }
 
-static const char *driven_by(const scene_actuator *actuator, int actuators, int patches)
+/*
+ * Return the name of the actuator or sensor whose electrodes, or whose heaters, are patches; NULL
+ * if there is none.
+ */
+static const char *driven_by(const scene_actuator *actuator, int actuators, int patches,
+                             bool is_heater)
 {
     int drive;
     for (; actuators > 0; actuators--, actuator++)
         for (drive = 0; drive < actuator->drives; drive++)
-            if (actuator->drive[drive].patches == patches)
+            if (actuator->drive[drive].patches == patches && actuator->is_temperature == is_heater)
                 return actuator->name;
     return NULL;
 }
@@ -78,10 +83,10 @@ static int check_drive(reader *reader, int node, const scene_actuator *actuator,
     const scene_patches *patches = &scene->patches[actuator->drive[drive].patches],
                         *first = &scene->patches[actuator->drive[0].patches];
     const scene_material *material = &scene->material[scene->layer[patches->layer].material];
-    const char *other =
-        driven_by(scene->actuator, scene->actuators, actuator->drive[drive].patches);
-    if (!other)
-        other = driven_by(scene->sensor, scene->sensors, actuator->drive[drive].patches);
+    const char *other = driven_by(scene->actuator, scene->actuators, actuator->drive[drive].patches,
+                                  actuator->is_temperature);
+    if (!other && !actuator->is_temperature)
+        other = driven_by(scene->sensor, scene->sensors, actuator->drive[drive].patches, false);
     if (other)
         return tree_fault(reader->t, node,
                           "patches '%s' are driven by '%s' already; an electrode has one amplifier",
@@ -90,13 +95,13 @@ static int check_drive(reader *reader, int node, const scene_actuator *actuator,
         return tree_fault(reader->t, node,
                           "patches '%s' are of '%s', which has no permittivity; a sensor needs it",
                           patches->name, material->name);
-    if (!material->has_d && !material->has_e)
+    if (!actuator->is_temperature && !material->has_d && !material->has_e)
         return tree_fault(
             reader->t, node,
             "patches '%s' are of '%s', which has no piezoelectric constants; give it d31 or "
             "e31",
             patches->name, material->name);
-    if (scene->layer[patches->layer].bare != BARE_NONE)
+    if (!actuator->is_temperature && scene->layer[patches->layer].bare != BARE_NONE)
         return tree_fault(reader->t, node,
                           "patches '%s' are electrodes on the layer '%s', which has a bare face; "
                           "remove 'bare' from the layer, or this drive",
@@ -172,15 +177,17 @@ static int read_applied(reader *reader, int node, void *to, const void *rule)
                       list.count, amplifiers, actuator->name);
 }
 
-static const choice uniform[] = {{"uniform", 1}, {NULL, 0}};
+static const choice temperatures[] = {{"uniform", 1}, {"patches", 1}, {NULL, 0}};
 
 static const field actuator_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,
      .help = "Name; the amplifiers are name_1_1 ..., or name alone for a single patch."},
+    {"temperature", read_either, offsetof(scene_actuator, is_temperature), temperatures,
+     .help =
+         "uniform: the input is the temperature of the whole shell instead of voltages; patches: "
+         "each patch of the grids in 'drives' is a heater of the layer on which it lies."},
     {"drives", read_drives, .of = OF_NUMBER, .form = &drives_form,
      .help = "Grids of the same shape; patches at the same position share an amplifier."},
-    {"temperature", read_either, offsetof(scene_actuator, is_temperature), uniform,
-     .help = "uniform: the input is a temperature instead of voltages."},
     {"stacks", read_stacks, .of = OF_NUMBER, .form = &stacks_form,
      .help = "Stacks or voice coils that push on points of the shell, one amplifier each."},
     {"applied", read_applied, .of = OF_ACTUATOR, .form = &applied_form,
@@ -190,12 +197,29 @@ static const field actuator_fields[] = {
 
 static const form_case actuator_cases[] = {
     {"drives", "One amplifier for each patch of the grids, tied by factors."},
-    {"temperature", "A temperature as an input."},
+    {"temperature=uniform", "A temperature as an input."},
+    {"temperature=patches drives", "One heater for each patch of the grids, tied by factors."},
     {"stacks", "Stacks or voice coils, one amplifier each."},
     {NULL, NULL}};
 static const form actuator_form = {
     .type = FORM_MAP, .fields = actuator_fields, .cases = actuator_cases};
 const form actuators_form = {.type = FORM_LIST, .item = &actuator_form};
+
+/* Check that a uniform temperature has no patches and that heaters on patches have some. */
+static int check_temperature(reader *reader, int node, const scene_actuator *actuator)
+{
+    const int key = tree_find(reader->t, node, "temperature");
+    const bool is_uniform = key && strcmp(node_text(reader, key), "uniform") == 0;
+    if (!key || is_uniform == (actuator->drives == 0))
+        return 0;
+    if (is_uniform)
+        return tree_fault(reader->t, key,
+                          "a uniform temperature has no patches; write temperature: patches, or "
+                          "remove 'drives'");
+    return tree_fault(reader->t, key,
+                      "'temperature: patches' needs the patches that are heated; add drives: "
+                      "[{patches: name}]");
+}
 
 static int read_actuator(reader *reader, int node, void *item)
 {
@@ -204,10 +228,12 @@ static int read_actuator(reader *reader, int node, void *item)
     actuator->grid[0] = actuator->grid[1] = 1;
     if (read_map(reader, node, actuator_fields, actuator) != 0)
         return -1;
-    if ((actuator->drives > 0) + actuator->is_temperature + (actuator->stacks != NULL) != 1)
+    if (check_temperature(reader, node, actuator) != 0)
+        return -1;
+    if ((actuator->drives > 0 || actuator->is_temperature) + (actuator->stacks != NULL) != 1)
         return tree_fault(reader->t, node,
                           "actuator '%s' needs one of drives: [{patches: ...}], stacks: {at: ...} "
-                          "and temperature: uniform",
+                          "and temperature: uniform or patches",
                           actuator->name);
     actuator->first = reader->s->amplifiers;
     reader->s->amplifiers += actuator->grid[0] * actuator->grid[1];
@@ -500,7 +526,7 @@ static int read_electric_output(reader *reader, int node, void *to, const void *
         return 0;
     if (scene_find_amplifier(reader->s, name, &output->first, &output->count)) {
         for (i = 0; i < reader->s->actuators; i++)
-            if (reader->s->actuator[i].drives == 0 &&
+            if (!scene_has_electrodes(&reader->s->actuator[i]) &&
                 output->first >= reader->s->actuator[i].first &&
                 output->first < reader->s->actuator[i].first + reader->s->actuator[i].grid[0])
                 return tree_fault(reader->t, node,
