@@ -38,12 +38,14 @@ typedef struct pzs_element_type {
                                  the thickness, at each corner of the element in each direction
                                  (1/m) */
     /*
-     * Stiffness of the four strain modes 00, 01, 10, 11 of the element, packed lower triangles of
-     * 10 rows. Mode r1 r2 varies over the element as xi1^r1 xi2^r2, and its stiffness is multiplied
-     * by area/3^(r1+r2) (N m). Order of the strains: 11m 11d 22m 22d 33m 33d 12m 12d 13 23, where m
-     * is the mean and d the difference of the two faces.
+     * Stiffness of the four strain modes 00, 01, 10, 11 of the element, one after the other: packed
+     * lower triangles whose rows are the strains that the mode keeps. Mode r1 r2 varies over the
+     * element as xi1^r1 xi2^r2, and its stiffness is multiplied by area/3^(r1+r2) (N m). Order of
+     * the strains: 11m 11d 22m 22d 33m 33d 12m 12d 13 23, where m is the mean and d the difference
+     * of the two faces. Mode 00 keeps all ten; mode 01 those of 11, 33 and 13; mode 10 those of 22,
+     * 33 and 23; mode 11 those of 33: 55, 15, 15 and 3 entries.
      */
-    pzs_real d[4][55];
+    pzs_real d[88];
     pzs_real thickness; /* thickness of the element (m) */
     /*
      * Factors (1) of the nine strains that a warped (not plane) element adds to the mean strain 12

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /* List of the element types of a mesh, in which equal elements share one type (element_types.h). */
+#include "../../lib/model/shell.h"
+#include "../../lib/model/shell_corner.h"
 #include "element_types.h"
 #include <math.h>
 #include "warp.h"
@@ -60,6 +62,19 @@ static int find_type(const type_list *list, const pzs_element_type *type,
     return -1;
 }
 
+/*
+ * Copy those entries of the stiffness of the four strain modes whose two strains the mode keeps.
+ *   full [4][55] in   packed lower triangles over all ten strains
+ *   kept [88]    out  packed lower triangles over the strains that each mode keeps
+ */
+static void keep_entries(const double (*full)[LAMINATE_PACKED], double *kept)
+{
+    for (int mode = 0; mode < SHELL_MODES; mode++)
+        for (int i = 0; i < kept_strains[mode]; i++)
+            for (int j = 0; j <= i; j++)
+                *kept++ = full[mode][SHELL_PACKED(kept_strain[mode][i]) + kept_strain[mode][j]];
+}
+
 int type_list_add(type_list *list, pzs_element_type *type, const laminate_place *place,
                   double warp_share, char *error)
 {
@@ -67,11 +82,13 @@ int type_list_add(type_list *list, pzs_element_type *type, const laminate_place 
     const int known = find_type(list, type, place);
     if (known >= 0)
         return known;
-    if (laminate_modes(list->laminate, &scene->element, place, type->d) < 0)
+    double full[4][LAMINATE_PACKED];
+    if (laminate_modes(list->laminate, &scene->element, place, full) < 0)
         return scene_fault(
             scene->at_layers, error,
             "no layer is present outside the patches, so the stiffness is 0 there; add a layer "
             "without patches");
+    keep_entries((const double(*)[LAMINATE_PACKED])full, type->d);
     if (warp_fill(type, warp_share) < 0)
         return scene_fault(scene->at_surface, error,
                            "an element of %g x %g is degenerate; use other mesh lines",

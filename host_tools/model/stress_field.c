@@ -278,7 +278,7 @@ static void add_along(const stress_field *field, int element, int layer, double 
 static void fill_resultants(const stress_field *field, int element)
 {
     const mesh *mesh = &field->state.design->mesh;
-    const double *stiffness = mesh->type[mesh->element_type[element]].d[0];
+    const double *stiffness = mesh->type[mesh->element_type[element]].d;
     stress_element *own = &field->element[element];
     double resultant[10] = {0};
     for (int i = 0; i < 10; i++)

@@ -40,7 +40,7 @@ static void write_elements(emitter *emitter, const mesh *mesh)
 static void write_element_types(emitter *emitter, const mesh *mesh)
 {
     static const int coupling[4] = {4, 2, 3, 3}, base[3] = {4, 2, 3};
-    static const int modes[2] = {4, LAMINATE_PACKED}, warps[1] = {9}, skews[1] = {3};
+    static const int modes[1] = {88}, warps[1] = {9}, skews[1] = {3};
     emit_comment(emitter, "corner tables of each element type");
     fprintf(emitter->file, "static const pzs_element_type %s_element_types[%d] = {",
             emitter->prefix, mesh->types);
@@ -55,7 +55,7 @@ static void write_element_types(emitter *emitter, const mesh *mesh)
         fputs(",\n    ", emitter->file);
         emit_nested(emitter->file, &type->g_diff[0][0][0], base, 3);
         fputs(",\n    ", emitter->file);
-        emit_nested(emitter->file, type->d[0], modes, 2);
+        emit_nested(emitter->file, type->d, modes, 1);
         fputs(", PZS_R(", emitter->file);
         emit_real(emitter->file, type->thickness);
         fputs("),\n    ", emitter->file);

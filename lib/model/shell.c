@@ -188,35 +188,21 @@ static void stresses_of_modes(pzs_real resultant[4][10], int corner, pzs_real st
 }
 
 /*
- * Number and list of the strain components that each strain mode (constant, linear or bilinear over
- * the element) of an element keeps; the other components are left out. Mode 00 keeps all ten; mode
- * 01 those of 11, 33 and 13; mode 10 those of 22, 33 and 23; mode 11 those of 33.
- */
-static const uint8_t kept_strains[4] = {10, 5, 5, 2};
-static const uint8_t kept_strain[4][10] = {
-    {E11M, E11D, E22M, E22D, E33M, E33D, E12M, E12D, E13, E23},
-    {E11M, E11D, E33M, E33D, E13},
-    {E22M, E22D, E33M, E33D, E23},
-    {E33M, E33D},
-};
-
-/*
  * Replace the strains of one strain mode (constant, linear or bilinear over the element) of an
  * element by the stress resultants of this mode. `stiffness` is the packed lower triangle of a
- * symmetric 10 x 10 matrix.
+ * symmetric matrix with a row for each strain that the mode keeps.
  */
 static void multiply_mode(const pzs_real *stiffness, int mode, pzs_real strain[10])
 {
     pzs_real resultant[10] = {0};
     for (int i = 0; i < kept_strains[mode]; i++) {
         const int row = kept_strain[mode][i];
-        const pzs_real *entry = stiffness + row * (row + 1) / 2;
-        for (int j = 0; j < i; j++) {
+        for (int j = 0; j < i; j++, stiffness++) {
             const int column = kept_strain[mode][j];
-            resultant[row] += entry[column] * strain[column];
-            resultant[column] += entry[column] * strain[row];
+            resultant[row] += *stiffness * strain[column];
+            resultant[column] += *stiffness * strain[row];
         }
-        resultant[row] += entry[row] * strain[row];
+        resultant[row] += *stiffness++ * strain[row];
     }
     memcpy(strain, resultant, sizeof resultant);
 }
@@ -280,7 +266,7 @@ static void distribute_modes(const pzs_element_type *type, pzs_real resultant[4]
 static void multiply_modes(const pzs_element_type *type, pzs_real strain[4][10])
 {
     for (int mode = 0; mode < SHELL_MODES; mode++)
-        multiply_mode(type->d[mode], mode, strain[mode]);
+        multiply_mode(type->d + first_entry[mode], mode, strain[mode]);
 }
 
 /*

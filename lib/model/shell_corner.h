@@ -27,4 +27,23 @@ static const uint8_t neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
 static const pzs_real mode_sign[4][4] = {
     {1, 1, 1, 1}, {-1, -1, 1, 1}, {-1, 1, 1, -1}, {1, -1, 1, -1}};
 
+/*
+ * Number and list of the strain components that each strain mode (constant, linear or bilinear over
+ * the element) of an element keeps; the other components are left out. Mode 00 keeps all ten; mode
+ * 01 those of 11, 33 and 13; mode 10 those of 22, 33 and 23; mode 11 those of 33.
+ */
+static const uint8_t kept_strains[4] = {10, 5, 5, 2};
+static const uint8_t kept_strain[4][10] = {
+    {E11M, E11D, E22M, E22D, E33M, E33D, E12M, E12D, E13, E23},
+    {E11M, E11D, E33M, E33D, E13},
+    {E22M, E22D, E33M, E33D, E23},
+    {E33M, E33D},
+};
+
+/*
+ * Index of the first stiffness entry of each strain mode in pzs_element_type.d, in which a mode has
+ * a packed lower triangle with a row for each strain that it keeps.
+ */
+static const uint8_t first_entry[4] = {0, 55, 70, 85};
+
 #endif

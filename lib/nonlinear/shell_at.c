@@ -42,16 +42,22 @@ static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 /*
  * Rows of one strain mode (constant, linear or bilinear over the element) in the array of stress
  * rows (stiffness of the mode times nodal strains): number of rows, number of rows to which the
- * seventh degree of freedom q contributes, index of the first row, and strain of each row.
+ * seventh degree of freedom q contributes, index of the first row, strain of each row, and index of
+ * this strain among those that the mode keeps, which is its row in the packed stiffness of the mode
+ * (pzs_element_type.d).
  */
 typedef struct mode_rows {
-    uint8_t count, with_q, start, strain[ROWS];
+    uint8_t count, with_q, start, strain[ROWS], kept[ROWS];
 } mode_rows;
 static const mode_rows rows_of_mode[4] = {
-    {10, 5, 0, {A33M, A33D, A13, A23, A11M, A11D, A22M, A22D, A12M, A12D}},
-    {5, 3, 10, {A33M, A33D, A13, A11M, A11D}},
-    {5, 3, 15, {A33M, A33D, A23, A22M, A22D}},
-    {2, 2, 20, {A33M, A33D}},
+    {10,
+     5,
+     0,
+     {A33M, A33D, A13, A23, A11M, A11D, A22M, A22D, A12M, A12D},
+     {4, 5, 8, 9, 0, 1, 2, 3, 6, 7}},
+    {5, 3, 10, {A33M, A33D, A13, A11M, A11D}, {2, 3, 4, 0, 1}},
+    {5, 3, 15, {A33M, A33D, A23, A22M, A22D}, {2, 3, 4, 0, 1}},
+    {2, 2, 20, {A33M, A33D}, {0, 1}},
 };
 
 /*
@@ -288,12 +294,13 @@ static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
         for (int index = 0; index < mode->count; index++)
             row[index] = nodal[mode->strain[index]];
         row[mode->count] = NULL;
+        const pzs_real *stiffness = type->d + first_entry[number];
         for (int stress = 0; stress < mode->count; stress++) {
-            const int i = in_d[mode->strain[stress]];
+            const int i = mode->kept[stress];
             pzs_real factor[ROWS], *to = stress_row_of[mode->start + stress];
             for (int index = 0; index < mode->count; index++) {
-                const int j = in_d[mode->strain[index]];
-                factor[index] = type->d[number][i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
+                const int j = mode->kept[index];
+                factor[index] = stiffness[i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i];
             }
             sum_rows(to, factor, 1, row, 0);
             sum_rows(to + HALF, factor, 1, row, HALF);

@@ -7,6 +7,7 @@
 #ifndef SHELL_RIG_H
 #define SHELL_RIG_H
 
+#include "../../lib/model/shell_corner.h"
 #include "pzs.h"
 #include <math.h>
 #include <stdlib.h>
@@ -135,9 +136,10 @@ static inline void make_stiffness(rig *shell)
     const double shear = 1 / 2.6, lame = 0.3 / (1.3 * 0.4),
                  part[4] = {1, 1.0 / 3, 1.0 / 3, 1.0 / 9};
     for (int mode = 0; mode < 4; mode++) {
-        pzs_real *entry = shell->type.d[mode];
-        for (int i = 0; i < 10; i++)
-            for (int j = 0; j <= i; j++, entry++) {
+        pzs_real *entry = shell->type.d + first_entry[mode];
+        for (int row = 0; row < kept_strains[mode]; row++)
+            for (int column = 0; column <= row; column++, entry++) {
+                const int i = kept_strain[mode][row], j = kept_strain[mode][column];
                 const int both_normal = i < 6 && j < 6 && i % 2 == j % 2;
                 const double modulus = both_normal ? lame + (i == j ? 2 * shear : 0)
                                        : i == j    ? shear

@@ -16,6 +16,7 @@
 #include "../../host_tools/model/electrodes.h"
 #include "../../lib/model/model.h"
 #include "../../lib/nonlinear/nonlinear.h"
+#include "../rigs/mode_stiffness.h"
 #include "../rigs/scene_assert.h"
 #include "../../lib/model/shell.h"
 
@@ -482,9 +483,7 @@ static double energy_at(const analysis *analysis)
         for (int m = 0; m < 4; m++)
             for (int i = 0; i < 10; i++)
                 for (int j = 0; j < 10; j++)
-                    sum += strain[m][i] *
-                           type->d[m][i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i] *
-                           strain[m][j] / 2;
+                    sum += strain[m][i] * mode_stiffness(type, m, i, j) * strain[m][j] / 2;
     }
     return sum;
 }

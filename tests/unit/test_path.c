@@ -12,6 +12,7 @@
 #include <string.h>
 #include <cmocka.h>
 #include "../../lib/model/model.h"
+#include "../rigs/mode_stiffness.h"
 #include "../rigs/path_run.h"
 #include "../../lib/model/shell.h"
 
@@ -162,8 +163,7 @@ static double energy(const scene_run *r, const double *u, int linear)
         for (int m = 0; !linear && m < 4; m++)
             for (int i = 0; i < 10; i++)
                 for (int j = 0; j < 10; j++)
-                    sum += strain[m][i] * strain[m][j] *
-                           type->d[m][i > j ? SHELL_PACKED(i) + j : SHELL_PACKED(j) + i];
+                    sum += strain[m][i] * strain[m][j] * mode_stiffness(type, m, i, j);
     }
     return sum;
 }

@@ -13,6 +13,7 @@
 #include <cmocka.h>
 #include "../../host_tools/mesh/mesh.h"
 #include "../../lib/model/shell.h"
+#include "../rigs/mode_stiffness.h"
 #include "../rigs/testdata.h"
 #include "../../host_tools/mesh/warp.h"
 
@@ -116,10 +117,10 @@ static const double mode_weight[4] = {1, 1 / 3.0, 1 / 3.0, 1 / 9.0};
 /* Full 10 x 10 of a mode per unit of area. */
 static void unpack_mode(const one *o, int mode, double d[100])
 {
-    const double *entry = o->mesh.type[0].d[mode];
     for (int i = 0; i < 10; i++)
         for (int j = 0; j <= i; j++)
-            d[10 * i + j] = d[10 * j + i] = *entry++ / (o->mesh.place[0].area * mode_weight[mode]);
+            d[10 * i + j] = d[10 * j + i] = mode_stiffness(&o->mesh.type[0], mode, i, j) /
+                                            (o->mesh.place[0].area * mode_weight[mode]);
 }
 
 static void check_modes(const testdata *t, const one *o)
@@ -200,14 +201,11 @@ static void check_witness(const testdata *t, one *o)
         ASSERT_CLOSE(t->name, "node geometry", here, nodes + 6 * r, 6, 1e-14);
     }
     for (int mode = 0; mode < 4; mode++) {
-        double *entry = o->mesh.type[0].d[mode];
-        for (int i = 0; i < 10; i++)
-            for (int j = 0; j <= i; j++, entry++) /* kept strains are those the dummy material fills
-                                                   */
-                *entry = fabs(o->mesh.type[0].d[mode][i * (i + 1) / 2 + i]) > 0 &&
-                                 fabs(o->mesh.type[0].d[mode][j * (j + 1) / 2 + j]) > 0
-                             ? d[10 * i + j] * o->mesh.place[0].area * mode_weight[mode]
-                             : 0;
+        double *entry = o->mesh.type[0].d + first_entry[mode];
+        for (int i = 0; i < kept_strains[mode]; i++)
+            for (int j = 0; j <= i; j++)
+                *entry++ = d[10 * kept_strain[mode][i] + kept_strain[mode][j]] *
+                           o->mesh.place[0].area * mode_weight[mode];
     }
     check_at_shape(t, o);
 }
@@ -730,7 +728,7 @@ static double rigid_energy(const sample *s, const scene_element *element)
         rigid_node(&o, &o.mesh.point[o.mesh.element[0][r]], u + 7 * r);
     const double energy = energy_at(&o.mesh.type[0], 7, u);
     for (int i = 0; i < 10; i++)
-        scale += o.mesh.type[0].d[0][i * (i + 3) / 2];
+        scale += o.mesh.type[0].d[i * (i + 3) / 2];
     mesh_free(&o.mesh);
     return energy / scale;
 }
@@ -864,11 +862,11 @@ static void test_tangent_of_a_thin_shell(void **state)
             double rigid[24], v[24], u[24], f[24], there[24], expected[24], k[SHELL_PACKED(24)];
             build_rigid(&o, &samples[i], 1e-4, rigid);
             pzs_element_type *type = &o.mesh.type[0];
-            for (int m = 0; m < 4; m++) {
-                const int kept_here = type->d[m][s * (s + 3) / 2] > 0;
-                memset(type->d[m], 0, sizeof type->d[m]);
-                type->d[m][s * (s + 3) / 2] = kept_here;
-            }
+            memset(type->d, 0, sizeof type->d);
+            for (int m = 0; m < 4; m++)
+                for (int k = 0; k < kept_strains[m]; k++)
+                    if (kept_strain[m][k] == s)
+                        type->d[first_entry[m] + k * (k + 3) / 2] = 1;
             fill(v, 24, 1, &seed);
             turn_unknowns(&o, v, u);
             pzs_shell_system(type, 6, rigid, NULL, NULL, f, k);
