@@ -58,8 +58,9 @@ static const field safety_fields[] = {
      .help = "Shortest ramp to the park voltages in ticks, which step limits may lengthen; default "
              "50."},
     {"arm", read_arming, .form = &arming_form,
-     .help = "automatic: the loop takes control after the first whole frame of readings (default); "
-             "command: it waits for the command of the firmware as well."},
+     .help =
+         "automatic: the loop takes control after the first whole frame of readings (default); "
+         "command: it waits for the command of the firmware as well, which a simulation gives."},
     {"selftest", read_selftest, .form = &selftest_form,
      .help = "Test of all amplifiers, cables and sensors before the loop takes control."},
     {.key = NULL}};

@@ -235,10 +235,11 @@ static int regularise(simulation *simulation, char *error)
 /*
  * Make the tables of the controller. For a plant with inertia they contain a vibration model where
  * the loop needs one, like the tables that `pzs tables` writes; for a quasi-static plant they do
- * not.
+ * not. A supervisor that waits for the firmware's command to start has it before the first tick.
  */
 static int make_tables(const simulation *simulation, analysis *nominal, char *error)
 {
+    nominal->design.safety.waits = false;
     if (!simulation->plant.has_inertia)
         nominal->quasi_static = true;
     if (!nominal->quasi_static)

@@ -490,6 +490,12 @@ check 'simulate: optimum, controller and clipping in JSON' $?
 [ "$(wc -l <"$dir/loop.csv")" -eq 61 ] && head -n 1 "$dir/loop.csv" | grep -q '^tick,time,error,vibration,active,iterations,status,lost,v_1_1,.*,v_5_5$' &&
     [ "$(awk -F, '{print NF}' "$dir/loop.csv" | sort -u)" = 33 ]
 check 'simulate: a CSV line a tick, a column a quantity' $?
+for arm in automatic command; do
+    # shellcheck disable=SC2086
+    run 0 simulate plate-closed-loop $quick --set simulate.ticks=20 --set "safety={arm: $arm}" --csv "$dir/$arm.csv"
+done
+tail -n 1 "$dir/command.csv" | cut -d, -f3 | grep -q '^0\.0' && cmp -s "$dir/automatic.csv" "$dir/command.csv"
+check 'simulate: a loop that waits for a command has it' $?
 "$PZS" new panel >"$dir/zero.yaml"
 run 0 simulate "$dir/zero.yaml" --quasi-static --set 'simulate={ticks: 2, plant: {inertia: false, hysteresis: 0}}' --csv "$dir/zero.csv" &&
     grep -q 'errors of the shape over the shape without voltages, because the target is zero' "$dir/out" && [ "$(sed -n 2p "$dir/zero.csv" | cut -d, -f3)" = 1 ]
