@@ -17,9 +17,9 @@ enum { FIELDS = 5 };
 
 static const double xi1[4] = {-1, 1, 1, -1}, xi2[4] = {-1, -1, 1, 1};
 
-/* Shape functions of the potentials of an element. */
+/* Shape functions of the electric potentials at the corners of an element. */
 typedef struct shapes {
-    double mean[4];        /* mean of the bilinear shape function of each corner */
+    double mean[4]; /* mean, over the element, of the bilinear shape function of each corner */
     double gradient[4][2]; /* gradient of each shape function at the centre of the element, along
                               the axes 1 and 2 of the shell (1/m) */
     double twist[4];       /* coefficient of xi1 xi2 in each shape function, less the part that
@@ -27,8 +27,10 @@ typedef struct shapes {
     double dual[2][2];     /* gradients of xi1 and xi2 along the axes 1 and 2 of the shell (1/m) */
 } shapes;
 
-/* Compute the gradients of the natural coordinates xi1 and xi2 in the middle of a ply
- * (shapes.dual). */
+/*
+ * Compute the gradients of the natural coordinates xi1 and xi2 of an element in the middle of a
+ * ply.
+ */
 static void fill_dual(const laminate *laminate, const scene_element *element,
                       const laminate_place *place, int ply, double dual[2][2])
 {
@@ -59,8 +61,8 @@ static void fill_shapes(const laminate *laminate, const scene_element *element,
 }
 
 /*
- * List the five fields of a ply, each of unit size: the voltage, then the field along axis 1 at the
- * inner and at the outer face, then those along axis 2.
+ * List the five electric fields of a ply, each of unit size: the voltage, then the field along axis
+ * 1 at the inner and at the outer face, then those along axis 2.
  */
 static void list_fields(int ply, laminate_field field[FIELDS])
 {
@@ -74,8 +76,9 @@ static void list_fields(int ply, laminate_field field[FIELDS])
 }
 
 /*
- * Compute the coefficients of the five fields per volt of the potential with index `node`. An
- * electric field is minus the gradient of the potential.
+ * Compute the coefficients of the five electric fields of a ply (voltage, fields along the two axes
+ * at both faces) per volt of the potential with index `node`. An electric field is minus the
+ * gradient of the potential.
  */
 static void coefficients(const shapes *shapes, int node, double coefficient[FIELDS])
 {

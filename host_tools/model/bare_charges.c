@@ -6,20 +6,24 @@
 #include "bare_charges.h"
 #include "load_forces.h"
 
-/* Address of the charge at an electrode or potential, by its row, per unit of an input. */
+/*
+ * Return the address of the charge, per unit of an input, at the electrode or node with an electric
+ * potential that has a given row in the table of electrodes.
+ */
 static double *entry_of(const design *design, double *dense, int row, int input)
 {
     return dense + (size_t)row * design->structure.input.count + (size_t)input;
 }
 
-/* Row of a potential in the table of electrodes. */
+/* Return the row of an electric potential in the table of electrodes. */
 static int row_of(const design *design, int potential)
 {
     return design->electrodes.count - design->bare.count + potential;
 }
 
 /*
- * Compute the charges at the eight potentials of a layer in an element that a uniform field draws.
+ * Compute the charges that a uniform field (voltage or temperature) draws at the eight electric
+ * potentials of a layer in an element.
  */
 static void charges_of(const design *design, int layer, int element, const laminate_field *uniform,
                        double charge[POTENTIAL_NODES])
@@ -52,8 +56,8 @@ void bare_charges_add_electrode(const design *design, int element, int ply, doub
 }
 
 /*
- * Add the charges that one temperature, times a factor, causes at the potentials of a layer in an
- * element, in the column of its input.
+ * Add the charges that one temperature, times a factor, causes at the electric potentials of a layer
+ * in an element, in the column of its input.
  */
 static void add_temperature(const design *design, int layer, int element,
                             const laminate_field *temperature, double factor, int input,
@@ -90,7 +94,10 @@ static void add_temperatures(const design *design, int layer, int element, doubl
         }
 }
 
-/* Add the charges at the potentials of a layer in an element per volt of those of another layer. */
+/*
+ * Add the charges at the electric potentials of a layer in an element per volt of those of another
+ * layer.
+ */
 static void add_pair(const design *design, int layer, int other, int element, double *dense)
 {
     const double(*capacitance)[POTENTIAL_NODES] =

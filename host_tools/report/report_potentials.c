@@ -6,7 +6,10 @@
 #include "../text/words.h"
 #include "report.h"
 
-/* Write the name of the array of a face: layer, face and unit. */
+/*
+ * Write the name of the array with the electric potentials of a face of a layer: layer, face and
+ * unit.
+ */
 static void name_array(const design *design, int layer, int face, report_array *array)
 {
     char unit[WORDS_UNIT];

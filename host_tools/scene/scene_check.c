@@ -473,7 +473,7 @@ static int check_loads(const scene *scene, char *error)
     return 0;
 }
 
-/* ---- bare faces (without electrodes) ---- */
+/* ---- bare faces ---- */
 
 /*
  * Check neighbouring layers of which both have bare faces (without electrodes): the face between
