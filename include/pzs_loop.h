@@ -943,9 +943,9 @@ extern const pzs_block_type pzs_amplifier_block;
  * whose static shape changes slowly, the detector finds nothing; pzs_pulse_detector_block is for
  * such loops.
  */
-#define PZS_DELAY_LIMIT                                                                            \
-    16 /* Largest delay of the measured shapes or readings that the blocks of a loop accept        \
-          (ticks). */
+
+/* Largest delay of the measured shapes or readings that the blocks of a loop accept (ticks). */
+#define PZS_DELAY_LIMIT 16
 
 typedef enum pzs_electrode_state {
     PZS_ELECTRODE_OBSERVED = 0,

@@ -56,8 +56,8 @@ void bare_charges_add_electrode(const design *design, int element, int ply, doub
 }
 
 /*
- * Add the charges that one temperature, times a factor, causes at the electric potentials of a layer
- * in an element, in the column of its input.
+ * Add the charges that one temperature, times a factor, causes at the electric potentials of a
+ * layer in an element, in the column of its input.
  */
 static void add_temperature(const design *design, int layer, int element,
                             const laminate_field *temperature, double factor, int input,

@@ -25,7 +25,10 @@ bool bare_faces_has(const bare_faces *bare, int layer, int element)
            place_of(bare->mesh, element)->present_plies >> layer & 1u;
 }
 
-/* Return whether the inner (face 0) or the outer (face 1) face of a layer is bare. */
+/*
+ * Return whether the inner (face 0) or the outer (face 1) face of a layer is bare (without
+ * electrode).
+ */
 static bool face_is_bare(const bare_faces *bare, int layer, int face)
 {
     return bare->layer[layer].bare & (face ? BARE_OUTER : BARE_INNER);

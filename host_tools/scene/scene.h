@@ -77,8 +77,8 @@ typedef struct scene_equilibrium {
                                     resultants, before those of the present displacement are used;
                                     0: Newton's method throughout */
     int ramp_solves;   /* number of linear solves at the start of a load step over which the loads
-                          rise in equal parts to those of its end; 1: the first solve has them all
-                        */
+                          rise in equal parts to those of its end; 1: the first linear solve has the
+                          loads of the end */
     int linear_solves; /* largest number of systems of linear equations that are solved for one
                           nonlinear equilibrium */
     scene_at at;

@@ -27,9 +27,12 @@
  * Hessian (tableau).
  */
 #define TOGETHER (PZS_WIDE ? 8u : 1u)
-#define BLOCK_WIDE                                                                                 \
-    PZS_BY_TILE(4u, 16u, 32u) /* number of columns of the wide blocks in which the optimiser's     \
-                                 pivoted Hessian (tableau) is updated */
+
+/*
+ * Number of columns of the wide blocks in which the optimiser's pivoted Hessian (tableau) is
+ * updated.
+ */
+#define BLOCK_WIDE PZS_BY_TILE(4u, 16u, 32u)
 
 pzs_real pzs_tableau_independence(const pzs_optimiser *optimiser, uint32_t k)
 {

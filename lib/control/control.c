@@ -36,9 +36,8 @@
  */
 #define DAMPED_TOLERANCE PZS_R(1e-3)
 
-#define SMALLEST_SQUARE                                                                            \
-    PZS_BY_BITS(1e-31f, 1e-292) /* smallest square of a displacement that loses no digits by       \
-                                   underflow (m2) */
+/* Smallest square of a displacement that loses no digits by underflow (m2). */
+#define SMALLEST_SQUARE PZS_BY_BITS(1e-31f, 1e-292)
 
 /* ---- step ------------------------------------------------------------ */
 

@@ -60,9 +60,10 @@
 #define TEST_SHAPES 24u
 /* Number of measured shapes for which an electrode that has passed a test is not tested again. */
 #define CLEARED_SHAPES 100u
-#define NO_INPUT                                                                                   \
-    0xFFFFu /* value of the input number of a test signal of the fault detector that is not in use \
-             */
+
+/* Value of the input number of a test signal of the fault detector that is not in use. */
+#define NO_INPUT 0xFFFFu
+
 /*
  * The fault detector works only while at most a fixed part (1/MISSING_LIMIT) of all outputs have no
  * measurement.

@@ -84,9 +84,8 @@ static pzs_status check(const pzs_supervision *tables, const pzs_problem *proble
 
 /* ---- transitions -------------------------------------------------------- */
 
-#define STAY                                                                                       \
-    PZS_MODES /* entry of the transition table for an event that does not change the operating     \
-                 mode */
+/* Entry of the transition table for an event that does not change the operating mode. */
+#define STAY PZS_MODES
 
 /*
  * Transition table of the supervisor: the next operating mode for each operating mode (row) and

@@ -17,9 +17,11 @@
 
 #if PZS_VFP
 
-#define GROUP_LIMIT                                                                                \
-    15u /* Largest number of matrix columns that one assembler loop processes, so that a row fits  \
-           into registers. */
+/*
+ * Largest number of matrix columns that one assembler loop processes, so that a row fits into
+ * registers.
+ */
+#define GROUP_LIMIT 15u
 
 /*
  * Assembler instructions for the entries of one matrix row in the registers from s16 on and the
