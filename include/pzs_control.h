@@ -137,7 +137,7 @@ pzs_status pzs_problem_seal(pzs_problem *problem);
  * work limit of the optimiser (multiply-adds).
  */
 #define PZS_LIMIT_ROW_WORK_LEAST(inputs, rows)                                                     \
-    (PZS_WORK_LEAST((inputs) + (rows)) + 6u * PZS_PRODUCT_WORK((inputs) + (rows)))
+    (PZS_WORK_LEAST((inputs) + (rows)) + 10u * PZS_PRODUCT_WORK((inputs) + (rows)))
 #define PZS_LIMIT_ROW_WORK_LIMIT(inputs, rows) PZS_WORK_LIMIT((inputs) + (rows))
 
 /*
@@ -190,11 +190,12 @@ typedef struct pzs_control {
  * addition to PZS_CONTROL_BYTES, or to the memory of a block that holds a controller (bytes).
  * PZS_LIMIT_ROW_VECTORS is the number of vectors that this memory holds.
  */
-#define PZS_LIMIT_ROW_VECTORS (10u + PZS_PENDING)
+#define PZS_LIMIT_ROW_VECTORS (12u + PZS_PENDING)
 #define PZS_LIMIT_ROW_BYTES(inputs, rows)                                                          \
     (sizeof(pzs_row_solver) + 16u +                                                                \
-     sizeof(pzs_real) * ((size_t)(inputs) + (size_t)(rows) + PZS_LIMIT_ROW_VECTORS) *              \
-         PZS_CONTROL_WIDTH((size_t)(inputs) + (size_t)(rows)))
+     sizeof(pzs_real) * (((size_t)(inputs) + (size_t)(rows) + PZS_LIMIT_ROW_VECTORS) *             \
+                             PZS_CONTROL_WIDTH((size_t)(inputs) + (size_t)(rows)) +                \
+                         (size_t)(inputs) * ((size_t)(inputs) + 3u) / 2u))
 
 /*
  * Return the size of the workspace of a controller for a voltage problem, including the memory of

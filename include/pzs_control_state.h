@@ -59,8 +59,7 @@ typedef struct pzs_exchange {
     uint32_t input;
     pzs_real sign;  /* sign of the pivot of the exchange, which is the diagonal entry of the
                        exchanged input before the exchange: +1 or -1 */
-    pzs_real scale; /* 1 / square root of the absolute value of the pivot of an exchange; negative
-                       if the exchange belongs to a limit row (limit of a sum of voltages) */
+    pzs_real scale; /* 1 / square root of the absolute value of the pivot of an exchange */
     pzs_real pivot; /* diagonal entry of the tableau (pivoted Hessian) that belongs to the exchanged
                        input, after the exchange */
 } pzs_exchange;
@@ -90,8 +89,10 @@ typedef struct pzs_optimiser {
     pzs_exchange *exchange; /* [pending_most] pivot exchanges whose updates `pending` holds: the
                                array `collected`, or memory of the dual method while the tableau
                                (pivoted Hessian) is computed */
-    pzs_real *waiting; /* [width >= inputs] 1 for an input that is to join the free set again while
-                          the tableau (pivoted Hessian) is recomputed, else 0 */
+    pzs_real *waiting; /* [width >= inputs] while the tableau (pivoted Hessian) is recomputed, 1 for
+                          an input that is to join the free set again; in iterations of the dual
+                          method, 1 for an input that is ignored because only rounding errors move
+                          it outside its bounds; else 0 */
     pzs_real *factor;  /* [inputs (inputs + 1) / 2] dual method: Cholesky factor of the inverse of
                           the Hessian restricted to the active set, lower triangle row by row */
     pzs_real *side;    /* [inputs] dual method: bound at which an active input stays, -1 for the
@@ -141,6 +142,11 @@ typedef struct pzs_optimiser {
      * its diagonal entry of the Hessian, is below this number (1)
      */
     pzs_real pivot_floor;
+    pzs_real pivot_rounding;    /* dual method: estimated rounding error of the pivots of limit rows
+                                   (limits of sums of voltages) (V2/m2); 0: the problem has none */
+    pzs_real multiplier_change; /* dual method: sum of the changes of multipliers in the present
+                                   round of iterations, from which rounding errors of the voltages
+                                   are estimated (m2/V) */
     pzs_real model_rounding; /* rounding-error bound of the entries of model_gradient, the part of
                                 the gradient that depends on the voltages (m2/V) */
     pzs_real start_rounding; /* rounding-error bound of start_gradient, the gradient at the start of
@@ -157,6 +163,7 @@ typedef struct pzs_optimiser {
                                  optimality (KKT) conditions (m2/V) */
     uint32_t active_count;  /* number of inputs in the active set, whose voltages are kept constant
                              */
+    uint32_t active_most;   /* dual method: largest number of inputs that the active set may hold */
     uint32_t checked_next;  /* index of the next input for which the gradient is computed exactly to
                                verify the tableau (pivoted Hessian) */
     uint32_t pending_count; /* number of pivot exchanges collected but not yet applied to the
@@ -190,32 +197,27 @@ typedef struct pzs_optimiser {
  * length `width`, a multiple of PZS_TILE.
  */
 typedef struct pzs_row_solver {
-    pzs_optimiser extended; /* state of the optimiser (pivoted matrix, active set and vectors) for
+    pzs_optimiser extended; /* state of the optimiser (response matrix, active set and vectors) for
                                the inputs together with the limit rows, which are limits of sums of
                                voltages */
-    pzs_real *margin; /* [width >= inputs + rows] for a limit row (limit of a sum of voltages) the
-                         distance by which the optimiser narrows the row, so that its sum is inside
-                         its limits despite rounding errors; for an input the largest of these
-                         distances (V) */
-    pzs_real predicted_decrease; /* decrease of half the objective that the optimiser's pivoted
-                                    matrix predicts for the complete step along the search direction
-                                    (m2) */
-    pzs_real gap; /* upper bound of the distance of half the objective from its minimum, valid if no
-                     Lagrange multiplier has the wrong sign (m2) */
-    pzs_real last_violation; /* violation of the optimality (KKT) conditions at the start of the
-                                last round of iterations (m2/V) */
-    pzs_real largest_size;   /* largest absolute pivot among the free voltages and sums of voltages,
-                                those not kept at a bound, since the optimiser's pivoted matrix was
-                                last computed anew (V2/m2); the rounding errors of this matrix are
-                                estimated from it */
-    pzs_real least_rounding; /* rounding-error bound of the violation of the optimality (KKT)
-                                conditions at the start of the voltage step (m2/V); 0: not yet
-                                computed */
+    pzs_real *scale;   /* [width >= inputs + rows] for a limit row (limit of a sum of voltages) the
+                          reciprocal of its largest absolute coefficient, by which the optimiser
+                          multiplies the row; the entries of the inputs are not used */
+    pzs_real *margin;  /* [width >= inputs + rows] for a limit row (limit of a sum of voltages) the
+                          distance by which the optimiser narrows the row, so that its sum is inside
+                          its limits despite rounding errors; for an input the largest of these
+                          distances (V) */
+    pzs_real gap;      /* upper bound of the distance of half the objective from its minimum (m2) */
+    pzs_real last_gap; /* `gap` at the start of the last round of iterations if that round lowered
+                          the objective by no more than its rounding error, else infinity (m2) */
+    pzs_real least_curvature; /* smallest diagonal entry that the Hessian may have after a shift of
+                                 its diagonal by the optimiser, relative to its largest diagonal
+                                 entry (1); 0: the Hessian is not shifted */
+    pzs_real least_rounding;  /* rounding-error bound of the violation of the optimality (KKT)
+                                 conditions at the start of the voltage step (m2/V); 0: not yet
+                                 computed */
     uint32_t failures; /* number of rounds of iterations in this voltage step that did not lower the
                           objective */
-    bool is_least_index; /* whether the last iteration has left all voltages unchanged; the next
-                            iteration then frees the input or limit row (limit of a sum of voltages)
-                            with the smallest index, which excludes cycles */
 } pzs_row_solver;
 
 /*

@@ -795,12 +795,7 @@ static void undo_round(pzs_optimiser *optimiser)
         pzs_boxls_true_gradient(optimiser);
 }
 
-/*
- * After a round of iterations of the dual method that ended before its optimum, go back on the
- * straight line to the voltages at the start of the round, to the minimum of the objective on this
- * line.
- */
-static void shorten_round(pzs_optimiser *optimiser)
+bool pzs_boxls_shorten(pzs_optimiser *optimiser)
 {
     pzs_real *way = optimiser->scratch, *change = optimiser->direction;
     const size_t span = optimiser_span(optimiser);
@@ -809,12 +804,12 @@ static void shorten_round(pzs_optimiser *optimiser)
     const pzs_real slope = pzs_product_dot(optimiser->start_gradient, way, optimiser->width);
     const pzs_real curvature = pzs_product_dot(change, way, optimiser->width);
     if (!(slope < 0 && -slope < curvature))
-        return;
+        return false;
     for (uint32_t i = 0; i < optimiser->inputs; i++)
         optimiser->voltage[i] =
             number_clamp(optimiser->start_voltage[i] - slope / curvature * way[i],
                          optimiser->lower[i], optimiser->upper[i]);
-    pzs_boxls_true_gradient(optimiser);
+    return true;
 }
 
 /*
@@ -838,8 +833,9 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
     }
     const bool was_predicted = optimiser->is_predicted;
     pzs_boxls_true_gradient(optimiser);
-    if (!complete)
-        shorten_round(optimiser);
+    /* A round of the dual method may end before its optimum, with voltages worse than before. */
+    if (!complete && pzs_boxls_shorten(optimiser))
+        pzs_boxls_true_gradient(optimiser);
     optimiser->is_predicted = was_predicted;
 }
 

@@ -75,6 +75,13 @@ void pzs_boxls_optimise(pzs_optimiser *optimiser);
 bool pzs_boxls_has_decreased(const pzs_optimiser *optimiser);
 
 /*
+ * Move the voltages, after a round of iterations, back on the straight line to those at its start,
+ * to the minimum of the objective on this line. Returns whether they have moved; the gradient must
+ * then be computed anew. The arrays scratch and direction of the optimiser are overwritten.
+ */
+bool pzs_boxls_shorten(pzs_optimiser *optimiser);
+
+/*
  * Return the largest violation of the optimality (KKT) conditions by voltages [width] with a
  * gradient [width] of the objective (m2/V), where the width is the number of inputs rounded up to a
  * multiple of PZS_TILE. The array scratch of the optimiser is overwritten.

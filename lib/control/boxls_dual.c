@@ -25,6 +25,18 @@
  * rounding error.
  */
 #define ROUNDING_FACTOR 8
+/*
+ * A voltage or limited sum of voltages counts as linearly independent of the active ones if its
+ * pivot exceeds this multiple of pivot_rounding, the estimated rounding error of the pivots.
+ */
+#define CERTAIN PZS_BY_BITS(4, 16)
+/*
+ * Factor by which pivot_rounding, the estimated rounding error of the pivots, exceeds the rounding
+ * error of a voltage or limited sum of voltages after a unit change of the multipliers.
+ */
+#define PIVOT_TO_VALUE 16
+/* Length of a row below which a loop subtracts it faster than a function for long vectors does. */
+#define SHORT_ROW 16u
 
 /*
  * Work arrays of the dual method. They use the memory of the vectors in which the primal method
@@ -43,6 +55,7 @@ void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work)
     optimiser->factor = work;
     optimiser->side = work + inputs * (inputs + 1u) / 2u;
     optimiser->order = (uint16_t *)(optimiser->side + inputs);
+    optimiser->active_most = optimiser->inputs;
 }
 
 /* Return the bound at which the voltage of active input i is kept (V). */
@@ -86,8 +99,14 @@ static void solve_upper(const pzs_optimiser *optimiser, pzs_real *vector)
 {
     for (uint32_t k = optimiser->active_count; k-- > 0;) {
         const pzs_real *row = factor_row(optimiser, k);
-        vector[k] /= row[k];
-        subtract_multiple(vector, row, vector[k], k);
+        const pzs_real entry = vector[k] / row[k];
+        vector[k] = entry;
+        if (k < SHORT_ROW) {
+            for (uint32_t j = 0; j < k; j++)
+                vector[j] -= entry * row[j];
+        } else {
+            subtract_multiple(vector, row, entry, k);
+        }
     }
 }
 
@@ -149,8 +168,7 @@ static void leave_active_set(pzs_optimiser *optimiser, uint32_t k)
     optimiser->work += 2u * (uint64_t)last * (last - k);
 }
 
-/* Make all inputs free, so that no voltage is kept at a bound. */
-static void free_all(pzs_optimiser *optimiser)
+void pzs_dual_free_all(pzs_optimiser *optimiser)
 {
     for (uint32_t i = 0; i < optimiser->inputs; i++)
         optimiser->free_set[i] = 1;
@@ -165,7 +183,7 @@ static void free_all(pzs_optimiser *optimiser)
 static bool is_order_valid(const pzs_optimiser *optimiser)
 {
     pzs_real *seen = work_array(optimiser, SOLUTION);
-    if (optimiser->active_count > optimiser->inputs)
+    if (optimiser->active_count > optimiser->active_most)
         return false;
     memset(seen, 0, optimiser->width * sizeof *seen);
     for (uint32_t k = 0; k < optimiser->active_count; k++) {
@@ -183,7 +201,7 @@ void pzs_dual_check(pzs_optimiser *optimiser)
     for (uint32_t k = 0; is_valid && k < optimiser->active_count; k++)
         is_valid = number_is_finite(bound_of(optimiser, optimiser->order[k]));
     if (!is_valid)
-        free_all(optimiser);
+        pzs_dual_free_all(optimiser);
 }
 
 uint64_t pzs_dual_round_work(const pzs_optimiser *optimiser)
@@ -217,14 +235,9 @@ static void add_columns(pzs_optimiser *optimiser, pzs_real *vector, const pzs_re
     optimiser->work += (uint64_t)optimiser->active_count * optimiser->width;
 }
 
-/*
- * Change the multipliers of the active inputs, in the array `direction`, so that the voltages of
- * the active inputs reach their bounds, and let the voltages of the free inputs follow.
- *   next [width] in/out  voltages of all inputs (V)
- */
-static void move_to_bounds(pzs_optimiser *optimiser, pzs_real *next)
+void pzs_dual_move_to_bounds(pzs_optimiser *optimiser)
 {
-    pzs_real *change = work_array(optimiser, CHANGE);
+    pzs_real *next = optimiser->next_voltage, *change = work_array(optimiser, CHANGE);
     const uint32_t count = optimiser->active_count;
     for (uint32_t k = 0; k < count; k++) {
         const uint32_t i = optimiser->order[k];
@@ -260,7 +273,7 @@ uint32_t pzs_dual_predict_step(pzs_optimiser *optimiser, pzs_real rounding)
         if (!(optimiser->free_set[i] > 0))
             optimiser->direction[i] = optimiser->gradient[i];
     }
-    move_to_bounds(optimiser, next);
+    pzs_dual_move_to_bounds(optimiser);
     for (uint32_t i = 0; i < optimiser->inputs; i++) {
         if (optimiser->free_set[i] > 0)
             optimiser->direction[i] = next[i] - optimiser->voltage[i];
@@ -321,15 +334,16 @@ static void drop_wrong(pzs_optimiser *optimiser, pzs_real rounding)
         for (uint32_t k = optimiser->active_count; k-- > 0;)
             if (number_absolute(change[k]) > 0)
                 leave_active_set(optimiser, k);
-        move_to_bounds(optimiser, next);
+        pzs_dual_move_to_bounds(optimiser);
     }
 }
 
 /*
- * Return the free input whose voltage is farthest outside its bounds, or the number of inputs if
- * all voltages are inside up to rounding errors.
+ * Choose the free input whose voltage is farthest outside its bounds, set its multiplier to zero,
+ * and note at which bound it is to become active. Returns the number of inputs if all voltages are
+ * inside up to rounding errors.
  */
-static uint32_t farthest_outside(const pzs_optimiser *optimiser)
+static uint32_t choose_outside(const pzs_optimiser *optimiser)
 {
     const pzs_real *next = optimiser->next_voltage;
     pzs_real largest = 0, most = 0;
@@ -337,12 +351,18 @@ static uint32_t farthest_outside(const pzs_optimiser *optimiser)
     for (uint32_t i = 0; i < optimiser->inputs; i++) {
         const pzs_real size = number_absolute(next[i]);
         const pzs_real below = optimiser->lower[i] - next[i], above = next[i] - optimiser->upper[i];
-        const pzs_real outside = (below > above ? below : above) * optimiser->free_set[i];
+        const pzs_real counts = optimiser->free_set[i] - optimiser->waiting[i];
+        const pzs_real outside = (below > above ? below : above) * counts;
         largest = size > largest ? size : largest;
         farthest = outside > most ? i : farthest;
         most = outside > most ? outside : most;
     }
-    return most > ROUNDING_FACTOR * PZS_EPSILON * largest ? farthest : optimiser->inputs;
+    if (!(most > ROUNDING_FACTOR * PZS_EPSILON * largest))
+        return optimiser->inputs;
+    optimiser->direction[farthest] = 0;
+    optimiser->side[farthest] =
+        next[farthest] > optimiser->upper[farthest] ? (pzs_real)1 : (pzs_real)-1;
+    return farthest;
 }
 
 /*
@@ -367,7 +387,8 @@ static pzs_real find_factor_row(pzs_optimiser *optimiser, uint32_t i)
  */
 static pzs_real least_pivot(const pzs_optimiser *optimiser, uint32_t i)
 {
-    return optimiser->pivot_floor * -optimiser->tableau[i * (size_t)optimiser->width + i];
+    return optimiser->pivot_floor * -optimiser->tableau[i * (size_t)optimiser->width + i] +
+           CERTAIN * optimiser->pivot_rounding;
 }
 
 /*
@@ -423,32 +444,43 @@ static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_r
  * Make one iteration of the dual method: change the multiplier of free input i, whose voltage is
  * outside its bounds, until the voltage reaches its bound and the input becomes active, or until
  * the multiplier of an active input becomes zero and this input becomes free. Returns false if
- * neither happens.
+ * neither happens. choose_outside has noted the bound, so that it stays the one that was exceeded,
+ * even if rounding errors move the voltage past it between two iterations.
  */
-static bool pull_inside(pzs_optimiser *optimiser, uint32_t i, pzs_real *multiplier)
+static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
 {
     pzs_real *next = optimiser->next_voltage;
-    const pzs_real pivot = find_response(optimiser, i);
-    const bool is_above = next[i] > optimiser->upper[i];
-    const pzs_real sense = is_above ? (pzs_real)-1 : (pzs_real)1;
-    const pzs_real bound = is_above ? optimiser->upper[i] : optimiser->lower[i];
-    pzs_real part =
-        pivot > least_pivot(optimiser, i) ? sense * (bound - next[i]) / pivot : (pzs_real)HUGE_VAL;
-    const uint32_t zero = first_zero(optimiser, sense, &part), count = optimiser->active_count;
-    if (!number_is_finite(part))
-        return false;
+    const pzs_real sense = -optimiser->side[i], pivot = find_response(optimiser, i);
+    const pzs_real bound = bound_of(optimiser, i);
+    const pzs_real outside = sense * (bound - next[i]);
+    const uint32_t count = optimiser->active_count;
+    const bool may_join = pivot > least_pivot(optimiser, i) && count < optimiser->active_most;
+    pzs_real part = outside > 0 ? outside / pivot : 0;
+    if (!may_join)
+        part = (pzs_real)HUGE_VAL;
     const pzs_real *change = work_array(optimiser, CHANGE),
                    *response = work_array(optimiser, RESPONSE);
+    /*
+     * Rounding errors explain why a voltage or sum that depends linearly on the active ones is
+     * outside its bounds: the present round of iterations ignores it.
+     */
+    if (!may_join &&
+        PIVOT_TO_VALUE * outside <= optimiser->pivot_rounding * optimiser->multiplier_change) {
+        optimiser->waiting[i] = 1;
+        return true;
+    }
+    const uint32_t zero = first_zero(optimiser, sense, &part);
+    if (!number_is_finite(part))
+        return false;
+    optimiser->multiplier_change += part;
     subtract_multiple(next, response, -sense * part, optimiser->inputs);
     for (uint32_t k = 0; k < count; k++)
         optimiser->direction[optimiser->order[k]] += sense * part * change[k];
-    *multiplier += sense * part;
+    optimiser->direction[i] += sense * part;
     if (zero < count) {
         leave_active_set(optimiser, zero);
     } else {
         join_active_set(optimiser, i, work_array(optimiser, SOLUTION), pivot);
-        optimiser->side[i] = -sense;
-        optimiser->direction[i] = *multiplier;
         next[i] = bound;
     }
     return true;
@@ -474,18 +506,17 @@ static bool may_iterate(pzs_optimiser *optimiser)
 bool pzs_dual_iterate(pzs_optimiser *optimiser, pzs_real rounding)
 {
     const uint32_t most = optimiser->iterations + 4u * optimiser->inputs + 8u;
-    pzs_real *next = optimiser->next_voltage, multiplier = 0;
+    pzs_real *next = optimiser->next_voltage;
     optimiser->is_cut = false;
+    memset(optimiser->waiting, 0, optimiser->width * sizeof *optimiser->waiting);
     drop_wrong(optimiser, rounding);
-    uint32_t outside = farthest_outside(optimiser);
+    uint32_t pulled = choose_outside(optimiser);
     bool goes_on = !optimiser->is_cut;
-    while (goes_on && outside < optimiser->inputs) {
+    while (goes_on && pulled < optimiser->inputs) {
         goes_on = optimiser->iterations < most && may_iterate(optimiser) &&
-                  pull_inside(optimiser, outside, &multiplier);
-        if (goes_on && !(optimiser->free_set[outside] > 0)) {
-            outside = farthest_outside(optimiser);
-            multiplier = 0;
-        }
+                  pull_inside(optimiser, pulled);
+        if (goes_on && (!(optimiser->free_set[pulled] > 0) || optimiser->waiting[pulled] > 0))
+            pulled = choose_outside(optimiser);
     }
     for (uint32_t k = 0; k < optimiser->active_count; k++)
         next[optimiser->order[k]] = bound_of(optimiser, optimiser->order[k]);

@@ -44,6 +44,16 @@ bool pzs_dual_is_at_bounds(const pzs_optimiser *optimiser);
  */
 uint32_t pzs_dual_predict_step(pzs_optimiser *optimiser, pzs_real rounding);
 
+/* Make all inputs free, so that no voltage is kept at a bound. */
+void pzs_dual_free_all(pzs_optimiser *optimiser);
+
+/*
+ * Change the multipliers of the active inputs, in the array `direction`, so that the voltages of
+ * the active inputs in next_voltage reach their bounds, and let the voltages of the free inputs
+ * follow.
+ */
+void pzs_dual_move_to_bounds(pzs_optimiser *optimiser);
+
 /*
  * Iterate from the voltages after the predicted step until no voltage is outside its bounds and no
  * multiplier has the wrong sign, or until the work limit stops the iterations. The voltages of the

@@ -160,12 +160,6 @@ void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict ro
 
 void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row)
 {
-    pzs_tableau_exchange_side(optimiser, k, row, 1);
-}
-
-void pzs_tableau_exchange_side(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row,
-                               pzs_real side)
-{
     if (optimiser->pending_count == optimiser->pending_most)
         pzs_tableau_apply(optimiser);
     const size_t width = optimiser->width, span = optimiser_span(optimiser);
@@ -177,10 +171,10 @@ void pzs_tableau_exchange_side(pzs_optimiser *optimiser, uint32_t k, pzs_real *r
     set_multiple(update, row, scale, span);
     for (size_t i = 0; i < span; i++)
         optimiser->pivot[i] -= sign * update[i] * update[i];
-    update[k] = -sign * side * scale;
-    set_multiple(row, update, side * scale, span);
+    update[k] = -sign * scale;
+    set_multiple(row, update, scale, span);
     row[k] = optimiser->pivot[k] = -1 / pivot;
-    optimiser->exchange[optimiser->pending_count++] = (pzs_exchange){k, sign, side * scale, row[k]};
+    optimiser->exchange[optimiser->pending_count++] = (pzs_exchange){k, sign, scale, row[k]};
     optimiser->free_set[k] = 1 - optimiser->free_set[k];
     optimiser->active_count += optimiser->free_set[k] > 0 ? UINT32_MAX : 1u;
     optimiser->exchanges++;

@@ -52,15 +52,6 @@ void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict ro
 void pzs_tableau_exchange(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);
 
 /*
- * Make one pivot exchange in a tableau (pivoted Hessian) that has a row for each input and for each
- * limit row (limit of a weighted sum of voltages).
- *   row [width] in/out  row k of the tableau before and after the exchange
- *   side        in      1 for an input; -1 for a limit row, whose pivots have the opposite signs
- */
-void pzs_tableau_exchange_side(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row,
-                               pzs_real side);
-
-/*
  * Apply the collected pivot exchanges to all entries of the tableau, the optimiser's pivoted
  * Hessian. On hosts with the vector unit AVX2, while the tableau is computed anew, only the entries
  * up to the diagonal are kept up to date.

@@ -203,8 +203,9 @@ static wide duality_gap(const rig *r)
         voltage[j] = r->b.control.info.voltage[j];
     (void)objective(&r->b, voltage, gradient);
     for (unsigned k = 0; k < r->rows.sums.count; k++) {
-        const bool is_active = solver->extended.free_set[n + k] > 0;
-        wide multiplier = is_active ? (wide)solver->extended.direction[n + k] : 0;
+        const bool is_active = !(solver->extended.free_set[n + k] > 0);
+        wide multiplier =
+            is_active ? (wide)solver->scale[n + k] * solver->extended.direction[n + k] : 0;
         if (multiplier > 0 ? isinf(r->low[k]) : isinf(r->high[k]))
             multiplier = 0;
         const wide sum = pzs_limit_rows_sum(&r->rows, k, r->b.control.info.voltage);
