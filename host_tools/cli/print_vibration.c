@@ -189,7 +189,8 @@ void print_vibration_summary(const certificate *certificate, bool is_quasi_stati
             loop->observed, loop->observed_from, loop->observed_to, loop->storms - loop->failed,
             loop->storms);
     else if (loop->is_made)
-        printf("the tick damps no mode, all are too fast; %d of %d storms (stress tests) settle\n",
+        printf("the tick damps no mode, %s; %d of %d storms (stress tests) settle\n",
+               loop->has_slow_mode ? "none moves the target enough" : "all are too fast",
                loop->storms - loop->failed, loop->storms);
     else if (certificate->is_made)
         print_no_model(certificate, is_quasi_static);

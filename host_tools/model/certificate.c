@@ -170,6 +170,12 @@ static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEX
         text_append(text, CERTIFICATE_TEXT,
                     "The damped tick is stable and damps %d mode%s from %.4g to %.4g Hz.",
                     loop->observed, plural(loop->observed), loop->observed_from, loop->observed_to);
+    else if (loop->has_slow_mode)
+        text_append(
+            text, CERTIFICATE_TEXT,
+            "The tick is stable and damps no mode, because none moves the target, without its free "
+            "functions,\nor none can be observed with so few amplifiers and sensors:\n"
+            "it follows the static optimum so slowly that vibration decays by itself.");
     else
         text_append(
             text, CERTIFICATE_TEXT,

@@ -71,6 +71,7 @@ typedef struct certificate_loop {
                        storm (simulation with fast jumps of the target) settles */
     int modes;      /* number of vibration modes of the structure in these simulations */
     int observed;   /* number of vibration modes that the observer of the control tick estimates */
+    bool has_slow_mode; /* true where the first mode turns slowly enough in a tick to be observed */
     double observed_from, observed_to; /* lowest and highest natural frequency of the vibration
                                           modes that the control tick observes (Hz) */
     double radius; /* largest growth factor of small vibrations per tick, without limits */

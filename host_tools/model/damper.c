@@ -390,6 +390,9 @@ static int build(builder *builder, char *error)
                            model->modes);
     fill_tables(builder);
     builder->damper->modes = (int)model->modes;
+    const size_t first = (size_t)vibration_first(builder->vibration);
+    builder->damper->has_slow_mode = first < (size_t)builder->vibration->count &&
+                                     angle_of(builder, first) <= builder->settings.observed;
     builder->damper->is_used = true;
     return 0;
 }
@@ -470,8 +473,10 @@ void damper_text(const damper *damper, char text[SCENE_ERROR])
     if (modes == 0)
         snprintf(text, SCENE_ERROR,
                  "The tick follows the static optimum slowly, at %g ticks a second with readings "
-                 "taken to be %u ticks old; every mode is too fast to be observed.",
-                 damper->rate, damper->tables.delay);
+                 "taken to be %u ticks old; %s.",
+                 damper->rate, damper->tables.delay,
+                 damper->has_slow_mode ? "no mode moves the target enough to be observed"
+                                       : "every mode is too fast to be observed");
     else
         snprintf(text, SCENE_ERROR,
                  "The tick observes and damps vibration: %d modes from %.4g to %.4g Hz, at %g "

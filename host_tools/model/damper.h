@@ -20,9 +20,10 @@ typedef struct damper {
     char reason[SCENE_ERROR]; /* where the control tick must damp vibration but cannot, the reason;
                                  otherwise empty */
     int modes;                /* number of vibration modes that the control tick observes */
-    double *frequency;        /* [modes] natural frequencies of the observed modes (Hz) */
-    double rate;              /* rate of the control tick that damps vibration (1/s) */
-    double *memory;           /* one allocation that holds all arrays of the tables for damping */
+    bool has_slow_mode; /* true where the first mode turns slowly enough in a tick to be observed */
+    double *frequency;  /* [modes] natural frequencies of the observed modes (Hz) */
+    double rate;        /* rate of the control tick that damps vibration (1/s) */
+    double *memory;     /* one allocation that holds all arrays of the tables for damping */
     pzs_vibration tables;
 } damper;
 

@@ -376,6 +376,7 @@ static int try_choice(trial *trial, int choice, damper_options *options, certifi
     loop->is_stable = loop->is_stable && (!loop->target.is_made || loop->target.is_stable);
     loop->modes = (int)trial->rig.modal.modes;
     loop->observed = trial->damper.modes;
+    loop->has_slow_mode = trial->damper.has_slow_mode;
     if (loop->observed > 0) {
         loop->observed_from = trial->damper.frequency[0];
         loop->observed_to = trial->damper.frequency[loop->observed - 1];

@@ -670,6 +670,11 @@ grep -q '^#define PLATE_CLOSED_LOOP_QUASI_STATIC 1' "$dir/target.h" && grep -q '
 run 0 tables plate-50-patches -o "$dir/none.h" && grep -q 'because the scene gives no tick rate: write control' "$dir/out" && grep -q 'stable up to 0.445 ticks a second' "$dir/out" &&
     run 0 tables free-form-panel -o "$dir/none.h" && grep -q 'vibration is not known: .* no density in materials' "$dir/out"
 check 'tables say why the tick has no vibration model' $?
+ones=$(printf '1,%.0s' 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18)
+run 0 new measured && cp "$dir/out" "$dir/even.yaml" && run 0 new measured-matrix && cp "$dir/out" "$dir/measured-matrix.csv" &&
+    run 0 tables "$dir/even.yaml" --set 'target.free=[piston]' --set 'control={rate: 1000}' --set "influence.modes=[{frequency: 100, shape: [${ones}1]}, {frequency: 100, shape: [${ones}1.001]}]" -o "$dir/even.h" &&
+    grep -q 'damps no mode, none moves the target enough' "$dir/out" && grep -q 'no mode moves the target enough to be observed' "$dir/even.h" && grep -q 'mode_share' "$dir/out"
+check 'slow modes that the target does not see are not called too fast' $?
 run 0 check plate-closed-loop --json && json "j['certificate']['stable'] is True and j['certificate']['storms']==30 and j['certificate']['storms_failed']==0 and
     0.9<j['certificate']['radius']<1 and 1.33<j['certificate']['margin']['gain']<5 and j['certificate']['readings_older']>=1 and j['certificate']['readings_newer']==0 and j['certificate']['modes_observed']==9 and
     j['certificate']['margin']['frequency'][0]<0.9 and j['certificate']['margin']['frequency'][1]>1.1 and j['certificate']['rate_from']<500 and j['certificate']['rate_to']>1500"

@@ -210,7 +210,11 @@ static void test_text(void **state)
     c.loop.observed = 0;
     c.loop.older = 0;
     certificate_text(&c, text);
-    assert_non_null(strstr(text, "damps no mode"));
+    assert_non_null(strstr(text, "each turns by more than 2 rad"));
+    c.loop.has_slow_mode = true;
+    certificate_text(&c, text);
+    assert_non_null(strstr(text, "none moves the target"));
+    assert_null(strstr(text, "2 rad"));
     assert_non_null(strstr(text, "ONE TICK OLDER"));
 }
 
