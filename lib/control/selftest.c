@@ -695,16 +695,30 @@ static worst_line find_worst(const pzs_selftest *selftest, const selftest_axis *
 }
 
 /*
- * Find the amplifier (or sensor) whose modelled response has the smallest angle to the measured
- * response of amplifier (or sensor) `line`. Returns its index.
+ * Return how much the measured response of an amplifier or sensor differs from a modelled response.
+ * Gains of amplifiers differ, so that only directions are compared, by the squared sine of their
+ * angle (0 to 1). Where the modelled row of a sensor contains the measured gains of the amplifiers,
+ * its size counts, too: the result is the squared difference of the two rows (1/V2).
+ */
+static pzs_real response_error(const selftest_axis *axis, const line_sums *sums)
+{
+    if (axis->has_gains)
+        return sums->measured - 2 * sums->product + sums->modelled;
+    return direction_error(sums);
+}
+
+/*
+ * Find the amplifier (or sensor) whose modelled response differs least from the measured response
+ * of amplifier (or sensor) `line`. Returns its index.
  */
 static uint32_t nearest_line(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {
+    const line_sums own = compare_lines(selftest, axis, line, line, selftest->state.null);
+    pzs_real least = response_error(axis, &own);
     uint32_t nearest = line;
-    pzs_real least = 2;
     for (uint32_t other = 0; other < axis->lines; other++) {
         const line_sums sums = compare_lines(selftest, axis, line, other, selftest->state.null);
-        const pzs_real error = direction_error(&sums);
+        const pzs_real error = response_error(axis, &sums);
         if (error < least) {
             nearest = other;
             least = error;
@@ -851,6 +865,22 @@ static void note_similar(const pzs_selftest *selftest, const selftest_axis *axis
 }
 
 /*
+ * Return how much the measured responses of two amplifiers, or of two sensors, differ from two
+ * modelled responses. Rows of two sensors whose modelled entries contain the gains of the
+ * amplifiers are compared as one vector, the second row behind the first: where two sensors see
+ * nearly the same shape, an exchange shows in the sizes of the rows alone.
+ */
+static pzs_real pair_error(const selftest_axis *axis, const line_sums *one, const line_sums *other)
+{
+    const line_sums both = {one->product + other->product, one->size + other->size,
+                            one->measured + other->measured, one->modelled + other->modelled,
+                            one->noise + other->noise};
+    if (axis->has_gains)
+        return direction_error(&both);
+    return direction_error(one) + direction_error(other);
+}
+
+/*
  * Find out whether amplifier (or sensor) `line` and the one whose modelled response is nearest to
  * the measured response of `line` have exchanged cables. Both are marked as swapped if an exchange
  * explains their measured responses much better, and if their differences from the model exceed
@@ -866,8 +896,8 @@ static void find_swap(const pzs_selftest *selftest, const selftest_axis *axis, u
     const line_sums its = compare_lines(selftest, axis, other, other, noise);
     const line_sums there = compare_lines(selftest, axis, line, other, noise);
     const line_sums back = compare_lines(selftest, axis, other, line, noise);
-    const pzs_real kept = direction_error(&own) + direction_error(&its);
-    const pzs_real exchanged = direction_error(&there) + direction_error(&back);
+    const pzs_real kept = pair_error(axis, &own, &its);
+    const pzs_real exchanged = pair_error(axis, &there, &back);
     const pzs_real least = SWAP_NOISE * (own.noise / own.measured + its.noise / its.measured);
     if (!(SWAP_GAIN * exchanged < kept && kept > least && kept > SAME_DIRECTION))
         return;
