@@ -399,7 +399,7 @@ static void continue_from_end(arc_search *arc_search)
 
 /*
  * Refuse scenes for which the arc-length method is not implemented: contact, prescribed
- * displacements, open electrodes. Returns 0, or -1 with error filled.
+ * displacements, open electrodes, bare faces. Returns 0, or -1 with error filled.
  */
 static int check_scene(const analysis *analysis, char *error)
 {
@@ -413,7 +413,7 @@ static int check_scene(const analysis *analysis, char *error)
         reason = "does not follow prescribed displacements, which pass limit points by themselves; "
                  "use equilibrium.load_steps";
     else if (analysis->equilibrium.circuit_work)
-        reason = "does not follow open electrodes";
+        reason = "does not follow open electrodes and bare faces; use equilibrium.load_steps";
     return reason ? scene_fault(design->at, error, "--path %s", reason) : 0;
 }
 

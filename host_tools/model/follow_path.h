@@ -13,7 +13,7 @@
  * analysis at the last point. A path that ends early is kept: is_complete is 0 and `error` says
  * where the path ended.
  *   analysis in/out  with an equilibrium solver in the reference state; without contact, prescribed
- *       displacements and open electrodes
+ *       displacements, open electrodes and bare faces
  * Returns 0, or -1 with error filled.
  */
 int load_path_follow(load_path *path, analysis *analysis, char *error);
