@@ -32,12 +32,14 @@ typedef struct bare_faces {
                      between layers), or -1 where the potential is 0 */
     size_t *slot; /* [count] slot (node on an interface between layers) of each electric potential
                    */
-    double (*resultants)[POTENTIAL_NODES][LAMINATE_STRAINS]; /* [types][layers] prescribed stress
-                                                                resultants of the eight potentials
-                                                                of a layer in each element type */
+    double (*resultants)[POTENTIAL_NODES][LAMINATE_STRAINS]; /* [types][layers] stress resultants
+                                                                that the eight electric potentials
+                                                                of a layer prescribe in each element
+                                                                type */
     double (*capacitance)[POTENTIAL_NODES][POTENTIAL_NODES]; /* [types][layers][layers] charge at
-                                                                the potentials of a layer per volt
-                                                                of those of another layer (C/V) */
+                                                                the electric potentials of a layer
+                                                                per volt of those of another layer
+                                                                (C/V) */
 } bare_faces;
 
 /*

@@ -23,7 +23,7 @@ typedef struct across {
 /* List of the voltages that all inputs apply across the plies of one element. */
 typedef struct across_list {
     across *entry;
-    design_part *part; /* work array for the patches of one actuator or sensor in the element */
+    design_part *part; /* work array for the patches of one actuator or sensor in one element */
     int count, room;
     bool is_full; /* whether an allocation of memory for the list has failed */
 } across_list;

@@ -46,8 +46,8 @@ typedef struct loop {
     int missed_ticks; /* number of ticks missed since the last tick in which the controller ran */
     pzs_block block[PZS_BLOCK_LIMIT]; /* blocks of the control law, run in this order in each tick
                                        */
-    law_tables tables; /* tables of the simulation's own block for the voltages; unused where the
-                          library's step block computes the voltages */
+    law_tables tables; /* tables of the block with which the simulation computes voltages in place
+                          of the library's step block; unused where the library computes them */
     law compared; /* control law for comparison with the library's controller: tables of its block
                      that computes the voltages */
     pzs_loop controller; /* the library's control loop, in double precision */

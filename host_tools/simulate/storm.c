@@ -296,8 +296,8 @@ static void set_limits(storm *storm)
     storm->problem.lower = storm->limits;
     storm->problem.upper = storm->limits + amplifiers;
     storm->problem.step_limit = storm->limits + 2 * amplifiers;
-    if (is_free) /* without voltage limits, the limits between amplifiers are left out, too, because
-                    they need them */
+    if (is_free) /* without voltage limits, the limits of sums of voltages are left out, too,
+                    because they need finite voltage limits */
         storm->problem.limit_rows = NULL;
     storm->problem.crc = pzs_problem_crc(&storm->problem);
 }

@@ -266,7 +266,10 @@ void pzs_wide_update_rows(pzs_real *matrix, size_t stride, size_t size, size_t i
     }
 }
 
-/* Few columns are copied at a time, so that the rows to which they go stay in the cache. */
+/*
+ * When the lower triangle of a symmetric matrix is copied to the upper one, few columns are copied
+ * at a time, so that the rows to which they go stay in the cache.
+ */
 void pzs_wide_mirror(pzs_real *matrix, size_t stride, size_t size)
 {
     for (size_t first = 0; first < size; first += WIDE_BLOCK)

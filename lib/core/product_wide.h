@@ -15,8 +15,10 @@
  */
 #define WIDE_COLUMNS 48u
 
-/* Number of rows and of columns of the blocks of a symmetric matrix that pzs_wide_update_rows
- * updates. */
+/*
+ * Number of rows and of columns of the blocks of a symmetric matrix that pzs_wide_update_rows
+ * updates.
+ */
 #define WIDE_BLOCK 8u
 
 /* Return whether products of rows of `cols` entries use the loops with AVX2 instructions. */
