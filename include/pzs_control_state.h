@@ -635,6 +635,11 @@ typedef struct pzs_selftest_state {
                          measured while no amplifier moved, times the squared height of a pulse
                          (squared unit of each sensor) */
     pzs_real *start;  /* [inputs] voltages before the self-test (V) */
+    pzs_real difference[2]; /* largest squared difference between the measured response of an
+                               amplifier [0], or of a sensor [1], and the modelled response (1/V2)
+                             */
+    uint16_t worst[2]; /* index of the amplifier [0] and of the sensor [1] whose response differs
+                          most from the model; PZS_WIRING_NONE: none differs */
     pzs_real pulse; /* sum over the ticks of the present test pulse of its relative height times the
                        weight of the tick, symmetric in time (1) */
 } pzs_selftest_state;

@@ -1149,12 +1149,13 @@ pzs_status pzs_selftest_seal(pzs_selftest_tables *tables);
 /*
  * Number of ticks of a self-test: two pulse durations in which all amplifiers move together, two
  * pulse durations without motion, in which noise and vibration are measured, one pulse for each
- * input, and the evaluation. A tick of the evaluation takes at most 20 inputs * sensors
- * multiply-adds, any other tick of the self-test 8 operations for each sensor and input.
+ * input, and the evaluation. A tick of the evaluation compares all responses at most once with the
+ * model (6 inputs * sensors multiply-adds), any other tick of the self-test takes 8 operations for
+ * each sensor and input.
  */
 #define PZS_SELFTEST_TICKS(inputs, sensors, pulse_ticks, delay)                                    \
     (((uint32_t)(inputs) + 4u) * (uint32_t)(pulse_ticks) + (uint32_t)(delay) +                     \
-     2u * ((uint32_t)(inputs) + (uint32_t)(sensors)) + 3u)
+     6u * ((uint32_t)(inputs) + (uint32_t)(sensors)) + 9u)
 
 typedef enum pzs_selftest_verdict {
     PZS_SELFTEST_RUNNING = 0,

@@ -50,12 +50,12 @@ double loop_work_rest(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Upper bound of the instructions of the self-test. Its longest tick compares the responses of all
- * amplifiers and sensors with the model.
+ * Upper bound of the instructions of the self-test. In its longest tick it compares the responses
+ * of all sensors to all amplifiers once with the model, and sums the squares of the model.
  */
 double loop_work_selftest(const block_counts *of, const loop_processor *on)
 {
-    return on->other * (100 * (double)of->inputs * (double)of->readings + 10000);
+    return on->other * (70 * (double)of->inputs * (double)of->readings + 10000);
 }
 
 /*

@@ -81,6 +81,11 @@
  */
 #define CONDITIONING_WINDOWS 2u
 #define WINDOWS_BEFORE 3u
+/*
+ * Number of ticks of a search for the amplifier or sensor whose measured response differs most from
+ * the model: mean gain, amplifiers, sensors, finding.
+ */
+#define SEARCH_TICKS 4u
 
 static pzs_real square(pzs_real number)
 {
@@ -447,22 +452,29 @@ static line_sums compare_lines(const pzs_selftest *selftest, const selftest_axis
                                uint32_t measured, uint32_t modelled, const pzs_real *noise)
 {
     const pzs_selftest_state *state = &selftest->state;
+    const size_t sensor_step = axis->is_row ? 0 : 1, input_step = axis->is_row ? 1 : 0;
+    const uint32_t sensor = axis->is_row ? measured : 0, input = axis->is_row ? 0 : measured;
+    const pzs_real *scale = state->tables->scale + sensor, *variance = noise + sensor;
+    const pzs_real *amplitude = state->tables->amplitude + input;
+    const pzs_real *found = state->response + measured * axis->measured_line;
+    const pzs_real *model = state->direct + modelled * axis->model_line;
     line_sums sums = {0, 0, 0, 0, 0};
     for (uint32_t k = 0; k < axis->entries; k++) {
-        if (axis->entry[k].state != PZS_WIRING_HEALTHY)
-            continue;
-        const uint32_t sensor = axis->is_row ? measured : k, input = axis->is_row ? k : measured;
-        const pzs_real scale = state->tables->scale[sensor];
-        const pzs_real found =
-            state->response[measured * axis->measured_line + k * axis->measured_entry];
-        const pzs_real gain = axis->has_gains ? axis->entry[k].gain : 1;
-        const pzs_real expected =
-            gain * scale * state->direct[modelled * axis->model_line + k * axis->model_entry];
-        sums.product += found * expected;
-        sums.size += number_absolute(found * expected);
-        sums.measured += square(found);
-        sums.modelled += square(expected);
-        sums.noise += square(scale / state->tables->amplitude[input]) * noise[sensor];
+        if (axis->entry[k].state == PZS_WIRING_HEALTHY) {
+            const pzs_real gain = axis->has_gains ? axis->entry[k].gain : 1;
+            const pzs_real response = *found, expected = gain * *scale * *model;
+            const pzs_real product = response * expected;
+            sums.product += product;
+            sums.size += number_absolute(product);
+            sums.measured += square(response);
+            sums.modelled += square(expected);
+            sums.noise += square(*scale / *amplitude) * *variance;
+        }
+        found += axis->measured_entry;
+        model += axis->model_entry;
+        scale += sensor_step;
+        variance += sensor_step;
+        amplitude += input_step;
     }
     return sums;
 }
@@ -612,22 +624,25 @@ static bool is_gain_plausible(const pzs_selftest *selftest)
 }
 
 /*
- * Make the first tick of the evaluation of the self-test: find the amplifiers and sensors whose
- * modelled response is large enough to be compared with the measured one.
+ * Make the first tick of the evaluation of the self-test: find the sensors that are noisy or give
+ * no readings, and the amplifiers that were tested.
  */
 static void begin_evaluation(pzs_selftest *selftest)
 {
     pzs_selftest_state *state = &selftest->state;
-    const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
     mark_sensors(selftest);
     find_noise_responses(state);
     for (uint32_t j = 0; j < state->tables->inputs; j++)
         if (is_tested(selftest, j))
             state->amplifier[j].state = PZS_WIRING_HEALTHY;
+}
+
+/* Find out whether noise or vibration hides the response of an amplifier to its test pulse. */
+static void find_disturbance(pzs_selftest *selftest)
+{
+    const selftest_axis columns = columns_of(selftest);
     const uint32_t hidden = mark_unobservable(selftest, &columns);
-    (void)mark_unobservable(selftest, &rows);
-    state->core[0].disturbed = hidden > 0 ? 1u : 0u;
-    find_mean_gain(selftest);
+    selftest->state.core[0].disturbed = hidden > 0 ? 1u : 0u;
 }
 
 /* ---- evaluation: responses unlike the model ----------------------------- */
@@ -744,14 +759,16 @@ static bool is_other_line(const pzs_selftest *selftest, const selftest_axis *axi
            number_absolute(its.product) > SILENT * gain * its.modelled;
 }
 
-/* Set the finding about an amplifier or sensor whose measured response differs from the model. */
+/*
+ * Set the finding about an amplifier or sensor whose measured response differs from the model.
+ *   nearest in  index of the one whose modelled response is nearest to the measured response
+ */
 static void set_finding(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line,
-                        pzs_real gain)
+                        uint32_t nearest, pzs_real gain)
 {
     pzs_wiring *finding = &axis->line[line];
     const line_sums sums = compare_lines(selftest, axis, line, line, selftest->state.null);
     const pzs_real energy = sums.measured - sums.noise;
-    const uint32_t nearest = nearest_line(selftest, axis, line);
     finding->gain = sums.modelled > 0 ? sums.product / sums.modelled : 0;
     if (is_other_line(selftest, axis, line, nearest, gain)) {
         finding->state = PZS_WIRING_SWAPPED;
@@ -765,21 +782,39 @@ static void set_finding(const pzs_selftest *selftest, const selftest_axis *axis,
     }
 }
 
-/*
- * Find the amplifier or sensor whose measured response differs most from the model, and set *axis
- * to the responses of all amplifiers or to those of all sensors. Sensors count only while the mean
- * gain is plausible.
- */
-static worst_line find_worst_of_both(const pzs_selftest *selftest, pzs_real gain,
-                                     selftest_axis *axis)
+/* Return the mean gain of all amplifiers, clamped to plausible values. */
+static pzs_real plausible_gain(const pzs_selftest *selftest)
 {
+    return number_clamp(selftest->info.gain, LEAST_GAIN, LARGEST_GAIN);
+}
+
+/*
+ * Store which amplifier (or which sensor) has the measured response that differs most from the
+ * model. Sensors count only while the mean gain is plausible.
+ */
+static void store_worst(pzs_selftest *selftest, bool is_row)
+{
+    const selftest_axis axis = is_row ? rows_of(selftest) : columns_of(selftest);
+    worst_line worst = find_worst(selftest, &axis, plausible_gain(selftest));
+    if (is_row && !is_gain_plausible(selftest))
+        worst.is_found = false;
+    selftest->state.worst[is_row] = worst.is_found ? (uint16_t)worst.line : PZS_WIRING_NONE;
+    selftest->state.difference[is_row] = worst.is_found ? worst.difference : 0;
+}
+
+/*
+ * Return whether the response of any amplifier or sensor differs from the model. Sets *axis to the
+ * responses of all amplifiers or to those of all sensors, and *line to the one that differs most.
+ */
+static bool has_worst(const pzs_selftest *selftest, selftest_axis *axis, uint32_t *line)
+{
+    const pzs_selftest_state *state = &selftest->state;
     const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
-    const worst_line column = find_worst(selftest, &columns, gain);
-    worst_line row = find_worst(selftest, &rows, gain);
-    row.is_found = row.is_found && is_gain_plausible(selftest);
-    const bool is_row = row.is_found && !(row.difference <= column.difference);
+    const bool is_row =
+        state->worst[1] < rows.lines && !(state->difference[1] <= state->difference[0]);
     *axis = is_row ? rows : columns;
-    return is_row ? row : column;
+    *line = state->worst[is_row];
+    return *line < axis->lines;
 }
 
 /*
@@ -790,15 +825,13 @@ static worst_line find_worst_of_both(const pzs_selftest *selftest, pzs_real gain
  */
 static void report_worst(pzs_selftest *selftest)
 {
-    if (selftest->state.core[0].is_complete != 0)
-        return;
     selftest_axis axis;
-    find_mean_gain(selftest);
-    const pzs_real gain = number_clamp(selftest->info.gain, LEAST_GAIN, LARGEST_GAIN);
-    const worst_line worst = find_worst_of_both(selftest, gain, &axis);
-    selftest->state.core[0].is_complete = worst.is_found ? 0u : 1u;
-    if (worst.is_found)
-        set_finding(selftest, &axis, worst.line, gain);
+    uint32_t line;
+    const bool is_found = has_worst(selftest, &axis, &line);
+    selftest->state.core[0].is_complete = is_found ? 0u : 1u;
+    if (is_found)
+        set_finding(selftest, &axis, line, nearest_line(selftest, &axis, line),
+                    plausible_gain(selftest));
 }
 
 /*
@@ -809,16 +842,32 @@ static void report_worst(pzs_selftest *selftest)
 static void report_reversed(pzs_selftest *selftest)
 {
     selftest_axis axis;
-    const pzs_real gain = number_clamp(selftest->info.gain, LEAST_GAIN, LARGEST_GAIN);
-    const worst_line worst = find_worst_of_both(selftest, gain, &axis);
-    if (!worst.is_found || nearest_line(selftest, &axis, worst.line) != worst.line)
+    uint32_t line;
+    if (!has_worst(selftest, &axis, &line) || nearest_line(selftest, &axis, line) != line)
         return;
-    const pzs_real *noise = selftest->state.null;
-    const line_sums sums = compare_lines(selftest, &axis, worst.line, worst.line, noise);
-    if (!(sums.product < 0 && 2 * direction_error(&sums) < 1))
+    const line_sums sums = compare_lines(selftest, &axis, line, line, selftest->state.null);
+    if (sums.product < 0 && 2 * direction_error(&sums) < 1)
+        set_finding(selftest, &axis, line, line, plausible_gain(selftest));
+}
+
+/*
+ * Make one tick of a search for the amplifier or sensor whose measured response differs most from
+ * the model. The search takes SEARCH_TICKS ticks, because one tick would need too many
+ * instructions.
+ *   is_first in  true: only a reversed amplifier or sensor is reported
+ */
+static void search(pzs_selftest *selftest, uint32_t tick, bool is_first)
+{
+    if (selftest->state.core[0].is_complete != 0)
         return;
-    set_finding(selftest, &axis, worst.line, gain);
-    find_mean_gain(selftest);
+    if (tick == 0)
+        find_mean_gain(selftest);
+    else if (tick < SEARCH_TICKS - 1u)
+        store_worst(selftest, tick == 2u);
+    else if (is_first)
+        report_reversed(selftest);
+    else
+        report_worst(selftest);
 }
 
 /* ---- evaluation: exchanged cables --------------------------------------- */
@@ -831,17 +880,18 @@ static pzs_real model_angle(const pzs_selftest *selftest, const selftest_axis *a
                             uint32_t other)
 {
     const pzs_selftest_state *state = &selftest->state;
+    const pzs_real *left = state->direct + one * axis->model_line;
+    const pzs_real *right = state->direct + other * axis->model_line;
     pzs_real product = 0, first = 0, second = 0;
     for (uint32_t k = 0; k < axis->entries; k++) {
-        if (axis->entry[k].state != PZS_WIRING_HEALTHY)
-            continue;
-        const pzs_real scale = axis->is_row ? 1 : state->tables->scale[k];
-        const size_t entry = k * axis->model_entry;
-        const pzs_real left = scale * state->direct[one * axis->model_line + entry];
-        const pzs_real right = scale * state->direct[other * axis->model_line + entry];
-        product += left * right;
-        first += square(left);
-        second += square(right);
+        const pzs_real scale = axis->is_row ? 1 : square(state->tables->scale[k]);
+        if (axis->entry[k].state == PZS_WIRING_HEALTHY) {
+            product += scale * *left * *right;
+            first += scale * square(*left);
+            second += scale * square(*right);
+        }
+        left += axis->model_entry;
+        right += axis->model_entry;
     }
     const line_sums sums = {product, product, first, second, 0};
     return direction_error(&sums);
@@ -911,8 +961,9 @@ static void find_swap(const pzs_selftest *selftest, const selftest_axis *axis, u
  * Compare one amplifier or sensor, if it has no finding, with all others whose cables could have
  * been exchanged with its own. The smaller numbers belong to the amplifiers or to the sensors,
  * whichever are fewer, because a fault of one among few changes the responses of the others more.
+ *   finds_swaps in  true: look for exchanged cables; false: note the most similar response
  */
-static void compare_pairs(pzs_selftest *selftest, uint32_t number)
+static void compare_pairs(pzs_selftest *selftest, uint32_t number, bool finds_swaps)
 {
     const selftest_axis columns = columns_of(selftest), rows = rows_of(selftest);
     const selftest_axis few = columns.lines <= rows.lines ? columns : rows;
@@ -922,8 +973,10 @@ static void compare_pairs(pzs_selftest *selftest, uint32_t number)
     axis.has_gains = axis.is_row;
     if (axis.line[line].state != PZS_WIRING_HEALTHY)
         return;
-    note_similar(selftest, &axis, line);
-    find_swap(selftest, &axis, line);
+    if (finds_swaps)
+        find_swap(selftest, &axis, line);
+    else
+        note_similar(selftest, &axis, line);
 }
 
 /* ---- verdict of the self-test ------------------------------------------- */
@@ -979,23 +1032,32 @@ static void give_verdict(pzs_selftest *selftest)
 }
 
 /*
- * Make one tick of the evaluation of the self-test: first look for pairs with exchanged cables,
- * then for other differences from the model. The exchanged cables of two sensors with large
- * responses would otherwise look like faults of the amplifiers near these sensors.
+ * Make one tick of the evaluation of the self-test: first look for a reversed amplifier or sensor,
+ * then for pairs with exchanged cables, then for other differences from the model. The exchanged
+ * cables of two sensors with large responses would otherwise look like faults of the amplifiers
+ * near these sensors.
  */
 static void evaluate(pzs_selftest *selftest, uint32_t tick)
 {
     const pzs_selftest_tables *tables = selftest->state.tables;
     const uint32_t lines = (uint32_t)tables->inputs + tables->sensors;
-    if (tick == 0) {
+    const uint32_t first_pair = 4u + SEARCH_TICKS, first_search = first_pair + 2u * lines;
+    const selftest_axis rows = rows_of(selftest);
+    if (tick == 0)
         begin_evaluation(selftest);
-        report_reversed(selftest);
-    } else if (tick <= lines) {
-        compare_pairs(selftest, tick - 1u);
-    } else {
-        report_worst(selftest);
-    }
-    if (tick > 2u * lines)
+    else if (tick == 1)
+        find_disturbance(selftest);
+    else if (tick == 2)
+        (void)mark_unobservable(selftest, &rows);
+    else if (tick < first_pair - 1u)
+        search(selftest, tick - 3u, true);
+    else if (tick < first_pair)
+        find_mean_gain(selftest);
+    else if (tick < first_search)
+        compare_pairs(selftest, (tick - first_pair) / 2u, (tick - first_pair) % 2u == 1u);
+    else
+        search(selftest, (tick - first_search) % SEARCH_TICKS, false);
+    if (tick + 1u >= first_search + SEARCH_TICKS * lines)
         give_verdict(selftest);
 }
 
