@@ -824,6 +824,7 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
     optimiser->start_rounding = optimiser->model_rounding;
     bool complete = true;
     if (blocked && optimiser_is_dual(optimiser)) {
+        pzs_dual_choose_anew(optimiser, optimiser->rounding_bound / 2);
         complete = pzs_dual_iterate(optimiser, optimiser->rounding_bound / 2);
     } else if (blocked) {
         iterate(optimiser, optimiser->rounding_bound / 2);

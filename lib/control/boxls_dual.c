@@ -39,6 +39,14 @@
 #define SHORT_ROW 16u
 
 /*
+ * The dual method chooses its active set anew if the number of inputs that are wrongly free or
+ * wrongly active, times this number, is at least the number of inputs.
+ */
+#define WRONG_PART 3u
+/* Number of sweeps over all inputs by which the dual method estimates the optimal voltages. */
+#define SWEEPS 6u
+
+/*
  * Work arrays of the dual method. They use the memory of the vectors in which the primal method
  * collects pivot exchanges.
  */
@@ -485,6 +493,101 @@ static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
     }
     return true;
 }
+
+/* ---- new choice of the active set ------------------------------------------ */
+
+/*
+ * Return the number of free inputs whose voltages are outside their bounds plus the number of
+ * active inputs whose multipliers have the wrong sign by more than `rounding` (m2/V).
+ */
+static uint32_t count_errors(const pzs_optimiser *optimiser, pzs_real rounding)
+{
+    const pzs_real *next = optimiser->next_voltage;
+    uint32_t errors = 0;
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        const bool is_inside = next[i] >= optimiser->lower[i] && next[i] <= optimiser->upper[i];
+        const bool is_free = optimiser->free_set[i] > 0;
+        const bool is_error = is_free ? !is_inside : is_wrong(optimiser, i, rounding);
+        errors += is_error ? 1u : 0u;
+    }
+    return errors;
+}
+
+/*
+ * Make all inputs free: set the multipliers of the active inputs to zero, and let the voltages
+ * next_voltage follow to the unconstrained optimum.
+ */
+static void release_all(pzs_optimiser *optimiser)
+{
+    pzs_real *change = work_array(optimiser, CHANGE);
+    for (uint32_t k = 0; k < optimiser->active_count; k++) {
+        change[k] = -optimiser->direction[optimiser->order[k]];
+        optimiser->direction[optimiser->order[k]] = 0;
+    }
+    add_columns(optimiser, optimiser->next_voltage, change);
+    pzs_dual_free_all(optimiser);
+}
+
+/*
+ * Estimate the optimal voltages by SWEEPS sweeps over the inputs, from the present voltages on.
+ * Each input in turn goes to the minimum of the objective over its own voltage within its bounds.
+ *   voltage  [width] out  estimated voltages (V)
+ *   gradient [width] out  half the gradient of the objective at these voltages (m2/V)
+ */
+static void estimate_voltages(pzs_optimiser *optimiser, pzs_real *restrict voltage,
+                              pzs_real *restrict gradient)
+{
+    const size_t width = optimiser->width;
+    memcpy(voltage, optimiser->voltage, width * sizeof *voltage);
+    memcpy(gradient, optimiser->gradient, width * sizeof *gradient);
+    for (uint32_t k = 0; k < SWEEPS * optimiser->inputs; k++) {
+        const uint32_t i = k % optimiser->inputs;
+        const pzs_real from = voltage[i];
+        voltage[i] = number_clamp(from - gradient[i] / optimiser->diagonal[i], optimiser->lower[i],
+                                  optimiser->upper[i]);
+        subtract_multiple(gradient, optimiser->hessian + i * width, from - voltage[i],
+                          (uint32_t)width);
+    }
+    optimiser->work += SWEEPS * (PZS_PRODUCT_WORK(optimiser->inputs) + width);
+}
+
+/*
+ * Make free input i active at a bound, with the multiplier zero, if it does not depend linearly on
+ * the active inputs.
+ *   side in  -1 for its lower bound, +1 for its upper one
+ */
+static void join_at_bound(pzs_optimiser *optimiser, uint32_t i, pzs_real side)
+{
+    const pzs_real pivot = find_factor_row(optimiser, i);
+    if (!(pivot > least_pivot(optimiser, i)))
+        return;
+    optimiser->side[i] = side;
+    optimiser->direction[i] = 0;
+    join_active_set(optimiser, i, work_array(optimiser, SOLUTION), pivot);
+}
+
+void pzs_dual_choose_anew(pzs_optimiser *optimiser, pzs_real rounding)
+{
+    pzs_real *voltage = work_array(optimiser, RESPONSE), *gradient = work_array(optimiser, COSINE);
+    const uint64_t products = SWEEPS + 6u + optimiser->inputs / 6u;
+    if (WRONG_PART * count_errors(optimiser, rounding) < optimiser->inputs ||
+        !affords(optimiser, products * PZS_PRODUCT_WORK(optimiser->inputs)))
+        return;
+    release_all(optimiser);
+    estimate_voltages(optimiser, voltage, gradient);
+    for (uint32_t i = 0; i < optimiser->inputs; i++) {
+        if (!number_is_finite(voltage[i]))
+            continue;
+        if (voltage[i] <= optimiser->lower[i] && gradient[i] > 0)
+            join_at_bound(optimiser, i, -1);
+        else if (voltage[i] >= optimiser->upper[i] && gradient[i] < 0)
+            join_at_bound(optimiser, i, 1);
+    }
+    optimiser->iterations++;
+    pzs_dual_move_to_bounds(optimiser);
+}
+
+/* ---- course of a round ------------------------------------------------------ */
 
 /*
  * Count one more iteration of the dual method if its work is within the work limit. Otherwise note

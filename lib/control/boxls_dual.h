@@ -55,6 +55,15 @@ void pzs_dual_free_all(pzs_optimiser *optimiser);
 void pzs_dual_move_to_bounds(pzs_optimiser *optimiser);
 
 /*
+ * If a large part of the active set is wrong, as after a jump of the target, choose the active set
+ * anew, if the work limit allows it: the inputs that estimated voltages bring to a bound from which
+ * their gradient keeps them. This takes less work than as many iterations. It needs the Hessian,
+ * and serves problems in which no sums of voltages are limited. rounding in  multipliers of the
+ * wrong sign up to this size do not count (m2/V)
+ */
+void pzs_dual_choose_anew(pzs_optimiser *optimiser, pzs_real rounding);
+
+/*
  * Iterate from the voltages after the predicted step until no voltage is outside its bounds and no
  * multiplier has the wrong sign, or until the work limit stops the iterations. The voltages of the
  * optimiser become those reached, clamped to the bounds. Returns whether all iterations were made.

@@ -146,6 +146,25 @@ static void targets_that_jump(void **state)
     assert_true(desk.control.state.optimiser.is_dual);
 }
 
+static void a_jump_to_limits_is_short(void **state)
+{
+    (void)state; /* law: a target that brings most voltages to limits takes fewer iterations than a
+                    quarter of these, because the active set is estimated as a whole */
+    for (unsigned k = 0; k < 4; k++) {
+        open_desk(40 + k, 3e-3, HUGE_VAL);
+        for (unsigned jump = 0; jump < JUMPS; jump++) {
+            for (unsigned i = 0; i < M; i++)
+                desk.error[i] = (pzs_real)uniform(&desk, -1, 1);
+            note_limits(&desk);
+            assert_int_equal(pzs_step(&desk.control, desk.error), PZS_OK);
+            assert_true(excess(&desk) <= 1);
+            const uint32_t active = desk.control.state.optimiser.active_count;
+            assert_true(active > N / 2);
+            assert_true(4u * desk.control.info.iterations < active);
+        }
+    }
+}
+
 static void warm_and_cold_agree(void **state)
 {
     (void)state; /* law: a warm step and a step from zero voltages end at the same objective */
@@ -225,6 +244,7 @@ int main(void)
         cmocka_unit_test(the_tableau_is_the_inverse),
         cmocka_unit_test(the_hessian_is_the_sum_of_products),
         cmocka_unit_test(targets_that_jump),
+        cmocka_unit_test(a_jump_to_limits_is_short),
         cmocka_unit_test(warm_and_cold_agree),
         cmocka_unit_test(a_cut_is_continued),
         cmocka_unit_test(damage_is_overcome),
