@@ -38,9 +38,9 @@ static const double two_pi = 6.283185307179586;
 static const double scan_from = 0.5, scan_step = 1.02, scan_to = 10;
 
 /*
- * Smallest regularisation relative to the mean diagonal entry of the Hessian of the voltage
- * problem. The regularisation keeps the Hessian positive definite where amplifiers have equal
- * effects.
+ * Smallest regularisation of the voltage problem (least squares for the voltages) relative to the
+ * mean diagonal entry of its Hessian. The regularisation keeps the Hessian positive definite where
+ * amplifiers have equal effects.
  */
 static const double least_regularisation = 1e-12;
 
@@ -102,8 +102,8 @@ typedef struct gains {
                          one vibration mode, then the voltages that solve them */
     double *modal_response; /* [modes][moving] static coordinate of each vibration mode per volt of
                                each amplifier */
-    double *loop; /* [modes][modes] loop matrix: entry (i, j) is the static coordinate of mode i
-                     under the voltages that the controller subtracts per unit of mode j */
+    double *loop; /* [modes][modes] loop matrix: entry (i, j) is the static coordinate of vibration
+                     mode i under the voltages that the controller subtracts per unit of mode j */
     bool assumes_measured; /* true where the loop is assessed as if every target node were measured
                             */
 } gains;
@@ -135,8 +135,8 @@ static bool factor_hessian(gains *gains)
 }
 
 /*
- * Shape that the estimator computes from the noise-free sensor readings of a structure that is
- * displaced in a mode shape.
+ * Displacements of the target nodes that the shape estimator computes from the noise-free sensor
+ * readings of a structure that is displaced in a mode shape.
  */
 static void estimated_shape(const gains *gains, const estimator *estimator,
                             const double *mode_shape)
@@ -247,8 +247,9 @@ static double *loop_gains(const analysis *analysis, const vibration *vibration, 
 /* ---- stability --------------------------------------------------------- */
 
 /*
- * Loop matrix, squared angular frequencies, damping ratios and delay of the loop whose stability is
- * assessed.
+ * Control loop whose stability is assessed: loop matrix (static coordinates of the vibration modes
+ * under the controller's reaction to a unit of each mode), squared angular frequencies and damping
+ * ratios of the vibration modes, and delay of the measurements.
  */
 typedef struct assessed_loop {
     const double *gain, *square, *damping;

@@ -6,9 +6,10 @@
 #include <string.h>
 
 /*
- * Values of the regularisation parameter among which the best one is searched: 10^(LOWEST + k /
- * PER_DECADE) for k = 0 to GRID - 1, up to 10, where all voltages are small. SECTIONS: number of
- * steps of the search between two of these values.
+ * Values of the Tikhonov regularisation parameter lambda among which the one with the smallest
+ * shape error after clipping is searched: 10^(LOWEST + k / PER_DECADE) for k = 0 to GRID - 1, up to
+ * 10, where all voltages are small. SECTIONS: number of steps of the search between two of these
+ * values.
  */
 enum { LOWEST = -9, PER_DECADE = 3, GRID = 10 * PER_DECADE + 1, SECTIONS = 16 };
 
@@ -20,7 +21,7 @@ static bool is_held(const clipped *clipped, size_t k)
 /*
  * Copy the influence matrix without the columns of amplifiers that are held at one voltage, and
  * subtract the effect of these amplifiers from the wanted displacements. Returns the mean diagonal
- * entry of the Hessian (m2/V2).
+ * entry of B'W^2 B, with influence matrix B and weights W (m2/V2).
  */
 static double prepare_arrays(clipped *clipped)
 {
@@ -77,13 +78,15 @@ bool clipped_solve(clipped *clipped, double lambda, double *voltage)
 }
 
 /*
- * State of the search for the regularisation parameter with the smallest weighted error after
- * clipping: the best parameter, error and voltages so far.
+ * State of the search for the regularisation parameter with which the voltages, clipped to their
+ * limits, leave the smallest weighted shape error: the parameter, the error and the voltages of the
+ * smallest error so far.
  */
 typedef struct tuning {
     clipped *clipped;
-    double *trial, *best_voltage; /* [amplifiers] voltages of the present and of the best
-                                     regularisation parameter in a search (V) */
+    double *trial, *best_voltage; /* [amplifiers] clipped voltages for the present regularisation
+                                     parameter in a search, and for the one with the smallest shape
+                                     error so far (V) */
     double best, best_lambda;
 } tuning;
 
@@ -108,9 +111,9 @@ static double clipped_misfit(tuning *tuning, double lambda)
 }
 
 /*
- * Regularisation parameter 10^exponent, rounded to three digits. At the best parameter a voltage
- * just reaches its limit, and rounding errors must not decide whether this voltage counts as
- * clipped.
+ * Regularisation parameter 10^exponent, rounded to three digits. At the parameter with the smallest
+ * shape error, a voltage often just reaches its limit, and rounding errors must not decide whether
+ * this voltage counts as clipped.
  */
 static double lambda_of(double exponent)
 {
@@ -119,8 +122,8 @@ static double lambda_of(double exponent)
 }
 
 /*
- * Golden-section search for the regularisation parameter with the smallest error between two
- * decimal exponents.
+ * Golden-section search for the regularisation parameter 10^x, with x between two given exponents,
+ * whose clipped voltages leave the smallest shape error.
  */
 static void golden_section(tuning *tuning, double from, double to)
 {

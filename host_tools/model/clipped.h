@@ -27,12 +27,12 @@ typedef struct clipped {
                           amplifiers held at one voltage */
     double *required; /* [targets] wanted displacements minus those caused by amplifiers held at one
                          voltage */
-    double *shape;    /* [targets] work array for a shape */
+    double *shape;    /* [targets] work array for displacements of the target nodes */
     unconstrained solver;
 } clipped;
 
 /*
- * Prepare the least-squares problem.
+ * Prepare the least-squares problem for the voltages whose shape error is computed after clipping.
  *   lower, upper [amplifiers] in  voltage limits (V); an amplifier with equal limits is held at
  *       that voltage
  *   wanted       [targets]    in  displacements that the voltages are to cause
@@ -51,11 +51,12 @@ void clipped_close(clipped *clipped);
 bool clipped_solve(clipped *clipped, double lambda, double *voltage);
 
 /*
- * Find the regularisation parameter lambda that leaves the smallest weighted error after clipping:
- * the best of 0 and a logarithmic grid, refined by a golden-section search to three digits. Because
- * the choice uses the error itself, no other choice of lambda gives a better result.
+ * Find the regularisation parameter lambda with which the clipped voltages leave the smallest
+ * weighted shape error: the best of 0 and a logarithmic grid, refined by a golden-section search to
+ * three digits. Because the choice uses the error itself, no other choice of lambda gives a better
+ * result.
  *   voltage [amplifiers] out  clipped voltages (V)
- *   lambda               out  best parameter
+ *   lambda               out  the parameter found
  * Returns PZS_OK, PZS_E_WORKSPACE where memory runs out, or PZS_E_NONFINITE.
  */
 pzs_status clipped_tune(clipped *clipped, double *voltage, double *lambda);

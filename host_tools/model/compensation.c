@@ -29,8 +29,8 @@ static void point(compensation *compensation)
 }
 
 /*
- * Constant that is added to the modelled effect of an electrode (voltage without hysteresis, V), so
- * that an electrode that has always been at 0 V has the effect 0.
+ * Constant that the hysteresis model adds to the effect of an electrode (equivalent voltage without
+ * hysteresis, V), so that an electrode that has always been at 0 V has the effect 0.
  */
 static double offset_of(const pzs_hysteresis *tables)
 {
@@ -42,8 +42,9 @@ static double offset_of(const pzs_hysteresis *tables)
 
 /*
  * Smallest effect of a voltage change after a reversal of the voltage, relative to the effect of
- * such a change far from a reversal, that the inverse in a control loop assumes. A ceramic without
- * any hysteresis follows small changes at most 1/0.6 times as far as this inverse assumes.
+ * such a change far from a reversal, that a control loop assumes when it computes voltages from
+ * wanted effects with the inverse of the hysteresis model. A ceramic without any hysteresis follows
+ * small changes at most 1/0.6 times as far as this inverse assumes.
  */
 static const double least_after_reversal = 0.6;
 

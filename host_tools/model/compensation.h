@@ -10,9 +10,9 @@
 #include "pzs.h"
 
 /*
- * Hysteresis tables for two blocks of the control loop: one computes the effects of the present
- * voltages (voltages without hysteresis), the other computes voltages from effects. All amplifiers
- * use the same numbers.
+ * Hysteresis tables for two blocks (stages of computation) that a control loop runs in each tick:
+ * one computes the effects of the present voltages (voltages without hysteresis), the other
+ * computes voltages from effects. All amplifiers use the same numbers.
  */
 typedef struct compensation {
     bool is_used; /* true where the scene has a section `hysteresis`; otherwise all other members
@@ -25,21 +25,21 @@ typedef struct compensation {
 } compensation;
 
 /*
- * Make the tables of the compensation. The tables contain pointers to other members, so
- * *compensation must not be moved in memory.
+ * Make the tables with which the controller compensates hysteresis and creep. The tables contain
+ * pointers to other members, so *compensation must not be moved in memory.
  *   rate in  tick rate (1/s); 0: it is not known, and 1000 is used
  */
 void compensation_fill(compensation *compensation, const scene_hysteresis *hysteresis,
                        const pzs_problem *problem, double rate);
 
 /*
- * Weaken a description of hysteresis for a control loop with readings. The inverse of a ceramic
- * whose effect hardly changes after a reversal of the voltage enlarges small voltage changes, and a
- * ceramic with less hysteresis than described follows them all: the loop then has a larger gain for
- * small changes than its certificate allows. Plays (elements with backlash) of the model are
- * therefore replaced by a larger slope, those with the smallest slack first, until a change after a
- * reversal has at least 0.6 of the effect of a change far from a reversal. The loop corrects the
- * hysteresis that is left by its readings.
+ * Weaken a description of hysteresis for a control loop with sensor readings. The inverse of the
+ * model of a ceramic whose effect hardly changes after a reversal of the voltage enlarges small
+ * voltage changes, and a ceramic with less hysteresis than described follows them all: the loop
+ * then has a larger gain for small changes than its certificate allows. Plays (elements with
+ * backlash) of the model are therefore replaced by a larger slope, those with the smallest slack
+ * first, until a change after a reversal has at least 0.6 of the effect of a change far from a
+ * reversal. The loop corrects the hysteresis that is left by means of its sensor readings.
  */
 void compensation_weaken(scene_hysteresis *hysteresis);
 

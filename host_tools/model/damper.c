@@ -13,19 +13,23 @@
 #include "mass.h"
 #include "modal.h"
 
-/* Largest number of vibration modes from which the observed modes are chosen. */
+/*
+ * Largest number of vibration modes from which the observed modes, those that the control tick
+ * estimates from the sensor readings, are chosen.
+ */
 enum { MODE_LIMIT = 200 };
 
 /*
  * Visibility of a vibration mode, the root mean square displacement of the outputs in the mode
- * divided by the largest displacement of the mode shape, below which the mode is not observed.
+ * divided by the largest displacement of the mode shape, below which the control tick neither
+ * estimates nor damps the mode.
  */
 static const double visible = 1e-3;
 
 /*
- * Gain of the low-pass filter of the readings that no observed vibration mode explains: its largest
- * value, and its ratio to the damping ratio of the first vibration mode times the phase angle of
- * that mode in a tick (rad).
+ * Gain of the low-pass filter of the part of the sensor readings that no observed vibration mode
+ * explains: its largest value, and its ratio to the damping ratio of the first vibration mode times
+ * the phase angle of that mode in a tick (rad).
  */
 static const double slow_limit = 0.02, slow_part = 0.5;
 
@@ -33,17 +37,18 @@ static const double slow_limit = 0.02, slow_part = 0.5;
 typedef struct builder {
     damper *damper;
     const analysis *analysis;
-    const estimator *estimator; /* estimator of the controller; NULL: every target node is measured
-                                 */
+    const estimator *estimator; /* the controller's estimator of the shape from sensor readings;
+                                   NULL: every target node is measured */
     const vibration *vibration;
-    vibration more; /* vibration modes that are computed for the tables, where the certificate has
-                       too few modes */
+    vibration more; /* vibration modes that are computed for the vibration damper, where the
+                       stability certificate has too few of them */
     damper_settings settings;
     damper_model model;
     double interval; /* time between two control ticks (s) */
     int delay; /* age of the readings of the sensors when the controller receives them (ticks) */
     size_t targets, sensors, amplifiers;
-    size_t *mode; /* [modes] index of each observed mode among the computed vibration modes */
+    size_t *mode; /* [modes] index of each vibration mode that the control tick observes, among the
+                     computed vibration modes */
     double *angle, *ratio, *overlap, *lift, *square,
         *precision; /* arrays of the model of the observed vibration modes, and
                        inverse noise variance of each sensor */
@@ -90,8 +95,9 @@ static double angle_of(const builder *builder, size_t mode)
 }
 
 /*
- * Largest number of vibration modes that may be observed: the smaller of the number of amplifiers
- * that are not held at one voltage, and the number of sensors minus 1.
+ * Largest number of vibration modes that the control tick may observe (estimate from sensor
+ * readings): the smaller of the number of amplifiers that are not held at one voltage, and the
+ * number of sensors minus 1.
  */
 static size_t mode_limit(const builder *builder)
 {
@@ -398,8 +404,8 @@ static int build(builder *builder, char *error)
 }
 
 /*
- * Whether the tables can be made for a loop that needs a control tick that damps vibration; if not,
- * the member `reason` is filled.
+ * Whether the tables for damping of vibration can be made for a control loop that needs them; if
+ * not, the member `reason` is filled.
  */
 static bool is_possible(damper *damper, const analysis *analysis, const estimator *estimator)
 {

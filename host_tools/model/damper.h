@@ -2,10 +2,10 @@
 /*
  * Tables of the control tick that damps vibration (pzs_vibration), for one scene: which vibration
  * modes the tick observes, how the sensors and the outputs move in these modes, and the gains
- * (damper_gains.h). The tick observes modes that turn by at most 2 rad in a tick and that move the
- * outputs, from the lowest on: no more modes than there are amplifiers that are not held, and fewer
- * modes than sensors. Modal coordinates are scaled so that a unit moves the outputs by a root mean
- * square of 1.
+ * (damper_gains.h). The tick observes modes whose phase advances by at most 2 rad in a tick and
+ * that move the outputs, from the lowest on: no more modes than there are amplifiers that are not
+ * held at one voltage, and fewer modes than sensors. Modal coordinates are scaled so that a unit
+ * moves the outputs by a root mean square of 1.
  */
 #ifndef DAMPER_H
 #define DAMPER_H
@@ -20,8 +20,10 @@ typedef struct damper {
     char reason[SCENE_ERROR]; /* where the control tick must damp vibration but cannot, the reason;
                                  otherwise empty */
     int modes;                /* number of vibration modes that the control tick observes */
-    bool has_slow_mode; /* true where the first mode turns slowly enough in a tick to be observed */
-    double *frequency;  /* [modes] natural frequencies of the observed modes (Hz) */
+    bool has_slow_mode; /* true where the phase of the first vibration mode advances slowly enough,
+                           in radians a tick, for the control tick to observe this mode */
+    double *frequency;  /* [modes] natural frequencies of the vibration modes that the control tick
+                           observes (Hz) */
     double rate;        /* rate of the control tick that damps vibration (1/s) */
     double *memory;     /* one allocation that holds all arrays of the tables for damping */
     pzs_vibration tables;
@@ -38,8 +40,8 @@ typedef struct damper_options {
 } damper_options;
 
 /*
- * Options from the tick rate and delay of the scene and from the settings that its certificate has
- * chosen.
+ * Options of the vibration damper from the tick rate and sensor delay of the scene, and from the
+ * settings that its stability certificate has chosen.
  */
 damper_options damper_options_of(const analysis *analysis);
 
@@ -48,8 +50,8 @@ damper_options damper_options_of(const analysis *analysis);
  * them or not.
  *   analysis  in  analysis whose voltage problem and stability certificate are computed; must
  *                 outlive the damper
- *   estimator in  estimator of the controller; must outlive the damper; NULL: every target node is
- *                 measured
+ *   estimator in  the controller's estimator of the shape; must outlive the damper; NULL: every
+ *                 target node is measured
  *   options   in  tick rate, age of the readings and settings
  * Returns 0, or -1 with error filled and `damper` unchanged.
  */
@@ -62,14 +64,17 @@ int damper_make(damper *damper, const analysis *analysis, const estimator *estim
  * the option `quasi_static` of the analysis, leave the damper unused.
  *   analysis  in  analysis whose voltage problem and stability certificate are computed; must
  *                 outlive the damper
- *   estimator in  estimator of the controller; must outlive the damper; NULL: every target node is
- *       measured
+ *   estimator in  the controller's estimator of the shape; must outlive the damper; NULL: every
+ *       target node is measured
  * Returns 0, or -1 with error filled and the damper unused.
  */
 int damper_open(damper *damper, const analysis *analysis, const estimator *estimator, char *error);
 void damper_close(damper *damper);
 
-/* Write one sentence on the observed vibration modes, the tick rate and the delay. */
+/*
+ * Write one sentence on the vibration modes that the control tick observes to damp vibration, the
+ * tick rate and the delay of the sensor readings.
+ */
 void damper_text(const damper *damper, char text[SCENE_ERROR]);
 
 #endif

@@ -149,8 +149,8 @@ static int doubling_open(doubling *doubling, size_t order)
 }
 
 /*
- * Add `next` to the iterate of the doubling that converges to the solution of the Riccati equation.
- * Returns the largest change of an entry relative to the largest entry.
+ * Add `next` to the iterate of the doubling iteration that converges to the solution of the Riccati
+ * equation. Returns the largest change of an entry relative to the largest entry.
  */
 static double add_change(doubling *doubling, const double *next)
 {
@@ -225,9 +225,9 @@ static void start_doubling(doubling *doubling, const damper_model *model,
 }
 
 /*
- * Compute the observer gains from the covariance of the observer's error.
- *   observer [3 modes][modes] out  gains by which the position, the velocity and the load part of
- *                                  each mode are corrected
+ * Compute the gains of the observer of vibration modes from the covariance of the observer's error.
+ *   observer [3 modes][modes] out  gains by which the position, the velocity and the static
+ *                                  position under loads of each mode are corrected
  */
 static int fill_observer(double *observer, doubling *doubling, const damper_model *model)
 {

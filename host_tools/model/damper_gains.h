@@ -52,8 +52,9 @@ typedef struct damper_settings {
 } damper_settings;
 
 /*
- * Return the default settings of the block that damps vibration. With them the shape settles after
- * fast jumps of the target on every structure of tests/unit/test_vibration_block.c.
+ * Return the default settings of the stage of the control tick that damps vibration. With them the
+ * shape settles after fast jumps of the target on every structure of
+ * tests/unit/test_vibration_block.c.
  */
 damper_settings damper_default_settings(void);
 
@@ -70,9 +71,11 @@ typedef struct damper_model {
                               each input */
     const double *overlap; /* [modes][modes] products of the readings of every pair of vibration
                               modes, summed over the sensors with their inverse variances */
-    const double *lift; /* [inputs][modes] weighted products of each input's column of the influence
-                           matrix with the mode shapes at the outputs */
-    const double *square; /* [modes] weighted squared norm of each mode shape at the outputs */
+    const double *lift;    /* [inputs][modes] products, weighted with the target weights and summed
+                              over the outputs, of each input's column of the influence matrix with
+                              each mode shape */
+    const double *square;  /* [modes] squared norm of each mode shape at the outputs, weighted with
+                              the target weights */
 } damper_model;
 
 /*
@@ -87,11 +90,13 @@ typedef struct damper_gains {
                          errors of the fitted modal coordinates */
     double *explain;  /* [modes][modes] matrix that computes the coordinates of the vibration modes
                          from readings, by a least-squares fit */
-    double *damping; /* [modes][inputs] damping gradient per unit of each vibration mode's deviation
-                        from its equilibrium */
+    double *damping;  /* [modes][inputs] damping gradient (term that the control tick subtracts from
+                         the gradient of its objective to damp vibration) per unit of each vibration
+                         mode's deviation from its equilibrium */
     double *inverse_angle; /* [modes] reciprocal of the phase angle of each vibration mode in a tick
                               (1/rad) */
-    double *covariance;    /* [3 modes][3 modes] covariance of the observer's error, or NULL */
+    double *covariance;    /* [3 modes][3 modes] covariance of the error of the observer, which
+                              estimates the vibration modes, or NULL */
     double share, mix, slow;
 } damper_gains;
 

@@ -9,8 +9,9 @@
 #include "voltages.h"
 
 /*
- * Fill the displacements of the output rows, extrapolated to 0 V, and the largest displacement
- * relative to the thickness, from the equilibrium at the best voltages.
+ * Fill the displacements of the outputs (target and named outputs), extrapolated linearly to 0 V,
+ * and the largest displacement relative to the thickness, from the equilibrium at the voltages with
+ * the smallest shape error.
  */
 static void fill_offset(deformed *deformed, const voltages *best)
 {
@@ -27,7 +28,8 @@ static void fill_offset(deformed *deformed, const voltages *best)
 
 /*
  * Compute the influence matrix, the vibration modes and the displacements of the output rows at 0 V
- * for the structure linearised about the equilibrium of its solver.
+ * for the structure linearised about the deformed equilibrium that its nonlinear solver has
+ * reached.
  */
 static int linearise(deformed *deformed, const voltages *best, int modes, char *error)
 {

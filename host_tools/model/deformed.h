@@ -12,20 +12,21 @@
 #include "modal_tables.h"
 
 typedef struct deformed {
-    analysis analysis; /* analysis of the scene; its influence matrix [outputs][inputs] is that at
-                          the target */
+    analysis analysis; /* analysis of the scene; its influence matrix [outputs][inputs] is that of
+                          the structure linearised about the equilibrium at the target shape */
     vibration vibration;
     modal modal;    /* vibration modes about the equilibrium at the target, with the amplifiers as
                        inputs */
-    double *offset; /* [outputs] displacement of each output row at 0 V, extrapolated linearly from
-                       the equilibrium with the influence matrix */
+    double *offset; /* [outputs] displacement of each output (of the target, or named in the scene)
+                       at 0 V, extrapolated linearly from the equilibrium with the influence matrix
+                     */
     double amplitude; /* largest displacement of a target node at the equilibrium, divided by the
                          thickness */
 } deformed;
 
 /*
- * Compute the equilibrium with the best voltages for the target of the scene, and linearise the
- * structure there.
+ * Compute the equilibrium at the voltages with the smallest shape error for the target of the
+ * scene, and linearise the structure there.
  *   nominal in  analysis of a scene with a target and all densities, whose kinematics is not linear
  *   modes   in  number of vibration modes
  * Returns 0, or -1 with error filled; call deformed_close in either case.

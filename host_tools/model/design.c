@@ -246,9 +246,9 @@ static int build_places(design *design, int *node)
 }
 
 /*
- * Append the rows of a named output of displacements or strains, one for each of its nodes. Outputs
- * of stresses have no rows, because they also depend on voltages. Returns 0, or -1 with error
- * filled.
+ * Append the rows of a named output of displacements or strains, one for each of its nodes; a row
+ * holds the output per unit of each free dof. Outputs of stresses have no rows, because they also
+ * depend on voltages. Returns 0, or -1 with error filled.
  */
 static int append_named(const design *design, int k, row_builder *rows, double *dense, char *error)
 {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * A scene prepared for the library: its structure with inputs as columns and outputs as rows and,
- * once the influence matrix is known, its voltage problem. All arrays are in double precision.
+ * A scene prepared for the library: its structure with inputs as columns of nodal forces, outputs
+ * as rows of weights of the dof and, once the influence matrix is known, its voltage problem. All
+ * arrays are in double precision.
  */
 #ifndef DESIGN_H
 #define DESIGN_H
@@ -105,7 +106,8 @@ typedef struct design {
     double *lower, *upper, *step_limit, *reference_voltage; /* [amplifiers] voltage limits (V), step
                                                                limits (V a tick) and reference
                                                                voltages (V) */
-    double *park; /* [amplifiers] voltages to which the supervisor parks the amplifiers (V) */
+    double *park; /* [amplifiers] park voltages: voltages of rest, to which the supervisor ramps by
+                     command or after a fault (V) */
     pzs_problem problem;
     design_rows rows; /* limit rows of the voltage problem (limits of weighted sums of voltages);
                          empty if the scene has none */
@@ -163,7 +165,8 @@ int design_structure(design *design, char *error);
 int design_measured(design *design, char *error);
 
 /*
- * Build the voltage problem of the design.
+ * Build the voltage problem of the design: the least-squares problem for the voltages within their
+ * limits.
  *   influence [outputs][inputs] in  influence matrix of the whole structure, from pzs_influence
  * Returns 0, or -1 with error filled.
  */
@@ -181,8 +184,9 @@ int design_limits(const design *design, common_limits common, double *lower, dou
 
 /*
  * Voltage of an actuator (V) at which the electric field against the poling, in the patches of one
- * of its drives, reaches the depolarisation field of their material. Its sign is that of the
- * voltages that oppose the poling; infinite for a material without a depolarisation field.
+ * grid that the actuator drives, reaches the depolarisation field of their material. Its sign is
+ * that of the voltages that oppose the poling; infinite for a material without a depolarisation
+ * field.
  */
 double design_depolarising_voltage(const scene *scene, const scene_drive *drive);
 
@@ -198,8 +202,8 @@ void design_free(design *design);
 int design_vary(const design *design, scene *copy);
 
 /*
- * Resultants that 1 V (or 1 K) of one amplifier of an actuator causes in one element, times the
- * area of the element.
+ * Stress resultants that 1 V (or 1 K) of one amplifier of an actuator causes in one element, times
+ * the area of the element.
  *   cell    in   index of the amplifier within the actuator's grid, second grid index fastest
  *   h0 [10] out  these resultants
  * Returns whether the amplifier acts in the element.

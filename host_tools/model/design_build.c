@@ -59,7 +59,10 @@ static void copy_parts(design *design, const scene *scene)
     design->measured = scene->influence;
 }
 
-/* Copy into the design the settings of the scene that the stages after the design use. */
+/*
+ * Copy into the design the settings of the scene that later stages (analysis, control, reports)
+ * use.
+ */
 static void copy_tasks(design *design, const scene *scene)
 {
     design->kinematics = scene->kinematics;

@@ -49,9 +49,9 @@ double design_depolarising_voltage(const scene *scene, const scene_drive *drive)
     if (field <= 0 || drive->factor == 0 || !is_along)
         return (double)INFINITY;
     /*
-     * At the voltage V on the actuator, the field in a patch is -factor V / (distance of its
-     * electrodes), where `factor` is that of the patches in the actuator. The field opposes a
-     * positive poling where factor times V is positive.
+     * At the voltage V of an actuator, the field in a patch is -factor V / (distance of its
+     * electrodes), where `factor` is the number by which the actuator multiplies V for its patches.
+     * The field opposes a positive poling where factor times V is positive.
      */
     const double distance = layer->finger_distance > 0 ? layer->finger_distance : layer->thickness;
     const double most = field * distance / fabs(drive->factor);
@@ -60,7 +60,8 @@ double design_depolarising_voltage(const scene *scene, const scene_drive *drive)
 
 /*
  * Narrow the voltage limits of amplifier k so that the electric field against the poling direction,
- * in the patches of one drive, stays below the depolarisation field of their material.
+ * in the patches of one grid that the amplifier's actuator drives, stays below the depolarisation
+ * field of their material.
  */
 static void narrow_by_field(const limits *limits, int k, const scene_drive *drive)
 {
@@ -198,8 +199,8 @@ static int allocate_control(design *design)
 }
 
 /*
- * Check park voltages [amplifiers] that violate a limit of a weighted sum of voltages. Returns 0,
- * or -1 with error filled.
+ * Check that the park voltages (voltages of rest, also after a fault) violate no limit of a
+ * weighted sum of voltages. Returns 0, or -1 with error filled.
  */
 static int check_park_rows(const design *design, char *error)
 {
@@ -216,10 +217,10 @@ static int check_park_rows(const design *design, char *error)
 }
 
 /*
- * Compute the park voltages: the voltage of the scene file, which must be inside the limits of
- * every amplifier that is not held at one voltage. Without it, the voltages inside the limits that
- * are nearest to 0, or, where these violate limits between amplifiers, voltages that obey them.
- * Returns 0, or -1 with error filled.
+ * Compute the park voltages (voltages of rest, also after a fault): the voltage of the scene file,
+ * which must be inside the limits of every amplifier that is not held at one voltage. Without it,
+ * the voltages inside the limits that are nearest to 0, or, where these violate limits between
+ * amplifiers, voltages that obey them. Returns 0, or -1 with error filled.
  */
 static int build_park(design *design, char *error)
 {

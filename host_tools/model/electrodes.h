@@ -16,8 +16,8 @@
 int electrodes_build(design *design, char *error);
 
 /*
- * Index of the electrode that belongs to an input of the structure, or -1 where the input is no
- * electrode.
+ * Index, in the library's table of electrodes, of the electrode that belongs to an input of the
+ * structure, or -1 where the input is no electrode.
  */
 int electrodes_of(const design *design, int input);
 

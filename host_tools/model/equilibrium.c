@@ -140,8 +140,9 @@ static void set_corner(const mesh *mesh, int element, int corner, const pzs_foll
 }
 
 /*
- * Set which fractions of (pressure at a corner times area of the element) act as forces on that
- * corner, on each neighbouring corner and on the opposite corner.
+ * Set, for a follower load (load that turns with the shell), which fractions of (pressure at a
+ * corner of an element times area of the element) act as forces on that corner, on each
+ * neighbouring corner and on the opposite corner.
  */
 static void set_shares(pzs_follower *follower, int is_cartesian)
 {
@@ -170,7 +171,7 @@ static pzs_status build_follower(equilibrium *equilibrium, const scene_load *loa
     if (design_load_values(mesh, load, pressure, error) < 0)
         return PZS_E_NONFINITE;
     follower->input = input;
-    follower->load_face = 2; /* the number 2 of a load's face stands for the middle surface */
+    follower->load_face = 2; /* face on which the load acts: 0 inner, 1 outer, 2 middle surface */
     if (load->face == FACE_INNER || load->face == FACE_OUTER)
         follower->load_face = load->face == FACE_OUTER;
     follower->normal_face = load->follower == FOLLOWER_PRESSURE && load->face == FACE_INNER ? 0 : 1;

@@ -34,7 +34,8 @@ typedef struct equilibrium {
 } equilibrium;
 
 /*
- * Build the tables and a solver in the reference state.
+ * Build the tables of prescribed resultants, follower loads and contact, and an equilibrium solver
+ * in the reference state.
  *   design in      design of a scene whose kinematics is not linear; must outlive `equilibrium`
  *   model  in/out  model initialised on the structure of the design
  * Returns PZS_OK or the status of the library; after an error `equilibrium` is empty.

@@ -31,9 +31,10 @@ typedef struct estimation {
                        eigenvalues on the diagonal */
     double *eigenvector; /* [sensors][sensors] eigenvectors of the scaled covariance of the
                             readings, as columns */
-    double *target_part, *side, *direction, *rotated; /* work arrays of the sizes [disturbances
-                                                         (loads and voltage errors)], [sensors],
-                                                         [targets] and [sensors] */
+    double *target_part, *side, *direction, *rotated; /* work arrays of the computation of the shape
+                                                         estimator's gains, of the sizes
+                                                         [disturbances (loads and voltage errors)],
+                                                         [sensors], [targets] and [sensors] */
 } estimation;
 
 static int allocate(estimation *estimation)

@@ -31,20 +31,20 @@ enum {
     REFINEMENTS = 30,
     SHAPE_ROUNDS = 60,
     SPARE = 4, /* number of dimensions of the signal subspace in addition to those of the wanted
-                  modes */
+                  vibration modes */
     PARAMETERS = 2 * IDENTIFIED_MODES,
     BASIS = 2 * IDENTIFIED_MODES + 1, /* largest number of functions that describe a reading in an
                                          interval of constant voltages: cosine and sine of each
-                                         mode, and a constant */
+                                         vibration mode, and a constant */
     ROOTS = 2 * IDENTIFIED_MODES + SPARE
 };
 
 static const double two_pi = 6.283185307179586, largest_damping = 0.3;
 
 /*
- * Smallest energy of a mode, relative to the energy that noise alone would give it, and largest
- * standard error of its frequency, relative to the frequency. A mode beyond one of these bounds is
- * left out.
+ * Smallest energy of a vibration mode in the readings, relative to the energy that noise alone
+ * would give it, and largest standard error of its frequency, relative to the frequency. A mode
+ * beyond one of these bounds is left out.
  */
 static const double significant = 10, largest_error = 0.01;
 
@@ -69,8 +69,8 @@ typedef struct fit {
     double *function, *slope; /* function [BASIS + PARAMETERS][longest]: orthonormal functions of an
                                  interval of constant voltages, followed by derivatives of a signal
                                  with respect to frequencies and damping ratios; slope [2
-                                 PARAMETERS][longest]: derivatives of cosine and sine of each mode
-                                 with respect to its frequency and damping ratio */
+                                 PARAMETERS][longest]: derivatives of cosine and sine of each
+                                 vibration mode with respect to its frequency and damping ratio */
     double *column; /* [longest] work vector for one signal in an interval of constant voltages */
     int modes;
     double frequency[IDENTIFIED_MODES]; /* present estimates of the angular frequencies of the
@@ -123,7 +123,7 @@ static void list_intervals(fit *fit)
 /*
  * Mean of a value over an interval of constant voltages with Hann's weights, by which a vibration
  * of several periods cancels out.
- *   value  in  address of the first sample of the value
+ *   value  in  address of the value in the first sample of the interval
  *   count  in  number of samples
  *   stride in  distance between samples in the array
  */
@@ -219,8 +219,8 @@ static bool choose_channels(fit *fit)
 /* ---- decaying sinusoids ---------------------------------------------------- */
 
 /*
- * Compute orthonormal functions that span a constant and the decaying cosine and sine of each mode
- * over an interval of constant voltages.
+ * Compute orthonormal functions that span a constant and the decaying cosine and sine of each
+ * vibration mode over an interval of constant voltages.
  *   triangle [BASIS][BASIS] out  function k before it is made orthonormal (the constant, then
  *                                cosine and sine of each mode) is the sum over j <= k of
  *                                triangle[j][k] times orthonormal function j
@@ -257,8 +257,8 @@ static void fill_functions(const fit *fit, const interval *interval, double tria
 }
 
 /*
- * Fit a constant, and the decaying cosine and sine of each mode, to a signal in an interval of
- * constant voltages by least squares.
+ * Fit a constant, and the decaying cosine and sine of each vibration mode, to a signal in an
+ * interval of constant voltages by least squares.
  *   triangle [BASIS][BASIS] in      coefficients by which cosines and sines are
  *                                   combinations of the orthonormal functions
  *   signal [count]          in/out  the signal, replaced by the part of it that the fit leaves
@@ -282,10 +282,10 @@ static void fit_signal(const fit *fit, size_t count, double triangle[BASIS][BASI
 }
 
 /*
- * Compute the derivatives of the decaying cosine and sine of each mode with respect to its angular
- * frequency and its damping ratio, without their parts along the orthonormal functions of the
- * interval of constant voltages. Rows 4 k to 4 k + 3 of fit->slope belong to mode k: cosine and
- * sine by the frequency, cosine and sine by the damping ratio.
+ * Compute the derivatives of the decaying cosine and sine of each vibration mode with respect to
+ * its angular frequency and its damping ratio, without their parts along the orthonormal functions
+ * of the interval of constant voltages. Rows 4 k to 4 k + 3 of fit->slope belong to mode k: cosine
+ * and sine by the frequency, cosine and sine by the damping ratio.
  */
 static void fill_slopes(const fit *fit, const interval *interval)
 {
@@ -318,10 +318,12 @@ static void fill_slopes(const fit *fit, const interval *interval)
  */
 typedef struct normal {
     double matrix[PARAMETERS * PARAMETERS], right[PARAMETERS];
-    double squares; /* sum of the squares of the parts of all signals that the fitted modes do not
-                       explain (squared unit of the readings) */
-    double energy[IDENTIFIED_MODES]; /* sum of the squares of the part of each mode in all signals
-                                        (squared unit of the readings) */
+    double squares; /* sum of the squares of the parts of all signals (weighted sums of the
+                       readings) that the fitted vibration modes do not explain (squared unit of the
+                       readings) */
+    double energy[IDENTIFIED_MODES]; /* sum of the squares of the part of each vibration mode in all
+                                        signals, weighted sums of the readings (squared unit of the
+                                        readings) */
     size_t values; /* number of samples of all signals minus number of fitted coefficients */
 } normal;
 
@@ -353,8 +355,8 @@ static void add_signal(const fit *fit, size_t count, const double *left,
 }
 
 /*
- * Add the energy of each mode in one signal in an interval of constant voltages, computed from the
- * coefficients of the cosine and sine of the mode.
+ * Add the energy of each vibration mode in one signal in an interval of constant voltages, computed
+ * from the coefficients of the cosine and sine of the mode.
  */
 static void add_energy(const fit *fit, size_t count, const double coefficient[BASIS],
                        normal *normal)
@@ -368,7 +370,8 @@ static void add_energy(const fit *fit, size_t count, const double coefficient[BA
 }
 
 /*
- * Fit all signals with the present frequencies and damping ratios of the modes.
+ * Fit all signals (weighted sums of the readings) with the present frequencies and damping ratios
+ * of the vibration modes.
  *   with_slopes in   whether to compute the normal equations of a refinement step, too
  *   normal      out  sums of squares and normal equations
  */
@@ -631,7 +634,10 @@ static void remove_mode(fit *fit, int mode)
     }
 }
 
-/* Remove the modes with the least energy until at most `most` modes are left. */
+/*
+ * Remove the vibration modes with the least energy in the readings until at most `most` modes are
+ * left.
+ */
 static void keep_strongest(fit *fit, int most)
 {
     normal normal;
@@ -645,8 +651,8 @@ static void keep_strongest(fit *fit, int most)
 }
 
 /*
- * Estimate the modes with several lags between the delayed samples, refine each estimate, and keep
- * the estimate that fits the signals best. Returns whether memory sufficed.
+ * Estimate the vibration modes with several lags between the delayed samples, refine each estimate,
+ * and keep the estimate that fits the signals best. Returns whether memory sufficed.
  */
 static bool estimate(fit *fit, int most)
 {
@@ -679,7 +685,8 @@ static bool estimate(fit *fit, int most)
 /* ---- result -------------------------------------------------------------------- */
 
 /*
- * Remove modes that the noise hides, and refine frequencies and damping ratios of the others again.
+ * Remove vibration modes that the noise hides, and refine frequencies and damping ratios of the
+ * others again.
  *   inverse [PARAMETERS][PARAMETERS] out  inverse of the matrix of the normal equations after the
  *                                         last refinement
  */
@@ -719,7 +726,7 @@ static void sort_modes(fit *fit)
 
 /*
  * Fit the readings of every output, and store the coefficients of the decaying cosine and sine of
- * every mode in every interval of constant voltages.
+ * every vibration mode in every interval of constant voltages.
  *   part [modes][outputs][2 intervals] out  coefficients (unit of the readings)
  */
 static void fill_parts(const fit *fit, double *part)
@@ -742,8 +749,8 @@ static void fill_parts(const fit *fit, double *part)
 }
 
 /*
- * Compute the shape of a mode by power iteration: the vector over the outputs along which the
- * coefficients of the mode have the largest energy, scaled to a root mean square of 1.
+ * Compute the shape of a vibration mode by power iteration: the vector over the outputs along which
+ * the coefficients of the mode have the largest energy, scaled to a root mean square of 1.
  *   part [outputs][columns] in   coefficients of the decaying cosine and sine of the mode in all
  *                                intervals of constant voltages
  *   along [columns]         out  work array
@@ -754,9 +761,9 @@ static void find_shape(const double *part, size_t outputs, size_t columns, doubl
 {
     for (size_t k = 0; k < columns; k++)
         along[k] = 0;
-    for (size_t i = 0; i < outputs; i++) /* the power iteration for the shape of a mode starts from
-                                            the coefficients of the output that the mode moves most
-                                          */
+    for (size_t i = 0; i < outputs; i++) /* the power iteration for the shape of a vibration mode
+                                            starts from the coefficients of the output that the mode
+                                            moves most */
         if (pzs_linalg_inner(part + i * columns, part + i * columns, (uint32_t)columns) >
             pzs_linalg_inner(along, along, (uint32_t)columns))
             memcpy(along, part + i * columns, columns * sizeof *along);
@@ -775,8 +782,8 @@ static void find_shape(const double *part, size_t outputs, size_t columns, doubl
 }
 
 /*
- * Compute the complex amplitudes of the free vibration of all modes in all intervals of constant
- * voltages, and from these the static responses to the voltages.
+ * Compute the complex amplitudes of the free vibration of all vibration modes in all intervals of
+ * constant voltages, and from these the static responses to the voltages.
  *   part [modes][outputs][2 intervals] in  coefficients of cosine and sine of the modes
  * Returns 0, or -1 with error filled.
  */

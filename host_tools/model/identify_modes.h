@@ -15,19 +15,19 @@
 typedef struct identified_modes {
     int modes; /* number of vibration modes found, which are in the order of their frequencies */
     int steps; /* number of intervals of constant voltages that the identification used */
-    double *frequency;                       /* [modes] natural frequencies of the modes (Hz) */
-    double *damping;                         /* [modes] damping ratios of the modes */
+    double *frequency; /* [modes] natural frequencies of the vibration modes (Hz) */
+    double *damping;   /* [modes] damping ratios of the vibration modes */
     double *frequency_error, *damping_error; /* [modes] standard errors of the natural frequencies
                                                 (Hz) and of the damping ratios */
-    double *shape; /* [modes][outputs] displacement of each output in the mode, scaled to a root
-                      mean square of 1 */
-    double noise; /* standard deviation of the part of a reading that the modes do not explain (unit
-                     of the readings) */
+    double *shape; /* [modes][outputs] displacement of each output in each vibration mode, scaled to
+                      a root mean square of 1 */
+    double noise;  /* standard deviation of the part of a reading that the vibration modes do not
+                      explain (unit of the readings) */
     double shown[2]; /* lowest and highest frequency that the longest interval of constant voltages
                         and the samples a second can show (Hz) */
-    mode_responses responses; /* static responses to the voltages */
-    double left; /* root mean square of the part of the readings that the modes do not explain,
-                    relative to that of the vibration */
+    mode_responses responses; /* static responses of the vibration modes to the voltages */
+    double left; /* root mean square of the part of the readings that the vibration modes do not
+                    explain, relative to that of the vibration */
 } identified_modes;
 
 enum {

@@ -9,8 +9,9 @@
 #include "../mesh/invert.h"
 
 enum {
-    TRIED = 400,    /* number of delays of the voltages that are compared */
-    NARROWINGS = 60 /* number of steps that narrow the interval around the best delay */
+    TRIED = 400,    /* number of trial values of the delay with which the voltages act */
+    NARROWINGS = 60 /* number of steps that narrow the interval around the delay of the voltages
+                       that fits the record best */
 };
 
 static const double quarter_turn = 1.5707963267948966; /* a quarter of a full turn (rad) */
@@ -22,8 +23,8 @@ static const double quarter_turn = 1.5707963267948966; /* a quarter of a full tu
 static const double independent = 1e-6;
 
 /*
- * Largest part of the vibration, as a root mean square, that static responses may leave
- * unexplained.
+ * Largest part of the free vibration after voltage steps that the fitted static responses may leave
+ * unexplained, relative to the whole (root mean square).
  */
 static const double most_left = 0.2;
 
@@ -34,12 +35,13 @@ typedef struct steps {
     mode_responses *result;
     const free_vibration *record;
     size_t count, actuators;
-    size_t *interval;  /* [count] number of the interval of constant voltages that each step begins
-                        */
-    double *voltage;   /* [count][actuators] change of each voltage in each step (V) */
-    double *inverse;   /* [actuators][actuators] inverse of the normal matrix of the voltage steps
-                          (1/V^2) */
-    double *value;     /* [count] work vector: static values of a modal coordinate */
+    size_t *interval; /* [count] number of the interval of constant voltages that each step begins
+                       */
+    double *voltage;  /* [count][actuators] change of each voltage in each step (V) */
+    double *inverse;  /* [actuators][actuators] inverse of the normal matrix of the voltage steps
+                         (1/V^2) */
+    double *value; /* [count] work vector: change of the static value of a modal coordinate in each
+                      voltage step */
     double *projected; /* [2][actuators] work vectors of the least-squares fit of static responses
                         */
 } steps;
@@ -140,7 +142,8 @@ static double static_values(const steps *steps, size_t mode, double delay, doubl
 }
 
 /*
- * Fit the static responses of one mode to the static values of its coordinate by least squares.
+ * Fit the static responses of one vibration mode to the voltages by least squares to the changes of
+ * its static modal coordinate in all voltage steps.
  *   response [actuators] out  static responses (multiples of the mode's shape per volt)
  * Returns the sum of the squares that the fit leaves.
  */
@@ -168,8 +171,9 @@ static double fit_response(const steps *steps, double *response)
 }
 
 /*
- * Return the part of the jumps of all modes, as a ratio of squares, that static responses leave
- * unexplained if the voltages act with the given delay.
+ * Return the part of the jumps that the free vibrations of all vibration modes make at the voltage
+ * steps, as a ratio of squares, that static responses leave unexplained if the voltages act with
+ * the given delay.
  *   squares out  sum of the squares that they leave (multiples of the shapes)
  */
 static double unexplained(const steps *steps, double delay, double *squares)
@@ -184,8 +188,9 @@ static double unexplained(const steps *steps, double delay, double *squares)
 }
 
 /*
- * Find the delay of the voltages (samples) that explains the jumps best: from one sample early to a
- * quarter of a period of the lowest mode late, beyond which the sign of a single mode is unknown.
+ * Find the delay with which the voltages act (samples), as the one that best explains how the free
+ * vibration jumps at the voltage steps: from one sample early to a quarter of a period of the
+ * lowest vibration mode late, beyond which the sign of a single mode is unknown.
  */
 static double find_delay(const steps *steps)
 {

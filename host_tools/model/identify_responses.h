@@ -16,35 +16,39 @@
  * readings.
  */
 typedef struct mode_responses {
-    bool is_found;            /* true where the static responses are identified */
-    char reason[SCENE_ERROR]; /* why the static responses are not identified; otherwise empty */
-    double *value; /* [modes][actuators] static response of each mode to 1 V of each actuator, as a
-                      multiple of its shape (unit of the readings per volt) */
-    double *error; /* [modes][actuators] standard errors of the static responses */
+    bool is_found; /* true where the static responses of the vibration modes are identified */
+    char reason[SCENE_ERROR]; /* why the static responses of the vibration modes are not identified;
+                                 otherwise empty */
+    double *value; /* [modes][actuators] static response of each vibration mode to 1 V of each
+                      actuator, as a multiple of its shape (unit of the readings per volt) */
+    double *error; /* [modes][actuators] standard errors of the static responses of the vibration
+                      modes to 1 V of each actuator */
     double delay;  /* time between a recorded step of the voltages and its effect (s) */
 } mode_responses;
 
-/* Free vibration of the modes in the intervals of constant voltages of a record. */
+/* Free vibration of the vibration modes in the intervals of constant voltages of a record. */
 typedef struct free_vibration {
     const pokes *samples;
     size_t modes;
-    const double *frequency, *damping; /* [modes] angular frequencies of the modes (rad/s) and their
-                                          damping ratios */
+    const double *frequency, *damping; /* [modes] angular frequencies of the vibration modes (rad/s)
+                                          and their damping ratios */
     double rate;                       /* number of samples of the record in a second (1/s) */
     size_t intervals;                  /* number of intervals of constant voltages in the record */
     size_t skipped; /* number of samples between a step of the voltages and the first fitted sample
                      */
     const size_t *first;  /* [intervals] number of the first sample that was fitted in each interval
-                           */
-    const size_t *behind; /* [intervals] number of the first sample behind each interval */
+                             of constant voltages */
+    const size_t *behind; /* [intervals] number of the first sample behind each interval of constant
+                             voltages */
     const double _Complex *amplitude; /* [modes][intervals] complex amplitude of the free vibration
-                                        of each mode at the first fitted sample of each interval, as
-                                        a multiple of the mode's shape */
+                                         of each vibration mode at the first fitted sample of each
+                                         interval of constant voltages, as a multiple of the mode's
+                                         shape */
 } free_vibration;
 
 /*
- * Identify the static responses of the modes to 1 V of each actuator, and the delay of the
- * voltages. Returns whether memory sufficed; call mode_responses_free in either case.
+ * Identify the static responses of the vibration modes to 1 V of each actuator, and the delay with
+ * which the voltages act. Returns whether memory sufficed; call mode_responses_free in either case.
  */
 bool identify_responses(mode_responses *result, const free_vibration *record);
 void mode_responses_free(mode_responses *result);

@@ -6,19 +6,19 @@
 #include <string.h>
 #include "../../lib/core/linalg.h"
 
-enum { SWAPS = 40 }; /* largest number of pairs of matrix rows that are swapped */
+enum { SWAPS = 40 }; /* largest number of pairs of rows of the influence matrix that are swapped */
 
 /*
- * Smallest norm of the part of a mode shape that is orthogonal to the shapes of all lower modes,
- * relative to the norm of the shape. Below it, the outputs cannot distinguish the mode from the
- * lower modes.
+ * Smallest norm of the part of a mode shape that is orthogonal to the shapes of all lower vibration
+ * modes, relative to the norm of the shape. Below it, the outputs cannot distinguish the mode from
+ * the lower modes.
  */
 static const double distinct = 1e-6;
 
 /*
  * Smallest reduction of the share of the influence matrix that the mode shapes do not explain, by
- * which a swap of two outputs counts: relative to that share, and absolute (a multiple of its
- * rounding error).
+ * which a swap of two outputs (rows of the matrix) counts: relative to that share, and absolute (a
+ * multiple of its rounding error).
  */
 static const double least_gain = 0.05, rounding = 1e-9;
 
@@ -91,13 +91,14 @@ typedef struct comparison {
     double size;    /* sum of the squares of all entries of the influence matrix */
     double *matrix; /* [outputs][amplifiers] influence matrix, in which pairs of rows are swapped */
     double *basis;  /* [modes][outputs] orthonormal basis of the mode shapes */
-    double *triangle; /* [modes][modes] coefficients of the mode shapes in the orthonormal basis */
+    double *triangle; /* [modes][modes] coefficients of the mode shapes in an orthonormal basis of
+                         their span */
     double *part; /* [modes][amplifiers] orthonormal basis of the mode shapes times influence matrix
                    */
     double *seen; /* [outputs][modes] influence matrix times the transposed product of basis and
                      influence matrix */
-    double *response; /* [modes] work vector for the static responses of the modes to one amplifier
-                       */
+    double *response; /* [modes] work vector for the static responses of the vibration modes to one
+                         amplifier */
 } comparison;
 
 static bool take_memory(comparison *c)
@@ -116,7 +117,10 @@ static bool take_memory(comparison *c)
     return true;
 }
 
-/* Compute the shares of the influence matrix that each mode and all modes together explain. */
+/*
+ * Compute the shares of the influence matrix (of the sum of its squared entries) that each
+ * vibration mode and all modes together explain.
+ */
 static void find_shares(const comparison *c, matrix_modes *found)
 {
     double left = 0;
@@ -183,8 +187,8 @@ static double gain_of_swap(const comparison *c, size_t i, size_t j)
 }
 
 /*
- * Find the pair of outputs whose swap lets the mode shapes explain most of the influence matrix.
- * Returns the growth of the explained share.
+ * Find the pair of outputs (rows of the influence matrix) whose swap lets the mode shapes explain
+ * most of the influence matrix. Returns the growth of the explained share.
  */
 static double best_swap(const comparison *c, size_t pair[2])
 {
@@ -213,8 +217,8 @@ static void swap_rows(const comparison *c, const size_t pair[2])
 }
 
 /*
- * Swap pairs of outputs as long as each swap lets the mode shapes explain clearly more of the
- * influence matrix.
+ * Swap pairs of outputs (rows of the influence matrix) as long as each swap lets the mode shapes
+ * explain clearly more of the influence matrix.
  */
 static void find_swaps(const comparison *c, matrix_modes *found)
 {

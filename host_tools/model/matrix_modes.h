@@ -12,13 +12,16 @@
 
 typedef struct matrix_modes {
     double share; /* share of the sum of the squares of all entries of the influence matrix that the
-                     static parts of all modes explain; negative where responses have a wrong unit
-                   */
-    double *of_mode; /* [modes] sum of the squares of the static part of each mode, as a share of
-                        that of the matrix; the sum of these shares is the member `share` if the
-                        static parts are orthogonal */
-    int swaps;      /* number of pairs of outputs that were swapped to explain more of the matrix */
-    int swapped[2]; /* the two outputs of the first pair that was swapped, counted from 0 */
+                     static parts of all vibration modes (shape times static responses) explain;
+                     negative where responses have a wrong unit */
+    double *of_mode; /* [modes] sum of the squares of the static part of each vibration mode (its
+                        shape times its static responses), as a share of that of the influence
+                        matrix; the sum of these shares is the member `share` if the static parts
+                        are orthogonal */
+    int swaps; /* number of pairs of outputs (rows of the influence matrix) that were swapped so
+                  that the mode shapes explain more of the matrix */
+    int swapped[2]; /* indices, counted from 0, of the two outputs (rows of the influence matrix)
+                       that were swapped first */
     double random_rest; /* mean share of the influence matrix that the mode shapes would not explain
                            with their outputs in random order */
     double rest; /* share of the influence matrix outside the span of the mode shapes, which no
@@ -28,7 +31,8 @@ typedef struct matrix_modes {
 } matrix_modes;
 
 /*
- * Largest number of outputs for which swapped outputs are searched.
+ * Largest number of outputs with which the program searches for outputs that are swapped between
+ * the mode shapes and the influence matrix.
  */
 enum { MATRIX_SWAPPED_OUTPUTS = 400 };
 
@@ -43,7 +47,7 @@ enum { MATRIX_SWAPPED_OUTPUTS = 400 };
 int matrix_modes_basis(const scene_influence *measured, double *basis, double *triangle);
 
 /*
- * Compute the static responses of all modes to one amplifier: the given ones, or else the
+ * Compute the static responses of all vibration modes to one amplifier: the given ones, or else the
  * least-squares fit of all mode shapes to the amplifier's column of the influence matrix.
  *   basis    [modes][outputs] in   basis of the mode shapes, from matrix_modes_basis
  *   triangle [modes][modes]   in   mode shapes in this basis
@@ -53,8 +57,8 @@ void matrix_modes_response(const scene_influence *measured, size_t amplifiers, s
                            const double *basis, const double *triangle, double *response);
 
 /*
- * Compare the measured modes of a scene with its influence matrix.
- *   with_swaps in  whether to search for swapped outputs
+ * Compare the measured vibration modes of a scene with its influence matrix.
+ *   with_swaps in  whether to search for outputs that are swapped between mode shapes and matrix
  * Returns 0, or -1 where memory runs out or a shape is a combination of others; call
  * matrix_modes_free in either case.
  */

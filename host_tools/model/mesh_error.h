@@ -32,8 +32,8 @@ typedef struct mesh_estimate {
 
 typedef struct mesh_error {
     int meshes; /* number of meshes that were analysed, 2 or 3; 0: no estimate was asked for */
-    int elements[MESH_LEVELS][2]; /* number of elements along theta1 and theta2 on each mesh, the
-                                     scene's mesh first */
+    int elements[MESH_LEVELS][2]; /* number of elements along the surface coordinates theta1 and
+                                     theta2 on each mesh, the scene's mesh first */
     mesh_values values;           /* all results of the analysis on the mesh of the scene */
     mesh_estimate estimate[MESH_VALUES];
     char why_two[SCENE_ERROR]; /* where only two meshes were analysed, the reason why there is no

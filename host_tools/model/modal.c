@@ -19,7 +19,7 @@ double modal_damping(const scene_dynamics *dynamics, int mode, double frequency)
 
 /*
  * Fill the data of one vibration mode: angular frequency, damping ratio, displacements of the
- * output rows, and static response to the inputs.
+ * outputs, and static response to the inputs.
  */
 static void fill_mode(modal *modal, const design *design, const vibration *vibration, size_t mode)
 {
@@ -34,7 +34,7 @@ static void fill_mode(modal *modal, const design *design, const vibration *vibra
         modal->response[mode * modal->inputs + k] = vibration_static(vibration, design, of, (int)k);
 }
 
-/* Allocate the modal description of all modes that are no rigid motions. */
+/* Allocate the modal description of all vibration modes that are no rigid motions. */
 static bool allocate(modal *modal, const design *design, const vibration *vibration, size_t inputs)
 {
     memset(modal, 0, sizeof *modal);

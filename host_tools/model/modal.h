@@ -25,8 +25,8 @@ double modal_damping(const scene_dynamics *dynamics, int mode, double frequency)
 bool modal_open(modal *modal, const design *design, const vibration *vibration, size_t inputs);
 
 /*
- * Fill the modal description from modes about a deformed equilibrium, with the
- * forces that a unit of each input exerts there.
+ * Fill the modal description of a structure from its vibration modes about a deformed equilibrium,
+ * with the forces that a unit of each input exerts there.
  *   solver in  solver at this equilibrium
  * Returns whether memory sufficed; call modal_close in either case.
  */

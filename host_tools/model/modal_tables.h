@@ -15,11 +15,11 @@
 typedef struct modal {
     size_t modes, rows, inputs;
     double *frequency; /* [modes] angular frequencies of the vibration modes (rad/s) */
-    double *damping;   /* [modes] damping ratios of the modes */
-    double *shape;    /* [rows][modes] displacement of each output row per unit of the coordinate of
-                         each vibration mode */
-    double *response; /* [modes][inputs] static coordinate of each vibration mode per unit of each
-                         input */
+    double *damping;   /* [modes] damping ratios of the vibration modes */
+    double *shape;     /* [rows][modes] displacement of each output (of the target, or named in the
+                          scene) per unit of the coordinate of each vibration mode */
+    double *response;  /* [modes][inputs] static coordinate of each vibration mode per unit of each
+                          input */
 } modal;
 
 #endif

@@ -164,8 +164,8 @@ int measure_repeated_column(const subject *of, int k, measured *found)
 /* ---- measured modes --------------------------------------------------------- */
 
 /*
- * Compare the measured modes of a scene with its influence matrix. Returns whether the scene has
- * modes that can be compared; if so, matrix_modes_free must be called.
+ * Compare the measured vibration modes of a scene with its influence matrix. Returns whether the
+ * scene has modes that can be compared; if so, matrix_modes_free must be called.
  */
 static bool compare_modes(const subject *of, bool with_swaps, matrix_modes *compared,
                           measured *found)

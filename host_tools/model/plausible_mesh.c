@@ -79,15 +79,15 @@ static double shorter_side(const mesh *mesh)
     return extent[0] + extent[1] + extent[2] - largest - smallest;
 }
 
-/* Whether the places of the nodes come from a mesh file or from measured points. */
+/* Whether the positions of the nodes come from a mesh file or from measured points. */
 static bool has_file(const subject *of)
 {
     return of->scene->quads != NULL || of->scene->surface.type == SURFACE_POINTS;
 }
 
 /*
- * Measure the thickness over the shorter side of the structure, for a structure whose places come
- * from a mesh file or measured points, or for all others.
+ * Measure the thickness over the shorter side of the structure, for a structure whose node
+ * positions come from a mesh file or measured points, or for all others.
  */
 static int measure_thin(const subject *of, int k, bool is_from_file, measured *found)
 {
@@ -127,8 +127,8 @@ int measure_points_height(const subject *of, int k, measured *found)
 
 /*
  * Compute the bending and shear stiffnesses of the laminate, and the squared wave number of a half
- * wave with the length of the shorter side of the structure. Returns whether the rule with index k
- * applies.
+ * wave with the length of the shorter side of the structure. Returns whether the plausibility rule
+ * on transverse shear measures a k-th number; there is one, with k = 0.
  */
 static int bending_of(const subject *of, int k, measured *found, laminate_bending *bending,
                       double *wave)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Functions that measure the numbers of the plausibility rules, shared by the files plausible*.c.
+ * Functions that find the numbers that the plausibility rules compare with their usual ranges,
+ * shared by the files plausible*.c.
  */
 #ifndef PLAUSIBLE_PARTS_H
 #define PLAUSIBLE_PARTS_H
@@ -59,8 +60,8 @@ typedef struct measured {
 typedef int measure(const subject *of, int k, measured *found);
 
 /*
- * Functions that measure the constants of materials and layers for the plausibility rules
- * (plausible_material.c).
+ * Functions that find material constants, wave speeds and layer thicknesses, which plausibility
+ * rules compare with their usual ranges (plausible_material.c).
  */
 measure measure_modulus, measure_density, measure_light_material, measure_piezo, measure_thickness;
 measure measure_wave_speed, measure_dense_wave_speed, measure_ply_wave_speed;
@@ -68,24 +69,30 @@ measure measure_piezo_coupling, measure_soft_piezo, measure_uneven_piezo;
 measure measure_permittivity, measure_pyroelectric, measure_expansion;
 
 /*
- * Functions that measure depolarisation fields and strengths of materials, and the use of both, for
- * the plausibility rules (plausible_strength.c).
+ * Functions that find depolarisation fields and strengths of materials, and how far voltages and
+ * stresses use them, for comparison with their usual ranges (plausible_strength.c).
  */
 measure measure_field_limit, measure_ceramic_field_limit, measure_depolarisation;
 measure measure_strength, measure_soft_strength, measure_strength_ratio;
 measure measure_reserve;
 
-/* Functions that measure the numbers of stacks for the plausibility rules (plausible_stacks.c). */
+/*
+ * Functions that find stiffness, stroke and force of piezoelectric stacks, which plausibility rules
+ * compare with their usual ranges (plausible_stacks.c).
+ */
 measure measure_stack_stiffness, measure_stack_stroke, measure_stack_energy, measure_coil;
 measure measure_repeated_stack;
 
-/* Functions that measure the numbers of a scene for the plausibility rules (plausible_scene.c). */
+/*
+ * Functions that find numbers of a scene, such as damping, electric fields and mesh resolution,
+ * which plausibility rules compare with their usual ranges (plausible_scene.c).
+ */
 measure measure_surface_misfit, measure_damping, measure_missing_limits;
 measure measure_limit_field, measure_applied_field, measure_resolution, measure_electrode;
 
 /*
- * Functions that measure the numbers of a mesh and its laminate for the plausibility rules
- * (plausible_mesh.c).
+ * Functions that find numbers of a mesh, its laminate and its springs, such as thickness over
+ * length, which plausibility rules compare with their usual ranges (plausible_mesh.c).
  */
 measure measure_locking, measure_coarse, measure_strips, measure_narrow;
 measure measure_shear, measure_faces, measure_slenderness;
@@ -93,22 +100,22 @@ measure measure_held_spring, measure_long_spring;
 measure measure_file_slenderness, measure_points_height;
 
 /*
- * Functions that measure the numbers of a mesh from a file for the plausibility rules
+ * Functions that find sharp edges and slits in a mesh from a file, for the plausibility rules
  * (plausible_file.c).
  */
 measure measure_sharp_edge, measure_slit;
 
 /*
- * Functions that measure the numbers of a measured influence matrix for the plausibility rules
- * (plausible_matrix.c).
+ * Functions that find numbers of a measured influence matrix, such as its largest entry and dead
+ * actuators, which plausibility rules compare with their usual ranges (plausible_matrix.c).
  */
 measure measure_matrix_entry, measure_matrix_shape, measure_dead_column, measure_repeated_column;
 measure measure_strong_column, measure_modes_share, measure_mode_share, measure_shuffled_modes,
     measure_swapped_outputs;
 
 /*
- * Functions that measure computed voltages and displacements for the plausibility rules
- * (plausible_result.c).
+ * Functions that find the largest field, displacement and strain and other numbers of computed
+ * results, which plausibility rules compare with their usual ranges (plausible_result.c).
  */
 measure measure_found_field, measure_displacement, measure_strain;
 measure measure_path, measure_stability;

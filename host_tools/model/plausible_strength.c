@@ -79,7 +79,7 @@ static double worst_voltage(const scene_actuator *actuator, double voltage)
 
 /*
  * Applied voltage of an actuator relative to the voltage that reaches the depolarisation field in
- * the patches of one of its drives; negative where the voltage is along the poling.
+ * the patches of one grid that the actuator drives; negative where the voltage is along the poling.
  */
 int measure_depolarisation(const subject *of, int k, measured *found)
 {

@@ -27,12 +27,12 @@ typedef struct stencil {
     int count;         /* number of neighbouring elements from which gradients are formed */
     int neighbour[STRESS_NEIGHBOURS];
     double turn[STRESS_NEIGHBOURS]; /* angle from the first direction of principal curvature to the
-                                       shell axis 1 of each neighbour (rad) */
-    double weight[STRESS_NEIGHBOURS][2]; /* [neighbour][direction] weights of a gradient (1/m): the
-                                            derivative of a quantity along a direction of principal
-                                            curvature is the sum, over the neighbours, of the weight
-                                            times the value at the neighbour less the value at the
-                                            element */
+                                       shell axis 1 of each neighbouring element (rad) */
+    double weight[STRESS_NEIGHBOURS][2]; /* [neighbouring element][direction] weights of a gradient
+                                            (1/m): the derivative of a quantity along a direction of
+                                            principal curvature is the sum, over the neighbouring
+                                            elements, of the weight times the value at the neighbour
+                                            less the value at the element */
 } stencil;
 
 /*

@@ -13,7 +13,10 @@ static double area_of(const stress_field *field, int element)
     return mesh->place[mesh->element_type[element]].area;
 }
 
-/* Store the number of the averaging point to which an element belongs at one of its nodes. */
+/*
+ * Store the number of the averaging point (group of elements at a node whose values are averaged)
+ * to which an element belongs at one of its nodes.
+ */
 static void set_point(stress_points *points, const stress_field *field, int element, int node,
                       int point)
 {
@@ -24,8 +27,9 @@ static void set_point(stress_points *points, const stress_field *field, int elem
 }
 
 /*
- * Return the number of the averaging point to which an element belongs at one of its nodes, or -1
- * if the element has not been assigned to a point at this node yet.
+ * Return the number of the averaging point (group of elements at a node whose values are averaged)
+ * to which an element belongs at one of its nodes, or -1 if the element has not been assigned to a
+ * point at this node yet.
  */
 static int point_of(const stress_points *points, const stress_field *field, int element, int node)
 {

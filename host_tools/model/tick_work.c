@@ -15,7 +15,7 @@ static double random_number(uint64_t *seed)
 }
 
 /*
- * Compute a target that is the shape under random voltages of up to 1.5 times the limits.
+ * Compute a target shape: the shape under random voltages of up to 1.5 times the voltage limits.
  *   wanted [targets] out  the target shape
  */
 static void random_target(const design *design, uint64_t *seed, double *wanted)

@@ -56,17 +56,20 @@ void unconstrained_close(unconstrained *solver)
     memset(solver, 0, sizeof *solver);
 }
 
-/* Diagonal entry of the regularised normal matrix for input k. */
+/*
+ * Diagonal entry, for input k, of the regularised normal matrix B'W^2 B + r I with influence matrix
+ * B, weights W and regularisation r.
+ */
 static double diagonal(const unconstrained *solver, size_t k)
 {
     return solver->normal[k * solver->problem->inputs + k] + solver->regularisation;
 }
 
 /*
- * Choose the next pivot: the input with the largest ratio of its not yet eliminated diagonal entry
- * to its original one, so that it depends least on the inputs eliminated so far. Returns the number
- * of inputs, which is the index of no input, where this ratio is only a rounding error for all
- * inputs.
+ * Choose the next pivot of the Cholesky factorisation: the input with the largest ratio of its
+ * diagonal entry in the not yet eliminated part of the normal matrix to its original diagonal
+ * entry, so that it depends least on the inputs eliminated so far. Returns the number of inputs,
+ * which is the index of no input, where this ratio is only a rounding error for all inputs.
  */
 static size_t next_pivot(const unconstrained *solver)
 {
@@ -83,7 +86,10 @@ static size_t next_pivot(const unconstrained *solver)
     return next;
 }
 
-/* Compute column `step` of the Cholesky factor, with input `pivot` as its pivot. */
+/*
+ * Compute column `step` of the Cholesky factor of the regularised normal matrix, with input `pivot`
+ * as its pivot.
+ */
 static void eliminate(unconstrained *solver, size_t pivot, size_t step)
 {
     const size_t inputs = solver->problem->inputs;

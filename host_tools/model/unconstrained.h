@@ -16,22 +16,24 @@
 typedef struct unconstrained {
     const pzs_problem *problem; /* voltage problem, from which influence matrix, weights and
                                    reference voltages are read */
-    double regularisation;      /* regularisation weight with which the Cholesky factor was computed
-                                   (m2/V2) */
-    int rank;          /* number of inputs whose influence columns are linearly independent */
+    double regularisation; /* regularisation weight with which the Cholesky factor of the normal
+                              matrix was computed (m2/V2) */
+    int rank;              /* number of inputs whose influence columns are linearly independent */
     double *normal;    /* [inputs][inputs] normal matrix B'W^2 B of influence matrix B and weights W
                           (m2/V2) */
     double *factor;    /* [inputs][inputs] Cholesky factor of the regularised normal matrix: one row
                           for each input, one column for each pivot in the order of elimination */
     double *remaining; /* [inputs] diagonal entries of the part of the normal matrix that is not yet
                           eliminated */
-    double *gradient;  /* [inputs] negative gradient of half the objective (m2/V) */
-    uint16_t *pivot;   /* [inputs] index of the input that is the pivot of each step of the Cholesky
-                          factorisation; only the first `rank` entries are used */
+    double *gradient; /* [inputs] negative gradient of half the least-squares objective with respect
+                         to the voltages (m2/V) */
+    uint16_t *pivot;  /* [inputs] index of the input that is the pivot of each step of the Cholesky
+                         factorisation; only the first `rank` entries are used */
 } unconstrained;
 
 /*
- * Allocate the arrays, form the normal matrix and factor it with the problem's regularisation.
+ * Allocate the arrays of the solver, form the normal matrix B'W^2 B of influence matrix B and
+ * weights W, and factor it with the regularisation of the voltage problem.
  *   problem in  with its influence matrix; it must outlive *solver
  * Returns whether memory sufficed; call unconstrained_close in either case.
  */

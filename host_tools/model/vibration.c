@@ -63,14 +63,15 @@ typedef struct search {
     double *basis; /* [room][free_dof] vectors of the Lanczos basis, orthonormal with the mass
                       matrix */
     size_t made, done;
-    double *projection;  /* [room][room] projection of the operator onto the basis; column j begins
-                            at projection + j room */
+    double *projection;  /* [room][room] projection of the Lanczos operator (K + shift M)^-1 M, with
+                            stiffness matrix K and mass matrix M, onto the basis; column j begins at
+                            projection + j room */
     double *next;        /* [free_dof] work vector: the next vector of the Lanczos basis */
     double *mass_next;   /* [free_dof] work vector: product of the mass matrix and the next basis
                             vector */
     double *ritz, *turn; /* ritz [done][done]: Ritz values (approximate eigenvalues) on the
-                            diagonal; turn [done][done]: eigenvectors of the projection as columns
-                          */
+                            diagonal; turn [done][done]: eigenvectors of the operator projected onto
+                            the Lanczos basis, as columns */
     size_t *order; /* [done] indices of the Ritz pairs (approximate eigenvalues with eigenvectors)
                       by decreasing Ritz value */
     uint64_t seed;
@@ -224,8 +225,8 @@ static double random_number(search *search)
 }
 
 /*
- * Make the work vector w orthogonal to the basis by two Gram-Schmidt iterations, and append the
- * remainder to the basis unless it is a rounding error.
+ * Make the work vector w orthogonal to the Lanczos basis by two Gram-Schmidt iterations, and append
+ * the remainder to the basis unless it is a rounding error.
  *   column [room] in/out  the products with the basis are added, the norm is appended; NULL: not
  *       needed
  */
@@ -269,8 +270,8 @@ static void apply(search *search, const double *vector)
 }
 
 /*
- * Append a random vector, in which the lowest vibration modes dominate, behind the last basis
- * vector.
+ * Append a random vector, in which the lowest vibration modes dominate, behind the last vector of
+ * the Lanczos basis.
  */
 static void append_random(search *search)
 {
@@ -284,8 +285,8 @@ static void append_random(search *search)
 }
 
 /*
- * Apply the operator of the Lanczos method to one more basis vector. Returns whether there was a
- * vector left.
+ * Apply the operator (K + shift M)^-1 M of the Lanczos method, with stiffness matrix K and mass
+ * matrix M, to one more basis vector. Returns whether there was a vector left.
  */
 static int extend_basis(search *search)
 {
@@ -389,8 +390,8 @@ static size_t cluster_end(const search *search, size_t number)
 }
 
 /*
- * Extend the basis until the lowest vibration modes have converged. Returns the number of converged
- * modes, at least `number`, or 0 on failure.
+ * Extend the Lanczos basis until the lowest vibration modes have converged. Returns the number of
+ * converged modes, at least `number`, or 0 on failure.
  */
 static size_t iterate(search *search, size_t number)
 {

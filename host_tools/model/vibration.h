@@ -24,13 +24,13 @@ typedef struct vibration {
     double mass; /* mass of the whole structure, constrained nodes included */
     double *frequency; /* [count] natural frequencies (Hz where the unit of time is the second) */
     double *square;    /* [count] squares of the angular frequencies (rad^2/s^2) */
-    double *shape;     /* [count][free_dof] mode shapes, scaled to unit modal mass; in the unit of
-                          the scene where the modes are measured */
+    double *shape; /* [count][free_dof] mode shapes, scaled to unit modal mass; in the unit of the
+                      scene where the vibration modes are measured */
     double *response; /* [count][inputs] static value of each modal coordinate under a constant unit
                          of each input of the structure; NAN for rigid motions */
     double *largest;  /* [count] largest displacement of a node in each mode shape */
-    double (*effective)[3]; /* [count] effective modal mass of each mode for motions along x, y and
-                               z */
+    double (*effective)[3]; /* [count] effective modal mass of each vibration mode for motions along
+                               x, y and z */
 } vibration;
 
 /*
@@ -51,21 +51,21 @@ int vibration_solve(vibration *vibration, const design *design, int number, doub
 void vibration_free(vibration *vibration);
 
 /*
- * Allocate the results for a number of modes, filled with zeros. Returns whether memory sufficed;
- * call vibration_free in either case.
+ * Allocate the arrays of frequencies, mode shapes and responses for a number of vibration modes,
+ * filled with zeros. Returns whether memory sufficed; call vibration_free in either case.
  */
 bool vibration_allocate(vibration *vibration, const design *design, size_t count);
 
 /*
- * Take the modes of a scene with a measured influence matrix. Modes without a given static response
- * get that of the least-squares fit of all their shapes to the influence matrix. Returns 0, or -1
- * with error filled; call vibration_free in either case.
+ * Take the vibration modes of a scene with a measured influence matrix. Modes without a given
+ * static response get that of the least-squares fit of all their shapes to the influence matrix.
+ * Returns 0, or -1 with error filled; call vibration_free in either case.
  */
 int vibration_take_measured(vibration *vibration, const design *design, size_t number, char *error);
 
 /*
- * Compute the lowest modes of small vibrations about a deformed equilibrium, with the tangent
- * stiffness matrix there, which contains the prestress.
+ * Compute the lowest vibration modes for small vibrations about a deformed equilibrium, with the
+ * tangent stiffness matrix there, which contains the prestress.
  *   solver in/out  solver of the same design at an equilibrium; the factors in its model are
  *                  overwritten
  *   number in      number of modes
@@ -76,12 +76,16 @@ int vibration_solve_at(vibration *vibration, const design *design, pzs_solver *s
                        double lumped, char *error);
 
 /*
- * Check that the measured influence matrix of a scene determines the static responses of the modes:
- * no mode shape is a combination of the shapes before it. Returns 0, or -1 with error filled.
+ * Check that the measured influence matrix of a scene determines the static responses of the
+ * vibration modes: no mode shape is a combination of the shapes before it. Returns 0, or -1 with
+ * error filled.
  */
 int vibration_check_measured(const scene_influence *measured, char *error);
 
-/* Index of the first mode that is not a rigid motion; the number of modes where there is none. */
+/*
+ * Index of the first vibration mode that is not a rigid motion; the number of modes where there is
+ * none.
+ */
 int vibration_first(const vibration *vibration);
 
 /*
