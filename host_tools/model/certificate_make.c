@@ -14,17 +14,20 @@
 #include "modal.h"
 
 enum {
-    EXACT = 40, /* number of matrix squarings for the spectral radius at the scene's tick rate */
-    QUICK = 16, /* number of matrix squarings for the spectral radius at a scanned tick rate */
-    STATE_LIMIT = 300, /* largest number of states of the loop for which the certificate is computed
-                        */
-    DELAY_LIMIT = 100, /* largest delay of the measurements for which the certificate is computed
-                          (ticks) */
-    RATE_LIMIT = 2000, /* largest number of tick rates for which stability is checked */
+    EXACT = 40, /* number of squarings of the control loop's transition matrix by which its spectral
+                   radius is found at the scene's tick rate */
+    QUICK = 16, /* number of squarings of the control loop's transition matrix by which its spectral
+                   radius is found at the other tick rates for which stability is checked */
+    STATE_LIMIT = 300, /* largest number of states of the control loop for which the stability
+                          certificate is computed */
+    DELAY_LIMIT = 100, /* largest delay of the measurements for which the stability certificate of
+                          the control loop is computed (ticks) */
+    RATE_LIMIT = 2000, /* largest number of tick rates for which stability of the control loop is
+                          checked */
     PHASES = 8, /* number of time intervals between ticks, spread over one period of the first
-                   vibration mode, for which stability is checked */
+                   vibration mode, for which stability of the control loop is checked */
     STARTS = 4  /* largest number of tick rates, each a quarter of the one before, that are tried to
-                   find a stable one */
+                   find one at which the control loop is stable */
 };
 
 static const double two_pi = 6.283185307179586;
@@ -66,7 +69,7 @@ static bool cholesky(double *a, size_t order)
 }
 
 /*
- * Solve a linear system with the Cholesky factor l [n][n].
+ * Solve a linear system, given the Cholesky factor l [n][n] of its matrix.
  *   x [n] in   right-hand side
  *         out  solution
  */
@@ -275,8 +278,8 @@ static bool is_stable(const assessed_loop *loop, double rate)
 }
 
 /*
- * Highest tick rate up to which every scanned rate is stable: 0 where the first scanned rates are
- * unstable, infinite where all scanned rates are stable.
+ * Highest tick rate up to which the control loop is stable at every checked rate: 0 where it is
+ * unstable at the lowest checked rates, infinite where it is stable at all of them.
  */
 static double scan_rates(const assessed_loop *loop)
 {

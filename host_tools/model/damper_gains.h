@@ -30,12 +30,12 @@ typedef struct damper_settings {
                        times the mode's deviation from its equilibrium */
     double cut; /* phase angle of a vibration mode in a tick (rad) up to which the mode is damped in
                    full; modes with more than twice this angle are not damped */
-    double observed;     /* largest phase angle of an observed vibration mode in a tick (rad) */
-    double follow;       /* fraction of the distance to the statically optimal voltages that a tick
-                            covers, per radian of the first vibration mode's phase angle in a
-                            tick */
+    double observed; /* largest phase angle of an observed vibration mode in a tick (rad) */
+    double follow; /* fraction of the distance to the statically optimal voltages that the voltages
+                      cover in one control tick, per radian of the first vibration mode's phase
+                      angle in a tick */
     double follow_limit; /* upper limit of the fraction of the distance to the statically optimal
-                            voltages that a tick covers */
+                            voltages that the voltages cover in one control tick */
     double mix;  /* weight, 0 to 1, of the deviation of a vibration mode computed from the change of
                     its velocity; the deviation computed from its position has the weight 1 - mix */
     double kick; /* process noise of the observer: root mean square random change of the first

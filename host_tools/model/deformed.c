@@ -27,9 +27,8 @@ static void fill_offset(deformed *deformed, const voltages *best)
 }
 
 /*
- * Compute the influence matrix, the vibration modes and the displacements of the output rows at 0 V
- * for the structure linearised about the deformed equilibrium that its nonlinear solver has
- * reached.
+ * Compute the influence matrix, the vibration modes and the displacements of the outputs at 0 V for
+ * the structure linearised about the deformed equilibrium that its nonlinear solver has reached.
  */
 static int linearise(deformed *deformed, const voltages *best, int modes, char *error)
 {

@@ -15,13 +15,13 @@ typedef struct deformed {
     analysis analysis; /* analysis of the scene; its influence matrix [outputs][inputs] is that of
                           the structure linearised about the equilibrium at the target shape */
     vibration vibration;
-    modal modal;    /* vibration modes about the equilibrium at the target, with the amplifiers as
-                       inputs */
+    modal modal; /* vibration modes about the equilibrium at the target shape, with the amplifiers
+                    as inputs */
     double *offset; /* [outputs] displacement of each output (of the target, or named in the scene)
                        at 0 V, extrapolated linearly from the equilibrium with the influence matrix
                      */
-    double amplitude; /* largest displacement of a target node at the equilibrium, divided by the
-                         thickness */
+    double amplitude; /* largest displacement of a target node at the equilibrium at the target
+                         shape, divided by the thickness of the shell */
 } deformed;
 
 /*

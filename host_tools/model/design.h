@@ -52,9 +52,9 @@ typedef struct design_rows {
 } design_rows;
 
 /*
- * A design. The members after `problem` are what the scene file says to the stages after the
- * design, copied by design_build; their texts and lists belong to the scene, which outlives the
- * design.
+ * A design. The members after `problem` are what later stages (analysis, control, reports) need of
+ * the scene file, copied by design_build; their texts and lists belong to the scene, which outlives
+ * the design.
  */
 typedef struct design {
     const scene *scene; /* the scene from which the design is built, used only by the functions that
@@ -86,10 +86,10 @@ typedef struct design {
                          (shapes that may be added to the target at no cost) */
     double *wanted;   /* [targets] displacements that the voltages must cause: target minus
                          displacement under the scene's loads */
-    double *weight; /* [targets] weight of each controlled displacement (target row) in the error; 0
-                       for rows on constrained dof */
-    int fixed_rows; /* number of controlled displacements (target rows) on constrained dof, which
-                       voltages cannot change */
+    double *weight;   /* [targets] weight of each controlled displacement (target row) in the shape
+                         error; 0 for rows on constrained dof */
+    int fixed_rows;   /* number of controlled displacements (target rows) on constrained dof, which
+                         voltages cannot change */
     double *fixed_weight; /* [targets] for controlled displacements on constrained dof, the weight
                              that the row had before its entry in `weight` was set to 0; 0 for the
                              other rows */
@@ -140,7 +140,7 @@ typedef struct design {
     const scene_quads *quads; /* mesh of quadrilaterals that was read from a mesh file, or NULL */
     scene_contact contact;
     scene_limits limits;
-    scene_target goal; /* component, place and formula of the target shape */
+    scene_target goal; /* displacement component, nodes and formula of the target shape */
     scene_estimate estimate;
     scene_simulate simulate;
     scene_dynamics dynamics;
@@ -152,8 +152,8 @@ typedef struct design {
 } design;
 
 /*
- * Build the inputs and outputs of the scene on the design's mesh: `structure`, targets and named
- * outputs. Returns 0, or -1 with error filled.
+ * Build the inputs and outputs of the scene on the design's mesh: the member `structure`, the rows
+ * of the target and those of the named outputs. Returns 0, or -1 with error filled.
  */
 int design_structure(design *design, char *error);
 

@@ -144,8 +144,9 @@ static int check_limits(const limits *bounds, const char *which, char *error)
 }
 
 /*
- * Compute the voltage limits from the scene file: the limits of the single amplifier, or else the
- * common limits, narrowed by the depolarisation fields. Returns 0, or -1 with error filled.
+ * Compute the voltage limits from the scene file: those that it gives for the amplifier itself, or
+ * else those common to all amplifiers, narrowed by the depolarisation fields. Returns 0, or -1 with
+ * error filled.
  */
 static int build_limits(const design *design, char *error)
 {

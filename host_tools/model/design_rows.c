@@ -19,9 +19,9 @@ enum {
 };
 
 /*
- * Return the distance by which the safe voltages stay inside limit row k, a limit of a weighted sum
- * of voltages (V): twice the margin by which a controller in single precision narrows the row
- * against rounding errors.
+ * Return the distance by which the safe voltages (voltages that obey all limits) stay inside limit
+ * row k, a limit of a weighted sum of voltages (V): twice the margin by which a controller in
+ * single precision narrows the row against rounding errors.
  */
 static double safe_margin(const design *design, int k)
 {

@@ -25,10 +25,11 @@ typedef struct across_list {
     across *entry;
     design_part *part; /* work array for the patches of one actuator or sensor in one element */
     int count, room;
-    bool is_full; /* whether an allocation of memory for the list has failed */
+    bool is_full; /* whether an allocation of memory for this list of voltages across plies has
+                     failed */
 } across_list;
 
-/* Enlarge a list so that `more` further entries fit. */
+/* Enlarge a list of voltages across plies so that `more` further entries fit. */
 static void make_room(across_list *list, int more)
 {
     bool is_full = false;

@@ -22,7 +22,7 @@ typedef struct resultant_builder {
     uint16_t *element, *which;
     double (*value)[LAMINATE_STRAINS];
     size_t entries, room, values, room_values;
-    bool is_full; /* true after an allocation of memory has failed */
+    bool is_full; /* true after an allocation of memory for the prescribed resultants has failed */
 } resultant_builder;
 
 /*
@@ -383,9 +383,9 @@ void equilibrium_save(const equilibrium *equilibrium, void *state)
 }
 
 /*
- * Restore a saved state of the equilibrium solver. The factor of the stiffness matrix in the model
- * is not restored, because it belongs to another shape; the next equilibrium computes its own
- * factor.
+ * Restore a saved state of the equilibrium solver. The factored stiffness matrix is not restored,
+ * because it belongs to another deformed shape; the computation of the next equilibrium factors its
+ * own.
  */
 void equilibrium_restore(equilibrium *equilibrium, const void *state)
 {

@@ -200,8 +200,8 @@ static void form_covariance(estimation *estimation)
 
 /*
  * Compute eigenvalues and eigenvectors of the covariance of the readings, scaled by the noise of
- * the sensors. The eigenvalues replace the diagonal of the matrix `square`; the eigenvectors are
- * stored in `eigenvector`.
+ * the sensors, for the gains of the shape estimator. The eigenvalues replace the diagonal of the
+ * matrix `square`; the eigenvectors are stored in `eigenvector`.
  */
 static void diagonalise(estimation *estimation)
 {
@@ -238,8 +238,8 @@ static void apply_filter(estimation *estimation)
 /* ---- gains ------------------------------------------------------------ */
 
 /*
- * Compute the gains of the estimator, one row for each target, and the readings per volt and per
- * unit of each load.
+ * Compute the gains of the shape estimator, one row for each controlled displacement, and the
+ * sensor readings per volt and per unit of each load.
  */
 static void make_gains(estimation *estimation, estimator *estimator)
 {
@@ -268,8 +268,8 @@ static void make_gains(estimation *estimation, estimator *estimator)
 }
 
 /*
- * Subtract from a combination x of disturbances (loads and voltage errors) the part that the
- * estimator infers from the readings: x - C'(1 + C C')^-1 C x with C = scaled_reading
+ * Subtract from a combination x of disturbances (loads and voltage errors) the part that the shape
+ * estimator infers from the sensor readings: x - C'(1 + C C')^-1 C x with C = scaled_reading
  * [sensors][disturbances].
  *   left [disturbances] in   combination x
  *                     out  part of x that is not known

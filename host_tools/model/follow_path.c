@@ -85,7 +85,7 @@ static int arc_open(arc_search *arc_search, analysis *analysis)
 
 /*
  * Set the equilibrium solver to the displacement at the last converged point of the load path plus
- * the present increment, at the present load factor.
+ * the present displacement increment, at the present load factor.
  */
 static void set_point(arc_search *arc_search)
 {
@@ -99,8 +99,8 @@ static void set_point(arc_search *arc_search)
 }
 
 /*
- * Compute the force per unit of the load factor at the present point of the load path, and store it
- * in the vector by_load.
+ * Compute the nodal forces per unit of the load factor at the present point of the load path, and
+ * store them in the vector by_load.
  */
 static void full_force(arc_search *arc_search)
 {
@@ -157,16 +157,17 @@ static double constrained_change(const arc_search *arc_search, double arc)
                         scalar_product(arc_search, residual, residual) - arc * arc;
     const double root = sqrt(half * half - load2 * rest);
     /*
-     * Scalar product of the increment and of the change of displacement per unit of the load
-     * factor; its sign decides which of two solutions changes the direction of the increment less.
+     * Scalar product of the displacement increment on the load path and of the change of
+     * displacement per unit of the load factor; its sign decides which of two solutions changes the
+     * direction of the increment less.
      */
     const double along = scalar_product(arc_search, increment, load);
     return (-half + (along < 0 ? -root : root)) / load2;
 }
 
 /*
- * Correct the increment until it leads to an equilibrium at the distance `arc` from the last
- * converged point. Returns whether the iteration has converged.
+ * Correct the displacement increment until it leads to an equilibrium at the distance `arc` from
+ * the last converged point of the load path. Returns whether the iteration has converged.
  */
 static bool correct_increment(arc_search *arc_search, double arc)
 {
@@ -214,9 +215,9 @@ static bool restore_start(arc_search *arc_search)
 }
 
 /*
- * Make one step of length `arc` from the last converged point, whose tangent stiffness has been
- * factored. Returns whether the step has converged; then the tangent stiffness and its pivots
- * belong to the new point, and `start` is still the displacement of the old one.
+ * Make one step of length `arc` on the load path from the last converged point, whose tangent
+ * stiffness has been factored. Returns whether the step has converged; then the tangent stiffness
+ * and its pivots belong to the new point, and `start` is still the displacement of the old one.
  */
 static bool try_step(arc_search *arc_search, double arc)
 {

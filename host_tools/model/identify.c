@@ -26,8 +26,8 @@ static const double creep_time[CREEPS] = {0.1, 1, 10};
 static const double widest_slack = 0.95, slack_power = 1.3;
 
 /*
- * Smallest slope of the model relative to the mean slope; the inverse of the model then multiplies
- * noise by 10 at most.
+ * Smallest slope of the hysteresis model relative to its mean slope; the inverse of the model then
+ * multiplies noise by 10 at most.
  */
 static const double least_slope = 0.1;
 
@@ -52,14 +52,14 @@ typedef struct fit {
                                   (V) */
     double lowest, highest;    /* lowest and highest measured position of the sweep */
     double unit; /* range of the positions divided by the range of the voltages, by which the
-                    unknowns are scaled (unit of the position per V) */
+                    unknowns of the hysteresis fit are scaled (unit of the position per V) */
     double slack[SCENE_PLAYS]; /* slack of each play operator, an element with backlash (V) */
     double *matrix; /* [rows][unknowns] matrix of the least-squares problem for the hysteresis model
                      */
     double *wanted, *weight; /* [rows] right-hand side and weights of the least-squares problem for
                                 the hysteresis model */
     double *bound; /* [4][unknowns] lower bounds, upper bounds, step limits and reference values of
-                      the unknowns */
+                      the unknowns of the hysteresis fit */
     double *value; /* [unknowns] fitted parameters of the hysteresis and creep model */
 } fit;
 
@@ -165,8 +165,9 @@ static void fill_slopes(const fit *fit, double s, double *row)
 }
 
 /*
- * Fill the matrix row of each sample: entry j is the effect (equivalent voltage without hysteresis,
- * V) at the time of the sample if unknown j were 1 and all others 0.
+ * Fill the row of the least-squares matrix for each sample of the sweep: entry j is the effect
+ * (equivalent voltage without hysteresis, V) at the time of the sample if unknown j were 1 and all
+ * others 0.
  */
 static void fill_samples(fit *fit)
 {
@@ -207,7 +208,10 @@ static void fill_samples(fit *fit)
     }
 }
 
-/* Fill row i of the least-squares problem so that it penalises the difference of two unknowns. */
+/*
+ * Fill row i of the least-squares problem for the hysteresis model so that it penalises the
+ * difference of two unknowns.
+ */
 static void make_alike(fit *fit, size_t i, size_t one, size_t other)
 {
     double *row = fit->matrix + i * fit->unknowns;
@@ -232,8 +236,8 @@ static void fill_likeness(fit *fit)
 }
 
 /*
- * Set the bounds of the unknowns: at least least_slope for the slopes, no bound for the constant,
- * at least 0 for all others.
+ * Set the bounds of the unknowns of the hysteresis fit: at least least_slope for the slopes, no
+ * bound for the constant, at least 0 for all others.
  */
 static void fill_bounds(fit *fit)
 {
@@ -246,8 +250,8 @@ static void fill_bounds(fit *fit)
 }
 
 /*
- * Solve the bounded least-squares problem with the optimiser of the control step. Returns 0, or -1
- * with error filled.
+ * Solve the bounded least-squares problem for the hysteresis model with the optimiser of the
+ * control step. Returns 0, or -1 with error filled.
  */
 static int solve(fit *fit, char *error)
 {

@@ -19,8 +19,8 @@ enum {
                       frequencies are searched */
     BLOCKS = 9, /* smallest number of delayed samples of each channel (weighted sum of the readings)
                    in the signal subspace */
-    LEAST_ROWS = 40,    /* smallest number of delayed samples of all channels together in the signal
-                           subspace */
+    LEAST_ROWS = 40,    /* smallest number of delayed samples of all channels (weighted sums of the
+                           readings) together in the signal subspace */
     LEAST_SAMPLES = 40, /* smallest number of samples of an interval of constant voltages */
     SKIPPED = 4, /* number of samples at the beginning of an interval of constant voltages that are
                     not fitted, as the voltages may act up to so many samples late */
@@ -324,7 +324,8 @@ typedef struct normal {
     double energy[IDENTIFIED_MODES]; /* sum of the squares of the part of each vibration mode in all
                                         signals, weighted sums of the readings (squared unit of the
                                         readings) */
-    size_t values; /* number of samples of all signals minus number of fitted coefficients */
+    size_t values; /* number of samples of all signals (weighted sums of the readings) minus number
+                      of fitted coefficients */
 } normal;
 
 /*

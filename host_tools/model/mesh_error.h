@@ -53,7 +53,10 @@ typedef struct mesh_error {
  */
 mesh_estimate mesh_estimate_from(const double *value, int meshes);
 
-/* Append a named result. A result beyond the largest number of results (MESH_VALUES) is ignored. */
+/*
+ * Append a named result to those whose discretisation error is estimated. A result beyond the
+ * largest number of results (MESH_VALUES) is ignored.
+ */
 void mesh_values_add(mesh_values *values, const char *name, double value);
 
 /*

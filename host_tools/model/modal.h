@@ -27,7 +27,7 @@ bool modal_open(modal *modal, const design *design, const vibration *vibration, 
 /*
  * Fill the modal description of a structure from its vibration modes about a deformed equilibrium,
  * with the forces that a unit of each input exerts there.
- *   solver in  solver at this equilibrium
+ *   solver in  equilibrium solver at this equilibrium
  * Returns whether memory sufficed; call modal_close in either case.
  */
 bool modal_open_at(modal *modal, const design *design, const vibration *vibration,

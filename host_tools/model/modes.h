@@ -16,7 +16,8 @@ typedef struct mode_left {
     double clipped;  /* relative shape error of clipped least squares within these voltage limits */
     double regularised; /* relative shape error of regularised and then clipped least squares, with
                            the regularisation parameter that is best for this target shape */
-    int active_limits;  /* number of amplifiers that are at a limit at the optimum */
+    int active_limits;  /* number of amplifiers whose optimal voltage is at one of its voltage
+                           limits */
 } mode_left;
 
 typedef struct mode {

@@ -27,7 +27,7 @@ typedef struct plausible_warning {
 /* List of plausibility warnings. All members must be 0 before the first use. */
 typedef struct plausible {
     int count;
-    int dropped; /* number of warnings that were not stored because the list was full */
+    int dropped; /* number of plausibility warnings not stored because the list was full */
     plausible_warning warning[PLAUSIBLE_MOST];
 } plausible;
 

@@ -16,7 +16,10 @@
  */
 enum { COMPARED = 512 };
 
-/* Largest number of dead actuators that a warning names. */
+/*
+ * Largest number of dead actuators (actuators almost without effect in the influence matrix) that a
+ * warning names.
+ */
 enum { NAMED_DEAD = 8 };
 
 /*
@@ -72,8 +75,8 @@ static int is_held(const scene *scene, int k)
 }
 
 /*
- * Append the name of an actuator to a list of dead actuators, which shows only the first few names
- * (at most NAMED_DEAD).
+ * Append the name of an actuator to a list of dead actuators (almost without effect in the
+ * influence matrix), which shows only the first few names (at most NAMED_DEAD).
  *   names [WHAT] in/out  text of the list
  *   count        in      number of actuators that are already in the list
  */

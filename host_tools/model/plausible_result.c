@@ -13,8 +13,8 @@
 /* ---- voltages --------------------------------------------------------- */
 
 /*
- * Measure the electric field that the computed voltages cause. The rule applies only if the
- * electric field at the voltage limits of the scene causes no warning.
+ * Measure the electric field that the computed voltages cause. This plausibility rule applies only
+ * if the electric field at the voltage limits of the scene causes no warning.
  */
 int measure_found_field(const subject *of, int k, measured *found)
 {
@@ -197,8 +197,9 @@ int measure_idle(const subject *of, int k, measured *found)
 /* ---- certified loop --------------------------------------------------- */
 
 /*
- * Measure the largest displacement of the target of a control loop, divided by the thickness.
- *   applies in  false: the rule does not apply to the loop, and the number is NAN
+ * Measure the largest displacement of the target of a control loop, divided by the thickness of the
+ * structure, for a plausibility rule.
+ *   applies in  false: the rule does not apply to the loop, and the measured number is NAN
  */
 static int measure_target_amplitude(const subject *of, int k, bool applies, measured *found)
 {
@@ -210,8 +211,8 @@ static int measure_target_amplitude(const subject *of, int k, bool applies, meas
 }
 
 /*
- * Whether the loop is certified on the structure linearised about its target, besides the structure
- * in its reference state.
+ * Whether the stability certificate of the control loop is computed for the structure linearised
+ * about the equilibrium at its target, besides the structure in its reference state.
  */
 static bool is_certified_at_target(const subject *of)
 {

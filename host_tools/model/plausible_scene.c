@@ -141,8 +141,8 @@ int measure_electrode(const subject *of, int k, measured *found)
 /* ---- mesh at local loads ---------------------------------------------- */
 
 /*
- * Return the length of the longer of the two elements on both sides of a mesh line, along one
- * direction.
+ * Return the length, along one direction, of the longer of the two elements that meet at a line of
+ * mesh nodes across this direction.
  */
 static double element_at(const scene_line *line, int i)
 {

@@ -12,8 +12,9 @@ static const units_unit force_unit = {{0, 1, -1, 0, 0, 0}, 0, 0};
 static const units_unit energy_unit = {{1, 1, -2, 0, 0, 0}, 0, 0};
 
 /*
- * Find the stacks of actuator k and set the result found->at to their position in the scene file.
- * Returns 0 if the scene has no actuator k; *stacks is NULL if the actuator drives patches.
+ * Find the stacks or voice coils of actuator k and set the result found->at to their position in
+ * the scene file. Returns 0 if the scene has no actuator k; *stacks is NULL if the actuator drives
+ * patches.
  */
 static int stacks_of(const subject *of, int k, const scene_spring **stacks, measured *found)
 {
@@ -36,7 +37,7 @@ int measure_stack_stiffness(const subject *of, int k, measured *found)
     return 1;
 }
 
-/* Stroke per volt of stacks, which is 0 where their voltages move nothing. */
+/* Stroke per volt of stack actuators, which is 0 where their voltages move nothing. */
 int measure_stack_stroke(const subject *of, int k, measured *found)
 {
     const scene_spring *stacks;

@@ -5,7 +5,10 @@
 #include <string.h>
 #include "../../lib/model/shell.h"
 
-/* Number of equal intervals into which inner face, middle and outer face divide a layer. */
+/*
+ * Number of equal intervals of the thickness of a layer: from its inner face to its middle, and
+ * from its middle to its outer face.
+ */
 enum { INTERVALS = 2 };
 
 /* ---- strains of an element ------------------------------------------------ */

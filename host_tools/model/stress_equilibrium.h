@@ -20,8 +20,8 @@
 #include "stress_field.h"
 
 /*
- * Compute the transverse shear stresses and the normal stresses 33 at all heights of all layers.
- * The in-plane stresses of the field must have been computed before.
+ * Compute the transverse shear stresses and the normal stresses 33 of all elements, at all heights
+ * of all layers. The in-plane stresses stored in `field` must have been computed before.
  */
 void stress_equilibrium(stress_field *field);
 

@@ -419,8 +419,9 @@ static void fill_samples(const stress_field *field, int element)
 }
 
 /*
- * Return the electric displacement along the field at the middle of a layer (C/m2), from the strain
- * of the layer in the shell axes. The signs of the piezoelectric terms are stated at laminate_ply.
+ * Return the electric displacement along the electric field at the middle of a layer (C/m2), from
+ * the strain of the layer in the shell axes. The signs of the piezoelectric terms are stated at
+ * laminate_ply.
  */
 static double electric_displacement(const stress_field *field, int element, int layer, double z,
                                     const double strain[6])

@@ -68,8 +68,8 @@ typedef struct stress_layer {
     stress_point at[STRESS_HEIGHTS];
     double field;        /* electric field at the middle of the layer (V/m): along e3, or along the
                             poling between interdigitated electrodes */
-    double displacement; /* electric displacement along the field at the middle of the layer (C/m2)
-                          */
+    double displacement; /* electric displacement along the electric field at the middle of the
+                            layer (C/m2) */
 } stress_layer;
 
 /*

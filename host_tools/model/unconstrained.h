@@ -18,13 +18,13 @@ typedef struct unconstrained {
                                    reference voltages are read */
     double regularisation; /* regularisation weight with which the Cholesky factor of the normal
                               matrix was computed (m2/V2) */
-    int rank;              /* number of inputs whose influence columns are linearly independent */
+    int rank; /* number of inputs whose columns of the influence matrix are linearly independent */
     double *normal;    /* [inputs][inputs] normal matrix B'W^2 B of influence matrix B and weights W
                           (m2/V2) */
     double *factor;    /* [inputs][inputs] Cholesky factor of the regularised normal matrix: one row
                           for each input, one column for each pivot in the order of elimination */
-    double *remaining; /* [inputs] diagonal entries of the part of the normal matrix that is not yet
-                          eliminated */
+    double *remaining; /* [inputs] diagonal entries of the part of the normal matrix that the
+                          Cholesky factorisation has not yet eliminated */
     double *gradient; /* [inputs] negative gradient of half the least-squares objective with respect
                          to the voltages (m2/V) */
     uint16_t *pivot;  /* [inputs] index of the input that is the pivot of each step of the Cholesky

@@ -57,18 +57,18 @@ typedef struct search {
     size_t entries;  /* number of stored entries of the stiffness matrix */
     uint8_t *held;   /* [free_dof] flags of dof with a prescribed displacement, which are fixed at 0
                         for vibration */
-    size_t free_dof, room; /* number of free dof, and number of basis vectors for which there is
-                              memory */
+    size_t free_dof, room; /* number of free dof, and number of vectors of the Lanczos basis for
+                              which there is memory */
     double shift;
     double *basis; /* [room][free_dof] vectors of the Lanczos basis, orthonormal with the mass
                       matrix */
     size_t made, done;
-    double *projection;  /* [room][room] projection of the Lanczos operator (K + shift M)^-1 M, with
-                            stiffness matrix K and mass matrix M, onto the basis; column j begins at
-                            projection + j room */
-    double *next;        /* [free_dof] work vector: the next vector of the Lanczos basis */
-    double *mass_next;   /* [free_dof] work vector: product of the mass matrix and the next basis
-                            vector */
+    double *projection; /* [room][room] projection of the Lanczos operator (K + shift M)^-1 M, with
+                           stiffness matrix K and mass matrix M, onto the basis; column j begins at
+                           projection + j room */
+    double *next;       /* [free_dof] work vector: the next vector of the Lanczos basis */
+    double *mass_next;  /* [free_dof] work vector: product of the mass matrix and the next vector of
+                           the Lanczos basis */
     double *ritz, *turn; /* ritz [done][done]: Ritz values (approximate eigenvalues) on the
                             diagonal; turn [done][done]: eigenvectors of the operator projected onto
                             the Lanczos basis, as columns */
@@ -391,7 +391,7 @@ static size_t cluster_end(const search *search, size_t number)
 
 /*
  * Extend the Lanczos basis until the lowest vibration modes have converged. Returns the number of
- * converged modes, at least `number`, or 0 on failure.
+ * converged modes, which is at least `number`, or 0 on failure.
  */
 static size_t iterate(search *search, size_t number)
 {
