@@ -50,7 +50,7 @@ typedef struct builder {
     size_t *mode; /* [modes] index of each vibration mode that the control tick observes, among the
                      computed vibration modes */
     double *angle, *ratio, *overlap, *lift, *square,
-        *precision; /* arrays of the model of the observed vibration modes, and
+        *precision; /* arrays of the model (damper_model) of the observed vibration modes, and
                        inverse noise variance of each sensor */
     double *column; /* [targets] work vector for one mode shape at the target nodes */
     double *shape, *reading, *modal; /* shape [targets][modes]: mode shapes at the outputs; reading

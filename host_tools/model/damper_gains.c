@@ -12,14 +12,14 @@
 enum { DOUBLINGS = 60 };
 
 /*
- * Relative change of the solution of the Riccati equation at which the doubling iteration has
- * converged.
+ * Relative change of the solution of the vibration observer's Riccati equation at which the
+ * doubling iteration has converged.
  */
 static const double converged = 1e-14;
 
 /*
- * Variance of the process noise that the Kalman filter assumes for the position of a vibration mode
- * in one tick; it keeps the Riccati equation regular.
+ * Variance of the process noise that the vibration observer, a Kalman filter, assumes for the
+ * position of a vibration mode in one tick; it keeps the Riccati equation regular.
  */
 static const double position_noise = 1e-12;
 
@@ -129,7 +129,7 @@ static int invert(double *a, double *x, size_t order)
 typedef struct doubling {
     size_t n;
     double *a, *g, *h; /* [n][n] iterates a, g and h, with n states, of the doubling iteration; h
-                          converges to the solution of the Riccati equation */
+                          converges to the solution of the vibration observer's Riccati equation */
     double *w, *work, *aw, *other; /* [n][n] w: inverse of 1 + g h with the iterates g and h; aw:
                                       iterate a times this inverse; `work` and `other`: work
                                       matrices */
@@ -197,8 +197,8 @@ static double double_once(doubling *doubling)
 }
 
 /*
- * Set the initial iterates of the doubling iteration for the Riccati equation: transposed
- * transition matrix, measurement information and process noise of the vibration modes.
+ * Set the initial iterates of the doubling iteration for the vibration observer's Riccati equation:
+ * transposed transition matrix, measurement information and process noise of the vibration modes.
  */
 static void start_doubling(doubling *doubling, const damper_model *model,
                            const damper_settings *settings)

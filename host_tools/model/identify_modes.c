@@ -53,7 +53,7 @@ typedef struct interval {
                             number of samples in the interval */
 } interval;
 
-/* State of an identification of vibration modes. */
+/* State of an identification of vibration modes from a record of voltages and readings. */
 typedef struct fit {
     const pokes *samples;
     double rate;

@@ -34,10 +34,10 @@ typedef struct free_vibration {
                                           and their damping ratios */
     double rate;                       /* number of samples of the record in a second (1/s) */
     size_t intervals;                  /* number of intervals of constant voltages in the record */
-    size_t skipped; /* number of samples between a step of the voltages and the first fitted sample
-                     */
-    const size_t *first;  /* [intervals] number of the first sample that was fitted in each interval
-                             of constant voltages */
+    size_t skipped;      /* number of samples between a step of the voltages and the first sample to
+                            which free vibration is fitted */
+    const size_t *first; /* [intervals] number of the first sample of each interval of constant
+                            voltages to which free vibration was fitted */
     const size_t *behind; /* [intervals] number of the first sample behind each interval of constant
                              voltages */
     const double _Complex *amplitude; /* [modes][intervals] complex amplitude of the free vibration

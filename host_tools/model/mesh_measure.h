@@ -6,7 +6,8 @@
 #include "analysis.h"
 
 /*
- * Append those outputs of the scene that have a single value.
+ * Append those outputs of the scene that have a single value to the results whose discretisation
+ * error is estimated.
  *   value [output rows] in  values of all output rows of the structure
  */
 void mesh_values_add_outputs(mesh_values *values, const analysis *analysis, const double *value);

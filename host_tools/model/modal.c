@@ -58,7 +58,8 @@ bool modal_open(modal *modal, const design *design, const vibration *vibration, 
 }
 
 /*
- * Compute the static response of every vibration mode to one input at the equilibrium of a solver.
+ * Compute the static response of every vibration mode to one input, at the deformed equilibrium
+ * that the nonlinear solver has reached.
  *   force [free_dof] out  work array
  */
 static void fill_response_at(modal *modal, const vibration *vibration, pzs_solver *solver, size_t k,
