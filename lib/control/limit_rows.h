@@ -21,7 +21,7 @@ struct pzs_limit_row_calls {
      */
     pzs_status (*check_rows)(const pzs_problem *problem, int32_t *where);
     /* Whether voltages [inputs] violate no limit row (limit of a sum of voltages). */
-    bool (*hold)(const pzs_limit_rows *rows, const pzs_real *voltage);
+    bool (*satisfy)(const pzs_limit_rows *rows, const pzs_real *voltage);
     /*
      * Place the optimiser for limit rows (limits of sums of voltages) and its arrays in the
      * workspace of the controller, from the address `work` on.
@@ -99,7 +99,7 @@ pzs_real pzs_limit_rows_sum(const pzs_limit_rows *rows, uint32_t k, const pzs_re
 pzs_real pzs_limit_rows_margin(const pzs_problem *problem, uint32_t k);
 
 /* Whether voltages [inputs] violate no limit row (limit of a sum of voltages). */
-bool pzs_limit_rows_hold(const pzs_limit_rows *rows, const pzs_real *voltage);
+bool pzs_satisfy_rows(const pzs_limit_rows *rows, const pzs_real *voltage);
 
 int32_t pzs_scale_back_rows(const pzs_problem *problem, const pzs_real *inside, pzs_real *voltage);
 

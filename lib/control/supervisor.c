@@ -62,7 +62,7 @@ static int32_t first_outside(const pzs_supervision *tables, const pzs_problem *p
 static bool obeys_rows(const pzs_supervision *tables, const pzs_problem *problem)
 {
     const pzs_limit_rows *rows = problem->limit_rows;
-    return rows == NULL || rows->call->hold(rows, tables->park);
+    return rows == NULL || rows->call->satisfy(rows, tables->park);
 }
 
 static pzs_status check(const pzs_supervision *tables, const pzs_problem *problem, int32_t *where)

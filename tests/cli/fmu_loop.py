@@ -131,7 +131,7 @@ def coupled(plant_path, controller_path, csv, events, delay):
         assert p.step(tick) == OK, p.messages
         wanted = [row[column[name.split(".", 1)[1]]] for name in amplifiers]
         assert p.get(amplifiers) == wanted, f"tick {tick}: other voltages than pzs simulate"
-        assert c.integer("iterations") == row[column["passes"]], f"tick {tick}: iterations"
+        assert c.integer("iterations") == row[column["iterations"]], f"tick {tick}: iterations"
         assert c.integer("status") == row[column["status"]], f"tick {tick}: status"
     moved = max(abs(value) for value in rows[-1][-len(amplifiers):])
     assert moved > 0
