@@ -1,6 +1,6 @@
 /*
  * piezoshape: shape control of piezoelectric shells in static memory. This header includes all
- * others:
+ * others. An image is the part of the library that a firmware uses:
  *
  *   pzs_control.h    control image: from an influence matrix to voltages inside limits
  *   pzs_loop.h       the control loop as a list of blocks

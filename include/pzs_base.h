@@ -111,7 +111,7 @@ typedef enum pzs_status {
     PZS_W_RAMP, /* Warning: the supervisor has taken control away and ramps the voltages to the park
                    voltages (voltages of rest, from the tables); the status at the end of the ramp
                    is PZS_E_LATCHED. */
-    PZS_W_OUTPUT,   /* Warning: the check of all voltages at the end of a tick (last gate) has
+    PZS_W_OUTPUT,   /* Warning: the last gate, the check of all voltages at the end of a tick, has
                        corrected the voltage of input info.where, which was not finite or beyond a
                        limit because working memory was damaged. */
     PZS_W_SELFTEST, /* Warning: the self-test moves one amplifier after the other, so the loop is
@@ -193,8 +193,9 @@ const char *pzs_status_text(pzs_status status);
 #define PZS_CONSTRAINED 0xFFFFu
 
 /*
- * Entry of the table pzs_structure.node_turn for a node whose mean displacements act along the axes
- * of its triad (local axes).
+ * Entry of the table pzs_structure.node_turn for a node whose mean displacements (mean of both
+ * faces of the shell) act along the axes of its own triad (local axes), not along axes of an
+ * oblique support.
  */
 #define PZS_UNTURNED 0xFFFFu
 

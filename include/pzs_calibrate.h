@@ -26,9 +26,10 @@ extern "C" {
 
 /* Settings of a calibration that a program may change after pzs_calibration_init. */
 typedef struct pzs_calibration_settings {
-    pzs_real memory;    /* number of records in one direction of the voltages after which older
-                           records in that direction are forgotten, at least 2; default infinity (1)
-                         */
+    pzs_real memory;    /* memory of the recursive least squares: number of records (voltages with
+                           their readings) in one direction of the vector of voltages after which
+                           older records in that direction are forgotten, at least 2; default
+                           infinity (1) */
     pzs_real amplitude; /* amplitude of the test voltages, relative to half of the voltage range of
                            each input, above 0 and at most 1; default 0.25 (1) */
     uint32_t settle;    /* number of ticks for which the test voltages stay constant before their
@@ -45,13 +46,16 @@ typedef struct pzs_calibration_info {
     const pzs_real *voltage; /* [inputs] test voltages to apply, finite and inside the limits (V) */
     const pzs_real *noise; /* [outputs] estimated variance of the noise of each output's readings; 0
                               as long as there are no more records than inputs (m2) */
-    uint32_t records;      /* number of records (voltages with their readings) used so far */
-    uint32_t period; /* number of test patterns in a period, in which every pattern occurs once;
-                        over a period, the test voltages of any two inputs, each minus its mean, are
-                        orthogonal */
-    int32_t where;   /* index to which the last status of the calibration refers, or -1 */
-    bool is_settled; /* true if the test voltages have been constant for settings.settle ticks, so
-                        that readings taken before the next pzs_calibration_excite belong to them */
+    uint32_t records; /* number of records (voltages with their readings) that the calibration has
+                         used so far */
+    uint32_t period;  /* number of test patterns in a period, in which every pattern occurs once;
+                         over a period, the test voltages of any two inputs, each minus its mean,
+                         are orthogonal */
+    int32_t where;    /* index of the input or output to which the last status of the calibration
+                         refers, or -1 */
+    bool is_settled;  /* true if the test voltages have been constant for settings.settle ticks, so
+                         that readings taken before the next pzs_calibration_excite belong to
+                         them */
 } pzs_calibration_info;
 
 typedef struct pzs_calibration {

@@ -13,8 +13,8 @@
 #endif
 
 /*
- * PZS_NONLINEAR: 1 builds the nonlinear image (shell element at a deformed shape, equilibrium
- * solver, contact, follower loads, open electrodes); 0 leaves it out.
+ * PZS_NONLINEAR: 1 builds the part of the library for large rotations (shell element at a deformed
+ * shape, equilibrium solver, contact, follower loads, open electrodes); 0 leaves it out.
  */
 #ifndef PZS_NONLINEAR
 #define PZS_NONLINEAR 0

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Readers of places, faces and directions, which supports, loads, contact and outputs share. */
+/*
+ * Functions that read places on the mesh (points, edges, regions or sets of nodes), faces of the
+ * shell and directions from a scene file, for its supports, loads, contact and outputs.
+ */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -59,7 +62,10 @@ static const form set_form = {.type = FORM_MAP, .fields = set_fields};
 static const form *const nodes[] = {&point_form, &place_form, &set_form, NULL};
 const form node_form = {.type = FORM_ANY, .any = nodes};
 
-/* Read a place on a mesh from a file: {set: name}, or {x, y, z} for the nearest node. */
+/*
+ * Read the place at which a support, load or output acts on a mesh that comes from a file: {set:
+ * name} for a set of that file, or {x, y, z} for the node nearest to this point.
+ */
 static int read_file_place(reader *reader, int node, scene_where *where)
 {
     if (tree_find(reader->t, node, "theta1") || tree_find(reader->t, node, "theta2"))
@@ -100,8 +106,8 @@ static const form *const edge_forms[] = {&edge_word_form, &name_form, NULL};
 const form edge_form = {.type = FORM_ANY, .any = edge_forms};
 
 /*
- * Read a rectangular region, [from, to] along each coordinate; a coordinate that is not given is
- * not limited.
+ * Read a rectangular region of the reference surface, given by ranges [from, to] of the coordinates
+ * theta1 and theta2; a coordinate whose range is not given is not limited.
  */
 static int read_region(reader *reader, int node, scene_where *where)
 {

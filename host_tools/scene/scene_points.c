@@ -14,16 +14,19 @@ static int read_node(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* YAML nodes of the keys of a mapping that names a file of points; 0 for a key that is absent. */
+/*
+ * YAML nodes of the keys of a mapping that names a file of points in space; 0 for a key that is
+ * absent.
+ */
 typedef struct points_text {
     int file, columns;
 } points_text;
 
 /*
- * Note that column k of a file of points holds a coordinate; an axis that is none of x, y and z is
- * passed over. Returns 0, or -1 after writing the error message of the YAML tree if an earlier
- * column holds the same coordinate.
- *   column [3] in/out  number of the column of each coordinate, or -1
+ * Record that column k of a file of points in space holds the coordinate number `axis` (0, 1, 2 for
+ * x, y, z); a column of any other quantity is ignored. Returns 0, or -1 after writing the error
+ * message of the YAML tree if an earlier column holds the same coordinate.
+ *   column [3] in/out  index of the column of x, y and z, or -1
  */
 static int take_column(reader *reader, int node, int axis, int k, int column[SCENE_AXES])
 {
@@ -38,9 +41,10 @@ static int take_column(reader *reader, int node, int axis, int k, int column[SCE
 }
 
 /*
- * Find the columns of x, y and z in a file of points.
- *   column  [3] out  number of each column, or -1
- * Returns 0, or -1 after writing the error message of the YAML tree if there is none at all.
+ * Find the columns of the coordinates x, y and z in a file of points.
+ *   column [3] out  index of the column of each coordinate, or -1 where the file has none
+ * Returns 0, or -1 after writing the error message of the YAML tree if no column holds a
+ * coordinate.
  */
 static int find_columns(reader *reader, const points_text *text, const number_table *table,
                         int column[SCENE_AXES])
@@ -75,8 +79,8 @@ static int find_columns(reader *reader, const points_text *text, const number_ta
 }
 
 /*
- * Read a list of points [[x, y], ...] into a table with three columns; coordinates that are not
- * given are 0.
+ * Read a YAML list of points [[x, y], ...] in space into a table with the columns x, y and z;
+ * coordinates that are not given are 0.
  */
 static int list_points(reader *reader, int list, number_table *table)
 {
@@ -134,8 +138,8 @@ int scene_points_table(reader *reader, int node, number_table *table, int column
 /* ---- surface fitted to points ------------------------------------------- */
 
 /*
- * Copy the points of a table as x, y and z. Returns their number, or 0 after writing the error
- * message of the YAML tree.
+ * Copy the rows of a table of points as coordinates x, y and z. Returns the number of points, or 0
+ * after writing the error message of the YAML tree.
  */
 static size_t copy_points(reader *reader, int node, const number_table *table, const int column[3],
                           double (*point)[3])

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Mesh from a file: the keys of the section `mesh` beside `file`, and the sets and places of such a
- * mesh in a scene file (scene_parts.h).
+ * Reading of a scene whose mesh of quadrilaterals comes from a file: the keys of the section `mesh`
+ * beside `file`, and the sets of elements, edges and nodes of the mesh file that other sections
+ * name (scene_parts.h).
  */
 #include "scene_parts.h"
 
@@ -56,8 +57,8 @@ typedef struct file_text {
 } file_text;
 
 /*
- * Read the unit of length of a mesh file; the result is the size of that unit in the scene's unit
- * of length.
+ * Read the unit of length of a mesh file; the result is the factor that converts coordinates of the
+ * file to the scene's unit of length.
  */
 static int read_unit_name(reader *reader, int node, void *to, const void *rule)
 {
@@ -146,7 +147,7 @@ static void list_names(const quad_set *set, size_t count, char *list)
     }
 }
 
-/* Return whether a mesh has a set of edges or nodes with a given name. */
+/* Return whether a mesh has a set of edges or of nodes, and not of elements, with a given name. */
 static bool is_other_set(const quad_mesh *mesh, const char *name)
 {
     return quad_set_find(mesh->edge_set, mesh->edge_sets, name) ||
@@ -201,7 +202,10 @@ int read_set(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Return whether a name fits a pattern, in which the first * stands for any text. */
+/*
+ * Return whether the name of a set of the mesh file fits a pattern, in which the first * stands for
+ * any text.
+ */
 static bool fits(const char *pattern, const char *name)
 {
     const char *star = strchr(pattern, '*');

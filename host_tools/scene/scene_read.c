@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Reading of a scene (scene_read in scene.h): the table of the sections, and the default values. */
+/*
+ * Reading of a whole scene file (scene_read in scene.h): the tables of the sections that it may
+ * contain, and the default values of sections that it leaves out.
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -56,8 +59,8 @@ static const range relative = {0, 1, 1,
                                "must lie between 0 and 1, ends left out; it is a relative error"};
 
 /*
- * Rows of the section table that every scene has, whether its influence matrix is computed or
- * measured.
+ * Rows, for the tables of the sections of a scene file, of those sections that every scene file may
+ * contain, whether the influence matrix is computed or measured.
  */
 #define NAME_ROWS                                                                                  \
     {"name", read_name, offsetof(scene, name), NULL, 1, OF_NOTHING, NULL, "Name of the scene."},   \
@@ -182,7 +185,7 @@ static const field sections[] = {
     SIMULATE_ROW,
     {.key = NULL}};
 
-/* Section table of a scene with a measured influence matrix. */
+/* Table of the sections that a scene file with a measured influence matrix may contain. */
 static const field measured_sections[] = {
     NAME_ROWS,
     {"influence", read_influence, .required = 1, .form = &influence_form,
@@ -206,7 +209,10 @@ static int has_key(const field *fields, const char *key)
     return fields->key != NULL;
 }
 
-/* Refuse the sections of a structural model in a scene file with a measured influence matrix. */
+/*
+ * Refuse a scene file that contains both a measured influence matrix and sections that describe a
+ * structural model, such as the mesh.
+ */
 static int check_sections(const tree *tree)
 {
     for (int i = tree->node[tree->root].first; i; i = tree->node[i].next)
@@ -259,8 +265,8 @@ static int keep_origin(scene *scene, const char *path, const char *const *set, i
 }
 
 /*
- * Let the position in the scene file of each section that a scene may lack stand for the whole
- * file, so that error messages about a missing section name the file.
+ * For each section that a scene file may leave out, set the position for error messages to the file
+ * as a whole, which holds until the section is read.
  */
 static void set_positions(scene *scene)
 {

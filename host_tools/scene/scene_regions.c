@@ -15,7 +15,7 @@ static int check_overlaps(const scene *scene, char *error)
         for (int j = 0; j < i; j++) {
             const scene_patches *own = &scene->patches[i], *other = &scene->patches[j];
             if (!own->patch || !other->patch || own->layer != other->layer)
-                continue; /* Electrodes that are given by outlines are compared in
+                continue; /* Overlaps of electrodes that are given by outlines are found in
                              outline_overlap.c. */
             for (size_t element = 0; element < scene->quads->mesh.elements; element++)
                 if (own->patch[element] >= 0 && other->patch[element] >= 0)
@@ -54,8 +54,8 @@ static uint32_t layers_in(const scene *scene, size_t element)
 }
 
 /*
- * Return the number of the region of a mesh whose layers are given by the bits of `layers`; a new
- * region is added if there is none.
+ * Return the index of the region (group of elements with the same layers) of a mesh whose layers
+ * are given by the bits of `layers`; a new region is added if there is none.
  */
 static uint32_t region_of(quad_mesh *mesh, uint32_t layers, const double direction[3])
 {

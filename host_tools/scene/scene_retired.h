@@ -25,10 +25,16 @@ typedef struct retired {
     const char *remark; /* remark that ends the error message, or an empty string */
 } retired;
 
-/* Return the table row for the key of a YAML node, or NULL if the key is not retired. */
+/*
+ * Return the row of the table of retired names for the key of a YAML node, or NULL if the key is
+ * not retired.
+ */
 const retired *retired_key(const tree *tree, int node);
 
-/* Return the table row for the value of a YAML node, or NULL if the value is not a retired word. */
+/*
+ * Return the row of the table of retired names for the value of a YAML node, or NULL if the value
+ * is not a retired word.
+ */
 const retired *retired_word(const tree *tree, int node);
 
 #endif

@@ -8,8 +8,8 @@
 
 /*
  * Append a limit of a weighted sum of `count` voltages to the limits of the scene. Returns the new
- * limit row, with factors of 1 and amplifiers to be filled, or NULL after writing the error message
- * of the YAML tree.
+ * limit, whose coefficients are 1 and whose amplifiers the caller has to fill in, or NULL after
+ * writing the error message of the YAML tree.
  */
 static scene_limit_row *add_row(reader *reader, int node, int count, double lower, double upper)
 {
@@ -58,8 +58,8 @@ static int add_difference(reader *reader, int node, int left, int right, double 
 
 typedef struct difference_text {
     double limit;
-    int *list; /* [count] numbers of the amplifiers of a chain, in its order; differences of
-                  successive voltages are limited */
+    int *list; /* [count] indices of amplifiers in the order of the scene file; the difference of
+                  the voltages of each two successive ones is limited */
     int count, neighbours;
 } difference_text;
 
@@ -159,7 +159,7 @@ int read_difference(reader *reader, int node, void *to, const void *rule)
 
 typedef struct sum_text {
     double voltage[2];
-    int *list; /* [count] numbers of the amplifiers in the limited sum of voltages */
+    int *list; /* [count] indices of the amplifiers whose voltages form the limited sum */
     int count;
 } sum_text;
 

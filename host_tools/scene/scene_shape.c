@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Sections `surface` and `mesh` of a scene file: reference surface and mesh lines. */
+/*
+ * Sections `surface` and `mesh` of a scene file: the reference surface of the shell, and the
+ * coordinates of the mesh lines on that surface.
+ */
 #include "scene_parts.h"
 
 #include <math.h>
@@ -22,7 +25,8 @@ typedef struct surface_text {
     scene_surface surface;
     pairs_text points, tangents;
     double smoothing;
-    int cells[2]; /* number of cells of a surface fitted to points along x and y; 0: not given */
+    int cells[2]; /* numbers of cells, along x and along y, of the piecewise bicubic function that
+                     is fitted to the points of a surface; 0: not given */
 } surface_text;
 
 static int read_pairs(reader *reader, int node, pairs_text *list, const range *first)
@@ -285,7 +289,7 @@ static int check_ascending(reader *reader, int node, const scene_line *line)
 }
 
 /*
- * Divide a range of a coordinate into elements whose lengths form a geometric progression;
+ * Divide a range of theta1 or theta2 into elements whose lengths form a geometric progression;
  * `grading` is the length of the last element over that of the first.
  */
 static int divide(reader *reader, int node, scene_line *line, double from, double to, int elements,
@@ -308,9 +312,9 @@ static int divide(reader *reader, int node, scene_line *line, double from, doubl
 }
 
 /*
- * Divide a range of a coordinate so that the elements in its middle are smaller or larger: with h
- * half the range, the mesh lines lie at the middle + h (centre s + (1 - centre) s^3) for
- * equidistant s from -1 to 1.
+ * Divide a range of theta1 or theta2, with middle m and half length h, into elements that are
+ * smaller or larger in the middle. The mesh lines lie at m + h (c s + (1 - c) s^3) with the
+ * parameter `centre` as c, for equidistant s from -1 to 1.
  */
 static int concentrate(reader *reader, int node, scene_line *line, double from, double to,
                        int elements, double centre)
@@ -356,8 +360,8 @@ static int check_ends(reader *reader, int node, int direction, double from, doub
 }
 
 /*
- * Find the ends of a mesh direction. An end that the scene file does not give is the end of the
- * surface's own range, if the surface has one.
+ * Find the first and last coordinate of the mesh along theta1 or theta2. A value that the scene
+ * file does not give is the end of the range in which the surface exists, if that range is limited.
  */
 static int find_ends(reader *reader, int node, int direction, line_text *text)
 {

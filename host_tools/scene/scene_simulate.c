@@ -446,7 +446,10 @@ static int read_event_at(reader *reader, int node, void *to, const void *rule)
                       text->event->tick, reader->s->simulate.ticks);
 }
 
-/* Turn a load event with the key `impulse` or `frequency` into an event of that type. */
+/*
+ * Change the type of a load event to an impulse if the event has the key `impulse`, or to a
+ * sinusoidal load if it has the key `frequency`.
+ */
 static int refine_load(reader *reader, int node, event_text *text)
 {
     if (!text->impulse_given && !text->frequency_given)
@@ -461,14 +464,18 @@ static int refine_load(reader *reader, int node, event_text *text)
     return 0;
 }
 
-/* Return whether an event type lasts for the number of ticks that the key `ticks` gives. */
+/*
+ * Return whether events of a type, such as a sinusoidal load, last for the number of ticks that
+ * their key `ticks` gives.
+ */
 static int lasts(scene_event_type type)
 {
     return type == EVENT_NAN || type == EVENT_FROZEN || type >= EVENT_SINE;
 }
 
 /*
- * Check that an event has all keys that its type needs, and no key that its type does not permit.
+ * Check that an event of the simulation has all keys that its type needs, and no key that its type
+ * does not permit.
  */
 static int check_event(reader *reader, int node, const event_text *text)
 {
@@ -584,7 +591,7 @@ static const form_case event_cases[] = {{"target", NULL},
                                         {"delay ticks", NULL},
                                         {NULL, NULL}};
 static const form event_form = {.type = FORM_MAP, .fields = event_fields, .cases = event_cases};
-/* Add the event that one row of a schedule file describes. */
+/* Add the event that one row of a schedule file (table of events of the simulation) describes. */
 static int read_scheduled(reader *reader, int node, const number_table *table, size_t row,
                           const int column[2], scene_event *event)
 {
@@ -708,8 +715,8 @@ static const field simulate_fields[] = {
 const form simulate_form = {.type = FORM_MAP, .fields = simulate_fields};
 
 /*
- * Refuse a key of the simulated plant beside another key that excludes it; a plant without the key
- * is accepted.
+ * Write an error message if the section of the simulated plant has a given key, which another key
+ * of the scene excludes; otherwise do nothing.
  */
 static int refuse_beside(reader *reader, int plant, const char *key, const char *cure)
 {

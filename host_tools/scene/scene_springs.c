@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Section `springs` of a scene file, and the stack actuators of the section `actuators`
- * (scene_parts.h).
+ * Springs of a scene (section `springs`), and its stack actuators, which are piezoelectric stacks
+ * or voice coils between points of the structure (section `actuators`); see scene_parts.h.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -37,7 +37,10 @@ int read_any_direction(reader *reader, int node, void *to, const void *rule)
 
 /* ---- places ------------------------------------------------------------- */
 
-/* Copy one point from a row of a table; its coordinate z may be missing on a mesh from a file. */
+/*
+ * Copy the coordinates of one attachment point of a spring or stack from a row of a table; on a
+ * mesh from a file the coordinate z may be missing.
+ */
 static int copy_point(reader *reader, int node, const number_table *table, size_t row,
                       const int column[SCENE_AXES], double point[SCENE_AXES])
 {
@@ -97,7 +100,7 @@ static int read_face(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Rows of the table of keys that springs and stack actuators share. */
+/* Rows that are common to the table of the keys of a spring and to that of a stack actuator. */
 #define SPRING_ROWS                                                                                \
     PLACE(offsetof(scene_spring, where)),                                                          \
         {"points",                                                                                 \

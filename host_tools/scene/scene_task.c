@@ -57,8 +57,8 @@ static int read_patches_of(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Return the name of the actuator or sensor whose electrodes, or whose heaters, are patches; NULL
- * if there is none.
+ * Return the name of the actuator or sensor that uses a given grid of patches as its electrodes, or
+ * as its heaters (`is_heater`); NULL if there is none.
  */
 static const char *driven_by(const scene_actuator *actuator, int actuators, int patches,
                              bool is_heater)
@@ -126,8 +126,8 @@ static const form drive_form = {.type = FORM_MAP, .fields = drive_fields};
 static const form drives_form = {.type = FORM_LIST, .item = &drive_form, .least = 1};
 
 /*
- * Read the patches that belong to an actuator, or to a sensor: the table row of a sensor has a rule
- * that is not NULL.
+ * Read the grids of patches that an actuator drives or a sensor reads. The rule is that of the row
+ * in the table of keys: NULL for an actuator, not NULL for a sensor.
  */
 static int read_drives(reader *reader, int node, void *to, const void *rule)
 {
@@ -205,7 +205,10 @@ static const form actuator_form = {
     .type = FORM_MAP, .fields = actuator_fields, .cases = actuator_cases};
 const form actuators_form = {.type = FORM_LIST, .item = &actuator_form};
 
-/* Check that a uniform temperature has no patches and that heaters on patches have some. */
+/*
+ * Check that an actuator which is a uniform temperature of the structure has no patches, and that
+ * an actuator which heats patches has some.
+ */
 static int check_temperature(reader *reader, int node, const scene_actuator *actuator)
 {
     const int key = tree_find(reader->t, node, "temperature");
@@ -255,8 +258,8 @@ int read_actuators(reader *reader, int node, void *to, const void *rule)
 static const choice circuits[] = {{"open", 1}, {"short", 0}, {NULL, 0}};
 
 /*
- * Table of the keys of a sensor. Sensors and actuators share the reader of the key `drives`, which
- * takes a row with any rule that is not NULL, here `circuits`, for that of a sensor.
+ * Table of the keys of a sensor. Sensors and actuators use the same function to read the key
+ * `drives`, which recognises a sensor by a rule that is not NULL; here this rule is `circuits`.
  */
 static const field sensor_fields[] = {
     {"name", read_name, offsetof(scene_actuator, name), .required = 1,
@@ -386,8 +389,8 @@ static int read_each(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Smallest step limit (V) that is accepted. A smaller one is a typing error; it would vanish in
- * rounding when it is added to a voltage.
+ * Smallest limit (V) of the change of a voltage in one tick that is accepted. A smaller one is a
+ * typing error; it would vanish in rounding when it is added to a voltage.
  */
 static const double smallest_step_limit = 1e-60;
 
@@ -547,8 +550,8 @@ static const form strain_form = {.type = FORM_WORD, .words = strains};
 static const form stress_form = {.type = FORM_WORD, .words = stresses};
 
 /*
- * Read the component of an output that is a strain or a stress.
- *   rule in  array of the names of components, of strains or of stresses
+ * Read which component of the strain or stress tensor an output gives.
+ *   rule in  array of the names of the components of strain or of stress
  */
 static int read_recovered(reader *reader, int node, void *to, const void *rule)
 {
@@ -562,7 +565,7 @@ static int read_recovered(reader *reader, int node, void *to, const void *rule)
     return read_choice(reader, node, &text->output.recovered_component, rule);
 }
 
-/* Read the layer of a strain or stress. */
+/* Read the name of the layer of the shell in which an output gives a strain or stress. */
 static int read_layer_of(reader *reader, int node, void *to, const void *rule)
 {
     const scene *scene = reader->s;
@@ -595,7 +598,10 @@ static int read_potential(reader *reader, int node, void *to, const void *rule)
     return read_layer_of(reader, node, to, rule);
 }
 
-/* Check an output of a potential, and complete the face of its layer. */
+/*
+ * Check an output of the electric potential of a layer's bare face (without electrode). Where the
+ * scene file does not say which face, and only one is bare, the output is that of this face.
+ */
 static int finish_potential(reader *reader, int node, output_text *text)
 {
     scene_output *output = &text->output;
@@ -615,7 +621,10 @@ static int finish_potential(reader *reader, int node, output_text *text)
     return require_place(reader, node, &output->where);
 }
 
-/* Check an output of a strain or stress, and complete its layer and its angle. */
+/*
+ * Check an output of a strain or stress. If the scene file does not give them, the layer is the
+ * only one of the shell, and the angle of the axes is that of the layer.
+ */
 static int finish_recovered(reader *reader, int node, output_text *text)
 {
     const scene *scene = reader->s;
@@ -631,7 +640,10 @@ static int finish_recovered(reader *reader, int node, output_text *text)
     return require_place(reader, node, &output->where);
 }
 
-/* Refuse keys of strains and stresses in an output of another type, where they mean nothing. */
+/*
+ * Refuse the keys `layer`, `face` and `angle`, which belong to outputs of strains and stresses, in
+ * an output of another type.
+ */
 static int refuse_recovered_keys(reader *reader, int node)
 {
     static const char *const keys[] = {"layer", "face", "angle"};
@@ -771,8 +783,8 @@ static int read_modes(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Read a function whose best fit is removed from the target: a word for a common function, or a
- * formula.
+ * Read one of the functions on the surface whose best fit is removed from the misfit to the target:
+ * a word for a common function, or a formula.
  */
 static int read_free_item(reader *reader, int node, void *item)
 {

@@ -11,9 +11,9 @@
 #include <string.h>
 
 /*
- * Bits of the dof along the axes e1, e2 and e3 of a node's triad: for each axis, the mean and the
- * difference of both faces; for e3 also the displacement of the middle surface relative to the
- * faces.
+ * Bits of those dof of a node that act along the axes e1, e2 and e3 of its triad (local axes): for
+ * each axis, the mean of the displacements of both faces of the shell and their difference; for e3
+ * also the displacement of the middle surface relative to the faces.
  */
 enum { ALONG_1 = 1 | 8, ALONG_2 = 2 | 16, ALONG_3 = 4 | 32 | 64, ALL = 127 };
 
@@ -45,13 +45,17 @@ static double project(double vector[3], const double unit[3])
 
 /* ---- work --------------------------------------------------------------- */
 
-/* Normals of those edges of a support's set that meet at one node. */
+/*
+ * Normals, at one node, of those edges of a support (a constrained part of the boundary) that meet
+ * at the node.
+ */
 typedef struct edge_normal {
-    double sum[3];   /* sum of the unit vectors that are normal to each edge and tangent to the
-                        surface */
-    double first[3]; /* unit normal of the first edge that was added at the node */
+    double sum[3];   /* sum of the unit normals of the edges that meet at the node; each normal is
+                        tangent to the surface */
+    double first[3]; /* unit normal of that edge at the node which was added first to the sum of
+                        normals */
     int edges;
-    bool is_corner; /* whether two edges of the support's set meet at an angle at the node */
+    bool is_corner; /* whether two edges of the support meet at an angle at the node */
 } edge_normal;
 
 typedef struct triads {
@@ -59,9 +63,9 @@ typedef struct triads {
     quad_mesh *mesh;
     char *error;
     unsigned char *in_set; /* [nodes] 1 for the nodes of the support that is being applied */
-    unsigned char *fixed;  /* [nodes] 1 for the nodes whose axis e1 a support has determined */
-    edge_normal *normal;   /* [nodes] at each node, sum of the normals of the support's edges that
-                              meet there */
+    unsigned char *fixed; /* [nodes] 1 for the nodes whose local axis e1 a support has determined */
+    edge_normal *normal;  /* [nodes] at each node, sum of the normals of the support's edges that
+                             meet there */
 } triads;
 
 static long long label(const triads *triads, size_t node)
@@ -71,7 +75,10 @@ static long long label(const triads *triads, size_t node)
 
 /* ---- normals of edges --------------------------------------------------- */
 
-/* Add the normal of one side of an element to the sums at both of its nodes. */
+/*
+ * Add the unit normal of one side of an element, tangent to the surface, to the sums of normals at
+ * both nodes of the side.
+ */
 static void add_edge(triads *triads, size_t element, int side)
 {
     const uint32_t node[2] = {triads->mesh->element[element][side],
@@ -107,7 +114,10 @@ static bool has_side(const triads *triads, const quad_set *edges, size_t element
     return quad_set_has(edges, edge);
 }
 
-/* Sum the normals of all edges of a support's set at its nodes. Returns the number of edges. */
+/*
+ * At each node of a support, sum the normals of those edges of the support that meet there. Returns
+ * the number of edges.
+ */
 static int find_normals(triads *triads, const scene_support *support)
 {
     const quad_set *edges =
@@ -128,8 +138,9 @@ static int find_normals(triads *triads, const scene_support *support)
 /* ---- symmetry planes ---------------------------------------------------- */
 
 /*
- * Find the unit normal of the plane of a symmetric support: the direction that the scene file
- * gives, or the mean of the normals of the support's edges. Returns 0, or -1 with the error filled.
+ * Find the unit normal of the symmetry plane that a support of the type symmetric stands for: the
+ * direction that the scene file gives, or the mean of the normals of the support's edges. Returns
+ * 0, or -1 with the error filled.
  */
 static int plane_normal(triads *triads, const scene_support *support, double normal[3])
 {
@@ -150,8 +161,8 @@ static int plane_normal(triads *triads, const scene_support *support, double nor
 }
 
 /*
- * Turn the directors of the nodes of a symmetric support into its symmetry plane. Returns 0, or -1
- * with the error filled if the nodes do not lie in one plane.
+ * Turn the directors (directions through the thickness) of the nodes of a symmetry plane into this
+ * plane. Returns 0, or -1 with the error filled if the nodes do not lie in one plane.
  */
 static int apply_plane(triads *triads, const scene_support *support, const double normal[3])
 {
@@ -181,7 +192,10 @@ static int apply_plane(triads *triads, const scene_support *support, const doubl
 
 /* ---- triads ------------------------------------------------------------- */
 
-/* Return a set of dof (bits) in which the dof along the axes e1 and e2 have changed places. */
+/*
+ * Exchange the bits of the dof along the local axes e1 and e2 in a set of dof, and return the
+ * result.
+ */
 static unsigned exchanged(unsigned bits)
 {
     return (bits & ALONG_3) | (bits & ALONG_1) << 1 | (bits & ALONG_2) >> 1;
@@ -271,8 +285,9 @@ static int hold_listed(triads *triads, const scene_support *support, size_t node
 }
 
 /*
- * Constrain a simply supported node: its displacement along the edge and u3. At a corner,
- * displacements along both edges are constrained. Returns 0, or -1 with the error filled.
+ * Constrain a node of a simply supported edge: its displacement along the edge, and its
+ * displacement u3 normal to the surface. At a corner, displacements along both edges are
+ * constrained. Returns 0, or -1 with the error filled.
  */
 static int hold_simple(triads *triads, const scene_support *support, size_t node)
 {
@@ -302,8 +317,8 @@ static int hold_node(triads *triads, const scene_support *support, size_t node,
 /* ---- supports ----------------------------------------------------------- */
 
 /*
- * Find the nodes of a support. If the support needs directions that the scene file does not give,
- * compute the normals of its edges too. Returns 0, or -1 with the error filled.
+ * Find the nodes on which a support acts. If the support needs directions that the scene file does
+ * not give, compute the normals of its edges too. Returns 0, or -1 with the error filled.
  */
 static int find_nodes(triads *triads, const scene_support *support)
 {
@@ -351,7 +366,7 @@ static int hold_support(triads *triads, const scene_support *support)
     return 0;
 }
 
-/* Set the axis e1 of all nodes whose triad (local axes) no support has determined. */
+/* Choose the local axis e1 of every node at which no support has determined it. */
 static void finish_axes(triads *triads)
 {
     const int common = quad_common_axis(triads->mesh);
@@ -361,9 +376,9 @@ static void finish_axes(triads *triads)
 }
 
 /*
- * Apply all supports to the directors, axes and constrained dof of the mesh. Supports with a value
- * leave their dof free, because the mesh prescribes those later. Returns 0, or -1 with the error
- * filled.
+ * Apply all supports of the scene to the mesh: to its directors (directions through the thickness),
+ * local axes and constrained dof. Supports with a prescribed value leave their dof free here; the
+ * displacement is prescribed later. Returns 0, or -1 with the error filled.
  */
 static int apply_supports(triads *triads)
 {

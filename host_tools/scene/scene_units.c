@@ -134,7 +134,10 @@ static dimension of_reading(const reader *reader, int map)
     return reader->s->output[k].electric == ELECTRIC_CHARGE ? OF_CHARGE : OF_VOLTAGE;
 }
 
-/* Return the dimension of the input of amplifier number k: voltage or temperature. */
+/*
+ * Return the physical dimension of the input of the amplifier with index k: voltage, or temperature
+ * for a heater.
+ */
 static dimension of_amplifier(const scene *scene, int k)
 {
     for (int i = 0; i < scene->actuators; i++)
@@ -153,8 +156,9 @@ static dimension of_limit(const reader *reader, int map)
 }
 
 /*
- * Return the physical dimension of a number in a list of reference values, one for each amplifier:
- * voltage or temperature, by its position in the list.
+ * Return the physical dimension of a number in the list of reference values of the section
+ * `compare`, which has one value for each amplifier: voltage or temperature, by its position in the
+ * list.
  */
 static dimension of_compare(const reader *reader, int node)
 {
@@ -166,8 +170,8 @@ static dimension of_compare(const reader *reader, int node)
 }
 
 /*
- * Return the dimension of the surface coordinate theta1 or theta2, whichever is the nearest key
- * above a YAML node.
+ * Return the physical dimension (length or angle) of a number below the key theta1 or theta2 of a
+ * scene file, whichever of them is the nearest key above its YAML node.
  */
 static dimension of_coordinate(const reader *reader, int node)
 {
@@ -194,7 +198,10 @@ static dimension of_point(const reader *reader, int node)
     return surface_is_angle(&reader->s->surface, direction) ? OF_RADIANS : OF_LENGTH;
 }
 
-/* Return the YAML mapping of the patches whose key `outlines` contains a given node. */
+/*
+ * Return the YAML mapping of the patches whose list of electrode outlines contains a given YAML
+ * node.
+ */
 static int outlines_owner(const tree *tree, int node)
 {
     while (node && !(tree->node[node].key && strcmp(tree->node[node].key, "outlines") == 0))
@@ -203,9 +210,10 @@ static int outlines_owner(const tree *tree, int node)
 }
 
 /*
- * Return the dimension of a number in an outline. In a plane of space it is a length. In the plane
- * of theta1 and theta2 the two numbers of a point have the dimensions of these coordinates, and a
- * radius or gap is a length if both coordinates are lengths.
+ * Return the physical dimension of a number in the outline of an electrode. Coordinates of an
+ * outline drawn in a plane of space are lengths. In an outline drawn over theta1 and theta2 the two
+ * numbers of a point have the dimensions of these coordinates, and a radius or gap is a length if
+ * both coordinates are lengths.
  */
 static dimension of_outline(const reader *reader, int node)
 {
@@ -251,8 +259,8 @@ static const dimension base_dimension[UNITS_BASES] = {OF_LENGTH,      OF_FORCE, 
                                                       OF_TEMPERATURE, OF_RATE,  OF_RADIANS};
 
 /*
- * Return the scene's text for the unit of a base dimension, or NULL for the second and the radian,
- * which are fixed.
+ * Return the text by which the scene file names its unit of a base dimension (length, force,
+ * voltage, temperature), or NULL for the second and the radian, which are fixed.
  */
 static const char *base_text(const scene *scene, int base)
 {
@@ -307,7 +315,10 @@ static int refuse_unit(reader *reader, int node, const char *suffix, const char 
                       tree_name(reader->t, node), node_text(reader, node), suffix, why);
 }
 
-/* Return the dimension that a unit of measurement belongs to, or DIMENSIONS if there is none. */
+/*
+ * Return the physical dimension that a unit of measurement belongs to, or DIMENSIONS if it belongs
+ * to none.
+ */
 static dimension name_dimension(const units_unit *unit)
 {
     int of = OF_NUMBER;
@@ -353,8 +364,8 @@ static int refuse_base(reader *reader, int node, int base)
 }
 
 /*
- * Return a factor, as text behind the number, that converts degrees to radians or radians to
- * degrees; empty if neither is needed.
+ * Return the factor that converts an angle from degrees to radians or back, as text to be written
+ * behind the number; empty if both units are equal.
  */
 static const char *turn(const units_unit *unit, const units_unit *key)
 {

@@ -220,7 +220,10 @@ double spline_length(const spline *spline)
     return spline->parameter[spline->knots - 1];
 }
 
-/* Return the index of the piece of a spline, between two knots, in which a parameter value lies. */
+/*
+ * Return the index of the cubic piece of a spline, between two successive knots, in which a
+ * parameter value lies.
+ */
 static int piece(const spline *spline, double parameter)
 {
     int low = 0, high = spline->knots - 1;

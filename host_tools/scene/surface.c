@@ -82,8 +82,8 @@ double surface_area(const scene_surface *surface, const double t1[2], const doub
 /* ---- ranges ----------------------------------------------------------- */
 
 /*
- * Return whether a set of bits ALONG_... and AROUND_AXIS stands for theta1 (direction 1) or theta2
- * (direction 2) of a surface.
+ * Return whether a set of surface coordinates, given as bits ALONG_THETA1, ALONG_THETA2 and
+ * AROUND_AXIS, contains theta1 (direction 1) or theta2 (direction 2) of a surface.
  */
 static int has_direction(const scene_surface *surface, int set, int direction)
 {

@@ -12,14 +12,14 @@
 #include "../quads/vector.h"
 
 /*
- * Position in space with its derivatives: `first` with respect to theta1 and theta2, `second` twice
- * with respect to theta1 and twice to theta2.
+ * Position in space of a point of a surface with its derivatives: `first` with respect to theta1
+ * and to theta2, `second` twice with respect to theta1 and twice with respect to theta2.
  */
 typedef struct place {
     double x[3], first[2][3], second[2][3];
 } place;
 
-/* Return the height of a surface fitted to points, with its derivatives, at x and y. */
+/* Return the height z, with its derivatives, of a surface fitted to points, at given x and y. */
 static expr_jet height_at(const bicubic *points, double x, double y)
 {
     const bicubic_jet height = bicubic_at(points, x, y);

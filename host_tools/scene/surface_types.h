@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The types of reference surfaces, one row of a table each. Reader, schema, help, points, areas and
- * checks of a surface are made from its row.
+ * The types of reference surfaces, such as plate, cylinder or sphere, one row of a table each. The
+ * reader of scene files, their schema and help, and the points, areas and checks of a surface are
+ * made from its row.
  */
 #ifndef SURFACE_TYPES_H
 #define SURFACE_TYPES_H
@@ -134,8 +135,8 @@ typedef struct surface_type {
     surface_at_function *at;
     surface_meridian_function *meridian; /* function of the meridian; NULL: the surface is no
                                             surface of revolution */
-    surface_area_function *area; /* function that returns the area of a part of the surface; NULL:
-                                    the area is integrated numerically */
+    surface_area_function *area; /* function that returns the area of a part of the surface (length
+                                    squared); NULL: the area is integrated numerically */
     int closed, angles; /* sets of coordinates (bits ALONG_THETA1, ALONG_THETA2 and AROUND_AXIS):
                            those with the period 2 pi, and those that are angles */
     const char *pole_cure;

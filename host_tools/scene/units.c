@@ -10,7 +10,10 @@
 
 enum { MOST_EXPONENT = 9999 };
 
-/* Symbol of a unit of measurement; `prefixed` tells whether it may have an SI prefix. */
+/*
+ * Symbol of a unit of measurement, such as m or Pa; `prefixed` tells whether it may have an SI
+ * prefix.
+ */
 typedef struct symbol {
     const char *text;
     units_unit unit;
@@ -148,7 +151,8 @@ static int take_factor(parser *parser, int sign)
 /* ---- products and quotients ------------------------------------------- */
 
 /*
- * Return whether a product of units has another factor, and skip the multiplication sign before it.
+ * Return whether another factor follows in the text of a product of units, and skip the
+ * multiplication sign before it.
  */
 static int another(parser *parser)
 {

@@ -25,8 +25,8 @@ static void make_one_line(char *text)
     if (length < SCENE_ERROR - 1)
         return;
     while (length > 0 && ((unsigned char)text[length - 1] & 0xC0) == 0x80)
-        text[--length] = 0; /* where a long error message is cut off inside a character of several
-                               bytes, the rest of this character is removed */
+        text[--length] = 0; /* a long error message that is cut off may end inside a UTF-8
+                               character; the bytes of the incomplete character are removed */
     if (length > 0 && ((unsigned char)text[length - 1] & 0x80))
         text[--length] = 0;
 }
@@ -478,8 +478,9 @@ static int names_item(const tree *tree, int item, const char *text, size_t lengt
 }
 
 /*
- * Return the child of a YAML node that the first part of a path stands for: a key or item name
- * (which may contain dots), or an index in a list. *used becomes the length of that part (bytes).
+ * Return the child of a YAML node that the first part of a path such as a.b.c stands for: a key or
+ * item name (which may contain dots), or an index in a list. *used becomes the length of that part
+ * (bytes).
  */
 static int step(const tree *tree, int node, const char *path, size_t *used)
 {

@@ -40,7 +40,8 @@ typedef struct tree {
     char *error;     /* [SCENE_ERROR] memory of the error message of the YAML tree */
     tree_node *node; /* array of the nodes of the YAML tree; index 0 is not used */
     int nodes, room, root;
-    uint32_t hash; /* FNV-1a hash of the text of the file and of the texts of the changes */
+    uint32_t hash; /* FNV-1a hash of the text of the YAML file and of the texts of the changes from
+                      the command line */
 } tree;
 
 /*

@@ -32,8 +32,8 @@ enum {
 static const double two_pi = 6.283185307179586;
 
 /*
- * Static responses to voltages (gains) and frequencies, relative to the model, of the structures in
- * simulations with fast jumps of the target.
+ * Static responses to voltages (gains) and natural frequencies, relative to the controller's model,
+ * of the structures on which fast jumps of the target are simulated.
  */
 static const double storm_gain[PLANTS] = {1, 0.8, 0.8, 1.33, 1.33},
                     storm_frequency[PLANTS] = {1, 0.9, 1.1, 0.9, 1.1};
@@ -45,8 +45,9 @@ static const double storm_gain[PLANTS] = {1, 0.8, 0.8, 1.33, 1.33},
 static const double missed_share = 0.05;
 
 /*
- * Static responses to voltages (gains) and frequencies, relative to the model, of the structures
- * for which the growth of vibrations is measured; every combination is used.
+ * Static responses to voltages (gains) and natural frequencies, relative to the controller's model,
+ * of the simulated structures on which the growth of small vibrations is measured; every
+ * combination of both is used.
  */
 static const double gains[3] = {0.8, 1, 1.33}, frequencies[3] = {0.9, 1, 1.1};
 
@@ -57,10 +58,11 @@ static const double gains[3] = {0.8, 1, 1.33}, frequencies[3] = {0.9, 1, 1.1};
 static const double gain_most = 10, slow_least = 0.1, fast_most = 5;
 
 /*
- * Settings of the control tick that damps vibration, from which one is chosen, the fastest first:
- * damping per radian; part (0 to 1) of the deviation that is computed from the velocity; assumed
- * change of the loads in a tick, relative to the sensors' noise; number of ticks by which the
- * readings are assumed to be older than the scene file states.
+ * Settings of the block that damps vibration, from which one is chosen, the fastest first: damping
+ * per radian; weight (0 to 1) of that estimate of a vibration mode's deviation from its equilibrium
+ * which uses the change of the velocity, the rest being the weight of the estimate from the
+ * position; assumed change of the loads in a tick, relative to the sensors' noise; number of ticks
+ * by which the readings are assumed to be older than the scene file states.
  */
 static const struct {
     double damping, mix, drift;
@@ -76,11 +78,15 @@ enum { CHOICES = sizeof choices / sizeof *choices };
  */
 static const double slowest = 1.25;
 
-/* A control loop with tables for one choice of settings of the control tick and one tick rate. */
+/*
+ * A control loop on trial: its generated tables for one choice of settings of the vibration damper
+ * and one tick rate.
+ */
 typedef struct trial {
     analysis *analysis;
     estimator estimator;
-    const estimator *few; /* estimator of the controller; NULL: every target node is measured */
+    const estimator *few; /* estimator that computes the shape from few sensors; NULL: every target
+                             node is measured */
     damper damper;
     loop_blocks blocks;
     storm_rig rig; /* simulated structure that vibrates about its reference state (undeformed) */
@@ -98,7 +104,7 @@ typedef struct trial {
 
 /*
  * Replace the tables of the control loop by those for another tick rate and other settings of the
- * control tick. Returns 0, or -1 with error filled.
+ * block that damps vibration. Returns 0, or -1 with error filled.
  */
 static int retable(trial *trial, const damper_options *options, char *error)
 {
@@ -167,9 +173,9 @@ static int growth_ticks(const storm_rig *rig)
 }
 
 /*
- * Measure the growth of small vibrations on one structure. Vibrations count as decaying unless
- * their amplitude grows by more than an eighth in the second half of the simulation, which is the
- * resolution of the measurement.
+ * Measure the growth of small vibrations of the control loop on one simulated structure. Vibrations
+ * count as decaying unless their amplitude grows by more than an eighth in the second half of the
+ * simulation, which is the resolution of the measurement.
  */
 static int grow(const storm_rig *rig, double gain, double frequency, int more_delay,
                 storm_result *result, char *error)
@@ -186,7 +192,10 @@ static int grow(const storm_rig *rig, double gain, double frequency, int more_de
     return 0;
 }
 
-/* Measure the growth of small vibrations on all structures. Returns 0, or -1 with error filled. */
+/*
+ * Measure the growth of small vibrations of the control loop on structures with all combinations of
+ * the gains and frequencies in `gains` and `frequencies`. Returns 0, or -1 with error filled.
+ */
 static int measure_growth(const storm_rig *rig, certificate_loop *loop, bool *is_stable,
                           char *error)
 {
@@ -235,9 +244,9 @@ static storm_plant plant_of(int i, int older)
 }
 
 /*
- * Run the first `count` storms (simulations with fast jumps of the target) until all have settled,
- * or until so many have failed to settle that the loop is rejected. Returns 0, or -1 with error
- * filled.
+ * Run the first `count` of the storms (simulations with fast jumps of the target that differ in
+ * structure, limits and targets) until all have settled, or until so many have failed to settle
+ * that the loop is rejected. Returns 0, or -1 with error filled.
  */
 static int run_storms(const storm_rig *rig, int count, certificate_loop *loop, char *error)
 {
@@ -354,8 +363,8 @@ static int try_neighbouring_ages(const trial *trial, certificate_loop *loop, cha
 /* ---- choice ----------------------------------------------------------- */
 
 /*
- * Certify the loop with one choice of settings of the control tick. Returns 0, or -1 with error
- * filled.
+ * Certify the control loop with one choice of settings of the vibration damper, by simulations of
+ * its stability. Returns 0, or -1 with error filled.
  */
 static int try_choice(trial *trial, int choice, damper_options *options, certificate_loop *loop,
                       char *error)
@@ -543,10 +552,10 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
     *is_stable = false;
     if (retable(trial, &options, error) < 0)
         return -1;
-    for (int i = 0; i < PLANTS; i += 1 + (i == 0) * 2) { /* Structures with the numbers 0, 3 and 4:
-                                                            the model, and two with the largest
-                                                            static response, one with lower and one
-                                                            with higher frequencies. */
+    for (int i = 0; i < PLANTS;
+         i += 1 + (i == 0) * 2) { /* The structures 0, 3 and 4 of the arrays storm_gain and
+                                     storm_frequency: the model, and two with the largest static
+                                     response, one with lower and one with higher frequencies. */
         storm_result result;
         const storm_plant plant = {
             .gain = storm_gain[i], .frequency = storm_frequency[i], .step_limit = 0.25, .seed = 1};
@@ -564,9 +573,9 @@ static int try_rate(trial *trial, double rate, bool *is_stable, char *error)
 }
 
 /*
- * Find the last stable tick rate when the rate is changed from a stable one: by steps with the
- * given factor 2 or 1/2, then by one bisection between the last stable and the first unstable rate.
- * Returns 0, or -1 with error filled.
+ * Find the last tick rate at which the control loop is stable when the rate is changed from a
+ * stable one: by steps with the given factor 2 or 1/2, then by one bisection between the last
+ * stable and the first unstable rate. Returns 0, or -1 with error filled.
  */
 static int find_rate(trial *trial, double from, double factor, double *rate, char *error)
 {
@@ -601,8 +610,9 @@ static int find_margins(trial *trial, char *error)
 }
 
 /*
- * Find the stable tick rate that is nearest to the scene's in octaves, lower rates first; 0 where
- * none was found. Returns 0, or -1 with error filled.
+ * Find the tick rate at which the control loop is stable and which is nearest, in octaves, to the
+ * rate of the scene file; lower rates are tried first; 0 where none was found. Returns 0, or -1
+ * with error filled.
  */
 static int find_stable_rate(trial *trial, double *rate, char *error)
 {
@@ -621,8 +631,8 @@ static int find_stable_rate(trial *trial, double *rate, char *error)
 }
 
 /*
- * Find the range of stable tick rates around the scene's rate, or around the nearest stable one.
- * Returns 0, or -1 with error filled.
+ * Find the range of tick rates at which the control loop is stable, around the rate of the scene
+ * file or around the nearest stable one. Returns 0, or -1 with error filled.
  */
 static int find_rates(trial *trial, char *error)
 {

@@ -3,16 +3,16 @@
  * Certificate of a control loop with a vibration model (certificate_loop in certificate.h). The
  * loop that `pzs tables` would write is simulated with structures that differ from its model, in
  * two ways.
- *   growth  growth of small vibrations without limits, which is the spectral radius of the loop,
- *       for gains 0.8, 1 and 1.33 and frequencies 0.9, 1 and 1.1 relative to the model
- *   storms (simulations with fast target jumps)  30 simulations with random jumps of the target
- *                                                (storm.h): the model and four structures
- *       around it, full and quarter step limits, three sequences of targets, of which the last one
- *       misses 5 % of the ticks without informing the loop
+ *   growth  growth per tick of small vibrations without any limits, which is the spectral
+ *           radius of the loop, for static responses to voltages (gains) of 0.8, 1 and 1.33 and
+ *           natural frequencies of 0.9, 1 and 1.1 times those of the model
+ *   storms  30 simulations with fast random jumps of the target (storm.h): the model and four
+ *           structures around it, full and quarter step limits, three sequences of targets, of
+ *           which the last one misses 5 % of the ticks without informing the loop
  * Neither is enough alone: a loop whose spectral radius is below 1 may end in a limit cycle, and a
- * storm is too short to show slow growth. The chosen settings of the damped tick are the fastest of
- * a few that pass both, or settings that are at most a quarter slower and also pass with readings
- * one tick older or newer than the scene file states.
+ * storm is too short to show slow growth. The chosen settings of the vibration damper are the
+ * fastest of a few that pass both, or settings that are at most a quarter slower and also pass with
+ * readings one tick older or newer than the scene file states.
  */
 #ifndef CERTIFY_H
 #define CERTIFY_H

@@ -24,7 +24,7 @@ enum {
     RELEASE,
     KNOW,
     SKIP
-}; /* orders to the firmware, each sent as the first word of a message */
+}; /* orders of the simulation to the firmware, each sent as the first word of a message */
 enum {
     PATIENCE = 20000 /* longest time to wait for an answer of the firmware (ms) */,
     MOST_ARGUMENTS = 16

@@ -35,7 +35,7 @@ typedef struct device_board {
  */
 const device_board *device_find(const char *name);
 
-/* Sizes of the character arrays for a path and for an error message of one line. */
+/* Sizes (characters) of the text of a path and of an error message of one line about a firmware. */
 enum { DEVICE_PATH = 256, DEVICE_ERROR = 400 };
 
 /*
@@ -49,15 +49,17 @@ int device_build(const device_board *board, const char *folder, char error[DEVIC
 void device_remove(const char *folder);
 
 /*
- * A running firmware. A device whose members are all zero has no firmware; device_hold,
- * device_release, device_skip and device_know do nothing with it.
+ * A running firmware, with which the simulation exchanges messages. Where all members of the struct
+ * are zero there is no firmware, and device_hold, device_release, device_skip and device_know do
+ * nothing.
  */
 typedef struct device {
     const device_board *board;
     int process, to, from; /* process number of the firmware; file descriptors of the pipes to and
                               from that process */
-    size_t inputs, outputs, readings; /* numbers of voltages, of wanted displacements and of
-                                         readings that are exchanged in each tick */
+    size_t inputs, outputs, readings; /* numbers of voltages, of target displacements and of sensor
+                                         readings that the simulation and the firmware exchange in
+                                         each tick */
     unsigned char *frame;
 } device;
 
@@ -83,7 +85,7 @@ void device_release(device *device, int input);
 void device_skip(device *device, int ticks);
 
 /*
- * Pass the factors of the known loads to the firmware.
+ * Pass the factors of the known loads (loads whose values the controller is told) to the firmware.
  *   then   [loads] in  factors at the time of the next measurement
  *   coming [loads] in  factors in the coming tick
  */

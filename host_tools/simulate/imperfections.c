@@ -68,7 +68,10 @@ static bool may_fail(const imperfection_tables *tables)
     return true;
 }
 
-/* Set the voltages of faulty electrodes, which ignore their amplifiers. */
+/*
+ * Set the output voltages of faulty electrodes, which are dead or stuck and ignore their
+ * amplifiers.
+ */
 static void set_faulty(const imperfections *on, double *voltage, double interval)
 {
     (void)interval;
@@ -214,7 +217,10 @@ static double quantise(const imperfections *on, int sensor, double value)
     return quantum > 0 ? quantum * floor(value / quantum + 0.5) : value;
 }
 
-/* Table of the imperfections of the sensors, in the order in which they act. */
+/*
+ * Table of the functions that apply drift, outliers, quantisation and the other imperfections of
+ * the sensors, in the order in which they act.
+ */
 static double (*const sensor_stages[])(const imperfections *on, int sensor,
                                        double value) = {add_drift, add_outlier, quantise};
 enum { SENSOR_STAGES = sizeof sensor_stages / sizeof *sensor_stages };

@@ -49,8 +49,8 @@ typedef struct sensor {
 } sensor;
 
 /*
- * Constants of the imperfections of a plant. Where a constant is 0, the plant does not have the
- * imperfection.
+ * Constants of the imperfections of the hardware around a simulated plant (amplifiers, cables,
+ * ceramic, sensors). Where a constant is 0, the hardware does not have the imperfection.
  */
 typedef struct imperfection_tables {
     int amplifiers;
@@ -78,11 +78,14 @@ typedef struct imperfection_tables {
  */
 enum { IMPERFECTION_PARTS = 8 };
 
-/* Electrodes, sensors and time of a running simulation, on which the imperfections act. */
+/*
+ * State of the hardware in a running simulation that has imperfections: its electrodes, its sensors
+ * and the time.
+ */
 typedef struct imperfections {
     imperfection_tables tables;
     electrode *electrode; /* [amplifiers] state of the electrode of each amplifier */
-    sensor *sensor;       /* [sensors] faults and drift of each sensor */
+    sensor *sensor;       /* [sensors] state of each sensor: its faults and its drift */
     int sensors;
     uint64_t *random; /* state of the random number generator of the simulation */
     double time;      /* time since the start of the simulation (s) */

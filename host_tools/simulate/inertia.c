@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Vibration of a structure about its static equilibrium, for one vibration mode after the other
- * (inertia.h).
+ * Vibration of a structure about its static equilibrium, computed for each vibration mode
+ * separately (inertia.h).
  */
 #include "inertia.h"
 #include <math.h>

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Vibration of a structure about its static equilibrium, for one vibration mode after the other.
- * The state of a mode is the deviation d of its coordinate q from the equilibrium under the present
- * inputs, and the scaled velocity p = (dq/dt)/w with the angular frequency w. While the inputs are
- * constant, an exact propagator advances (d, p) over any interval. A jump of an input leaves q
- * unchanged and moves the equilibrium, so that d jumps by the opposite amount.
+ * Vibration of a structure about its static equilibrium, computed for each vibration mode
+ * separately. The state of a vibration mode is the deviation d of its modal coordinate q from the
+ * equilibrium under the present inputs, and the scaled velocity p = (dq/dt)/w with the angular
+ * frequency w. While the inputs are constant, an exact propagator advances (d, p) over any
+ * interval. A jump of an input leaves q unchanged and moves the equilibrium, so that d jumps by the
+ * opposite amount.
  */
 #ifndef INERTIA_H
 #define INERTIA_H
@@ -24,7 +25,7 @@ typedef struct inertia {
                            static equilibrium */
     double *velocity;   /* [modes] velocity of the coordinate of each vibration mode, divided by the
                            angular frequency of the mode */
-    double *input;      /* [inputs] present inputs of the structure */
+    double *input;      /* [inputs] present inputs of the structure: voltages and load factors */
     double *propagator; /* [modes][2][2] propagator of each vibration mode: 2 x 2 matrix that
                            advances its deviation and its scaled velocity by the time `interval` */
     double interval;    /* time interval by which the propagators advance the vibration (s); 0: they
@@ -64,19 +65,19 @@ void inertia_rest(inertia *inertia, const double *input);
 void inertia_jump(inertia *inertia, const double *input);
 
 /*
- * Apply an impulse at one instant: the force that one unit of an input exerts, multiplied by
- * `seconds`.
+ * Apply an impulse to the vibrating structure at one instant: the force that one unit of an input
+ * exerts, multiplied by `seconds`.
  */
 void inertia_kick(inertia *inertia, size_t input, double seconds);
 
-/* Let the time `interval` (s) pass under constant inputs. */
+/* Advance the vibration by the time `interval` (s) under constant inputs. */
 void inertia_advance(inertia *inertia, double interval);
 
 /*
- * Compute by how much outputs of the structure deviate from their static values because of
- * vibration.
- *   first      in   index of the first of these outputs
- *   out [rows] out  deviations
+ * Compute by how much output values of the structure, such as displacements, deviate from their
+ * static values because of vibration.
+ *   first      in   index of the first of the outputs that are computed
+ *   out [rows] out  deviations of these outputs
  */
 void inertia_observe(const inertia *inertia, size_t first, size_t rows, double *out);
 

@@ -6,8 +6,9 @@
 #include <stddef.h>
 
 /*
- * Static values of outputs: sum [rows] = influence [rows][inputs] times input [inputs]. Each sum is
- * computed in ascending order of the inputs, so that the result has the same bits everywhere.
+ * Static displacements, or other outputs, of a linear structure: sum [rows] = influence
+ * [rows][inputs] times input [inputs]. Each sum is computed in ascending order of the inputs, so
+ * that the result has the same bits on every computer.
  */
 void influence_sum(const double *influence, const double *input, size_t rows, size_t inputs,
                    double *sum);

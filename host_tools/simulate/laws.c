@@ -31,7 +31,10 @@ void law_close(law *law)
 
 /* ---- limits ----------------------------------------------------------- */
 
-/* Copy the clipped voltages of a control law into the controller of the loop. */
+/*
+ * Copy the voltages that a control law for comparison has computed and clipped to the limits into
+ * the library's controller.
+ */
 static void set_voltages(const law *law, pzs_control *control)
 {
     const pzs_control_info *info = &control->info;
@@ -65,8 +68,8 @@ static law *law_of(const pzs_loop_signals *signals)
 }
 
 /*
- * Return the displacement of one output that the model of the controller predicts under the present
- * voltages.
+ * Return the displacement of one output (m) that the model of the controller predicts under the
+ * present voltages.
  */
 static double predicted_displacement(const law *law, const double *voltage, size_t output)
 {

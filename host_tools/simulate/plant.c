@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The plant of a simulation: a structure that differs from the model of the controller (plant.h).
+ * The plant of a simulation: the simulated structure, which differs from the model of the
+ * controller (plant.h).
  */
 #include "plant.h"
 #include <math.h>
@@ -13,7 +14,10 @@
 #include "influence_sum.h"
 #include "plant_motion.h"
 
-/* All ways in which a plant with inertia may move, in the order of the enumeration scene_motion. */
+/*
+ * All ways of computing the motion of a plant with inertia, in the order of the enumeration
+ * scene_motion.
+ */
 static const plant_motion *const motions[] = {&plant_modal, &plant_nonlinear};
 
 /* ---- open ------------------------------------------------------------- */
@@ -61,8 +65,8 @@ static void scale_matrix(scene *scene)
     const size_t amplifiers = (size_t)scene->amplifiers;
     uint32_t state = (uint32_t)simulate->seed + 1;
     for (size_t i = 0; i < (size_t)scene->influence.outputs * amplifiers; i++) {
-        double error = -6; /* minus six, to which twelve uniform random numbers are added: their sum
-                              then has mean 0 and variance 1 */
+        double error = -6; /* minus six, because the sum of twelve random numbers, uniform from 0 to
+                              1, has the mean 6 and the variance 1 */
         for (int k = 0; k < 12; k++)
             error += random_number(&state);
         scene->influence.matrix[i] *=
@@ -308,8 +312,8 @@ static void sum_columns(const plant *plant, size_t rows, double *shape)
 }
 
 /*
- * Compute the equilibrium of the plant under the present inputs, starting from the latest shape. If
- * the inputs have not changed, the latest shape is kept.
+ * Compute the static equilibrium of the plant under its present voltages, loads and temperature,
+ * starting from its latest shape. If these inputs have not changed, the latest shape is kept.
  */
 static int compute_equilibrium(plant *plant, char *error)
 {

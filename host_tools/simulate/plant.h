@@ -29,9 +29,9 @@ typedef struct plant {
     expr *kelvin; /* formula of the temperature change that is added to the loads of the simulated
                      structure, or NULL */
     analysis analysis;
-    double *input; /* [inputs] inputs for the next shape: voltages, loads and temperature change; on
-                      a nonlinear structure also prescribed displacements and the motion of the
-                      rigid body of a contact */
+    double *input; /* [inputs] values of the inputs for which the next shape of the plant is
+                      computed: voltages, loads and temperature change; on a nonlinear structure
+                      also prescribed displacements and the motion of the rigid body of a contact */
     double *computed_input; /* [inputs] inputs with which the latest shape of the plant was computed
                              */
     double *scene_input; /* [inputs] values of all inputs at full load, as given in the scene file,
@@ -65,18 +65,21 @@ typedef struct plant {
 int plant_open(plant *plant, const design *nominal, char *error);
 void plant_close(plant *plant);
 
-/* Set the factor of a load (1: the load given in the scene file), or the temperature change. */
+/*
+ * Set the factor of one of the plant's loads (1: the load given in the scene file), or the plant's
+ * temperature change (K).
+ */
 void plant_load(plant *plant, int load, double factor);
 void plant_warm(plant *plant, double kelvin);
 
 /*
- * Reset all load factors to 1 and the temperature change to zero; the next shape is computed from
- * the reference state.
+ * Set all load factors of the plant to 1 and its temperature change to zero; its next shape is
+ * computed from the undeformed state.
  */
 void plant_rest(plant *plant);
 
 /*
- * Apply an impulse of a load at one instant: the impulse is the force of the load as given in the
+ * Apply the impulse of a load to the plant at one instant: the force of the load as given in the
  * scene file times `seconds`.
  */
 void plant_kick(plant *plant, int load, double seconds);
@@ -91,8 +94,8 @@ void plant_kick(plant *plant, int load, double seconds);
 int plant_elapse(plant *plant, const double *voltage, double seconds, char *error);
 
 /*
- * Return a weighted norm of the difference between the latest shape of the plant and its static
- * equilibrium; 0 for a plant without inertia.
+ * Return the norm, weighted with the output weights of the target, of the difference between the
+ * latest shape of the plant and its static equilibrium; 0 for a plant without inertia.
  */
 double plant_vibration(const plant *plant);
 

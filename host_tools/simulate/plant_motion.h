@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The ways in which the motion of a simulated plant is computed, each one row of the table in
- * plant.c, and the static results that they share.
+ * plant.c, and the functions for the static equilibrium that all of them use.
  */
 #ifndef PLANT_MOTION_H
 #define PLANT_MOTION_H
@@ -21,7 +21,9 @@ typedef struct plant_motion {
      */
     int (*open)(struct plant *plant, char *error);
     void (*close)(struct plant *plant);
-    /* Apply the impulse of a load at one instant: its force multiplied by `seconds`. */
+    /*
+     * Apply the impulse of a load to the plant at one instant: its force multiplied by `seconds`.
+     */
     void (*kick)(struct plant *plant, int load, double seconds);
     /* Let a time pass under the present inputs (voltages, loads and temperature). */
     int (*advance)(struct plant *plant, double seconds, char *error);
@@ -37,8 +39,8 @@ typedef struct plant_motion {
      */
     int (*outputs)(struct plant *plant, char *error);
     /*
-     * Compute the displacement vector of the latest shape.
-     *   displacement [free_dof] out  displacement vector of the structure
+     * Compute the displacement vector of the plant in its latest shape.
+     *   displacement [free_dof] out  displacement of each free degree of freedom
      */
     int (*displacement)(struct plant *plant, double *displacement, char *error);
 } plant_motion;

@@ -30,9 +30,9 @@ enum { SOLVES_MOST = 16 };
 static const double tolerance = 1e-7, least_change = 1e-3;
 
 /*
- * Increment of Newton's method, relative to the change of the displacement in half the step, from
- * which on the energy error of the time step is removed in place of another linear solve; and the
- * largest part of the last increment that is added for it.
+ * Size of the last increment of Newton's method in a time step, relative to the change of the
+ * displacement in half the step, below which the error of the energy is removed in place of another
+ * linear solve; and the largest part of the last increment that is added to remove it.
  */
 static const double balanced = 1e-6, largest_correction = 0.1;
 

@@ -38,8 +38,8 @@
 enum { SHELL_MOTION_HALVINGS = 6 };
 
 typedef struct shell_motion {
-    const vibration *vibration; /* vibration modes that are damped; NULL: the motion is not damped
-                                 */
+    const vibration *vibration; /* vibration modes of the shell that are damped; NULL: the motion is
+                                   not damped */
     mass mass;
     pzs_solver solver; /* solver of the nonlinear equilibrium of the same structure, with the arrays
                           of the motion in place of its own: `displacement` is the displacement at
@@ -100,12 +100,12 @@ void shell_motion_close(shell_motion *motion);
  */
 double shell_motion_step(const vibration *vibration, double interval);
 
-/* Set the motion to a state of rest: a given displacement, with zero velocity. */
+/* Set the motion of the shell to a state of rest: a given displacement, with zero velocity. */
 void shell_motion_rest(shell_motion *motion, const double *displacement, const double *value);
 
 /*
- * Change the velocity at one instant by the impulse of one input: the force of one unit of the
- * input at the present displacement, multiplied by `seconds`.
+ * Change the velocity of the shell at one instant by the impulse of one input: the force of one
+ * unit of the input at the present displacement, multiplied by `seconds`.
  */
 void shell_motion_kick(shell_motion *motion, uint32_t input, double seconds);
 
@@ -118,14 +118,17 @@ void shell_motion_kick(shell_motion *motion, uint32_t input, double seconds);
 bool shell_motion_advance(shell_motion *motion, const double *value, double seconds);
 
 /*
- * Deviation of the present displacement from the static equilibrium under input values, by one step
- * of Newton's method: exact for small deviations. Zero where the tangent is singular.
- * Returns the deviation [free_dof] (m and 1), valid until the next call of a function of the
- * motion.
+ * Return the deviation of the shell's present displacement from its static equilibrium under given
+ * input values, computed by one step of Newton's method: exact for small deviations, zero where the
+ * tangent stiffness is singular. The result [free_dof] (m and 1) is valid until the next call of a
+ * function of the motion.
  */
 const double *shell_motion_deviation(shell_motion *motion, const double *value);
 
-/* Kinetic energy, and strain energy of the elements and springs (N m). */
+/*
+ * Return the kinetic energy of the shell (shell_motion_kinetic), and the strain energy of its
+ * elements and springs (shell_motion_strain_energy) (N m).
+ */
 double shell_motion_kinetic(shell_motion *motion);
 double shell_motion_strain_energy(shell_motion *motion);
 

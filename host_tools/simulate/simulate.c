@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Simulation of the closed loop: phases, control laws, results (simulation.h). */
+/*
+ * Simulation of the closed loop: its phases (time between events of the scene), its control laws
+ * and its results (simulation.h).
+ */
 #include "simulation.h"
 #include <math.h>
 #include <stdbool.h>
@@ -26,7 +29,10 @@ enum {
 
 static const double settled_part = 0.05;
 
-/* Relative shape error above which the simulation of a control law for comparison is stopped. */
+/*
+ * Shape error, relative to the norm of the target, above which the simulation of a control law for
+ * comparison is stopped.
+ */
 static const double diverged = 4;
 
 static int no_memory(const analysis *nominal, char *error)
@@ -95,8 +101,8 @@ static int lay_out_phases(simulation *simulation)
 }
 
 /*
- * Refuse sensors that measure voltages or charges of electrodes, because these have no influence
- * coefficients at a deformed shape. Returns 0, or -1 with error filled.
+ * Refuse sensors that measure voltages or charges of electrodes, because at a deformed shape there
+ * are no influence coefficients for these readings. Returns 0, or -1 with error filled.
  */
 static int check_readings(const design *design, char *error)
 {
@@ -176,8 +182,9 @@ static int check_inertia(const simulation *simulation, char *error)
 }
 
 /*
- * Prepare the parts of the simulated controller: shape estimator, known loads and list of its
- * blocks. Returns 0, or -1 with error filled.
+ * Prepare what the simulated controller consists of: shape estimator, feed-forward of known loads,
+ * vibration damper, and the list of the blocks that each tick runs. Returns 0, or -1 with error
+ * filled.
  */
 static int prepare_controller(simulation *simulation, char *error)
 {
@@ -210,8 +217,9 @@ static int prepare_controller(simulation *simulation, char *error)
 }
 
 /*
- * Find the regularisation parameter that gives the least error for the scene's target. Returns 0,
- * or -1 with error filled.
+ * For regularised clipped least squares, a control law for comparison, find the regularisation
+ * parameter that gives the least shape error for the scene's target. Returns 0, or -1 with error
+ * filled.
  */
 static int regularise(simulation *simulation, char *error)
 {
@@ -235,7 +243,8 @@ static int regularise(simulation *simulation, char *error)
 /*
  * Make the tables of the controller. For a plant with inertia they contain a vibration model where
  * the loop needs one, like the tables that `pzs tables` writes; for a quasi-static plant they do
- * not. A supervisor that waits for the firmware's command to start has it before the first tick.
+ * not. If the supervisor of the loop waits for a command of the firmware to start, this command is
+ * given before the first tick.
  */
 static int make_tables(const simulation *simulation, analysis *nominal, char *error)
 {
@@ -391,7 +400,7 @@ static void log_tick(course_log *record, const loop *loop, simulate_course *cour
 }
 
 /*
- * Return the weighted norm of the difference of two shapes.
+ * Return the norm, weighted with the output weights of the target, of the difference of two shapes.
  *   first, second [targets] in  displacements of the two shapes
  */
 static double weighted_distance(const design *design, const double *first, const double *second)
@@ -400,8 +409,8 @@ static double weighted_distance(const design *design, const double *first, const
 }
 
 /*
- * Return the number of ticks after which the distance of the shape from the final shape stays below
- * a fraction of its largest value; -1 if it does not.
+ * Return the number of ticks after an event from which on the distance of the shape from the final
+ * shape stays below a fraction of its largest value; -1 if it never does.
  */
 static int settled_after(const course_log *record, const design *design)
 {
@@ -528,9 +537,9 @@ static void mark_diverged(simulation *simulation, const simulate_phase *from, si
 }
 
 /*
- * Run all ticks of a control law. A control law for comparison counts as diverged where the motion
- * or the equilibrium of the plant under its voltages could not be computed. Returns 0, or -1 with
- * error filled.
+ * Run all ticks of the simulation under one control law. A control law for comparison counts as
+ * diverged where the motion or the equilibrium of the plant under its voltages could not be
+ * computed. Returns 0, or -1 with error filled.
  */
 static int run_ticks(simulation *simulation, loop *loop, course_log *record, simulate_law law,
                      simulate_tick_callback *callback, void *context, char *error)

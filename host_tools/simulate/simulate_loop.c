@@ -88,8 +88,8 @@ static void fail_sensors(loop *loop, const scene_event *event, int tick)
 }
 
 /*
- * Begin a temporary disturbance of the ticks, such as late voltages or readings, which lasts for
- * the number of ticks that its event states.
+ * Begin a temporary disturbance of the control ticks, such as late voltages or late readings, which
+ * lasts for the number of ticks that its event states.
  */
 static void begin_disturbance(disturbance *disturbance, const scene_event *event, int tick)
 {
@@ -162,7 +162,7 @@ static void random_fault(loop *loop, int tick)
         event.announced_after =
             random_int(&loop->random, 2) ? random_int(&loop->random, event.ticks) : ANNOUNCED_NEVER;
     if (event.type == EVENT_NAN && random_int(&loop->random, 4) == 0)
-        event.size = 1; /* the random event lets every sensor give NaN in place of a reading */
+        event.size = 1; /* the random event makes the readings of every sensor NaN */
     if (event.type == EVENT_TARGET || event.type == EVENT_LOAD)
         event.size = 2 * event.size - 1;
     event.load = random_int(&loop->random, loop->design->loads + 1);
@@ -182,8 +182,8 @@ static void end_faults(loop *loop)
 }
 
 /*
- * Set the factors that the controller knows for the known loads in the next tick. The controller
- * knows the future factors of these loads one tick in advance.
+ * Set the factors of the known loads that are passed to the controller for the next tick. The
+ * controller knows these factors one tick in advance.
  */
 static void set_next_loads(loop *loop, int tick)
 {
@@ -271,8 +271,8 @@ static int advance_plant(loop *loop, const double *output, double seconds, char 
 }
 
 /*
- * Random part of the tick interval by which a disturbance delays or shifts a tick, as a fraction of
- * the interval; 0 where the disturbance has ended.
+ * Return a random fraction of the tick interval by which a disturbance delays the voltages of a
+ * tick or shifts the tick; 0 where the disturbance has ended.
  */
 static double random_part(loop *loop, const disturbance *disturbance, int tick)
 {
@@ -394,7 +394,10 @@ static size_t list_blocks(loop *loop)
     return count + 1;
 }
 
-/* Initialise the library's control loop. Returns the status of the library. */
+/*
+ * Initialise the library's control loop with the blocks of the simulated control law. Returns the
+ * status of the library.
+ */
 static pzs_status open_controller(loop *loop)
 {
     const size_t count = list_blocks(loop);
@@ -441,8 +444,8 @@ static void copy_board_voltages(loop *loop)
 }
 
 /*
- * Copy the results of the library's step block, the block that computes the voltages: voltages,
- * iterations and electrode states.
+ * Copy the results of the library's step block, the block that computes the voltages, into the
+ * simulated loop: voltages, iterations of the optimiser and electrode states.
  */
 static void take_command(loop *loop)
 {
@@ -454,9 +457,9 @@ static void take_command(loop *loop)
 }
 
 /*
- * Status of a tick for the statistics: the status of the block that computes the voltages. The
- * status that the fault detector has reported an electrode is left out, because reported electrodes
- * are counted separately.
+ * Return the status of a tick that is counted in the results of the simulation: the status of the
+ * block that computes the voltages. The status that the fault detector has reported an electrode is
+ * left out, because reported electrodes are counted separately.
  */
 static pzs_status counted_status(const loop *loop, pzs_status status)
 {
@@ -518,8 +521,9 @@ static void set_outputs(loop *loop)
 }
 
 /*
- * Count voltages beyond their limits and voltage changes beyond the step limit. The change is
- * computed with 32 or 64 bits, the precision in which the voltages were computed.
+ * Return the number of voltages beyond their voltage limits plus the number of voltage changes
+ * beyond the step limit. The change is computed with 32 or 64 bits, the precision in which the
+ * voltages were computed.
  */
 static int count_beyond_limits(const loop *loop, const double *voltage, const double *before,
                                int bits)
@@ -660,7 +664,10 @@ static void shift_first_sensors(loop *loop, int ticks)
     }
 }
 
-/* Run one tick of the self-test. Returns 0, or -1 with error filled. */
+/*
+ * Run one tick of the self-test of amplifiers, cables and sensors. Returns 0, or -1 with error
+ * filled.
+ */
 static int run_selftest_tick(loop *loop, int tick, char *error)
 {
     const size_t amplifiers = (size_t)loop->design->amplifiers;
@@ -680,7 +687,10 @@ static int run_selftest_tick(loop *loop, int tick, char *error)
     return 0;
 }
 
-/* Keep the findings of the self-test, and write them as an error message. */
+/*
+ * Store what the self-test of amplifiers, cables and sensors has found, and write it as an error
+ * message.
+ */
 static int refuse(const loop *loop, char *error)
 {
     const pzs_selftest *selftest = pzs_loop_find(&loop->controller, &pzs_selftest_block);

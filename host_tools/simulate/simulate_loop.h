@@ -10,7 +10,10 @@
 #include "laws.h"
 #include "simulation.h"
 
-/* Sinusoidal part of the factor by which a load is multiplied. */
+/*
+ * Sinusoidal part of a load factor, the factor by which a load of the scene is multiplied over
+ * time.
+ */
 typedef struct wave {
     double amplitude, frequency; /* amplitude of the sinusoidal part of a load factor (1), and its
                                     frequency (Hz) */
@@ -51,12 +54,12 @@ typedef struct loop {
     law compared; /* control law for comparison with the library's controller: tables of its block
                      that computes the voltages */
     pzs_loop controller; /* the library's control loop, in double precision */
-    device board, twin; /* firmware on a board and its twin, the firmware's C code on this computer;
-                           both replace the library's step block (the block that computes the
-                           voltages) where the simulation has a board */
-    char *message;      /* [SCENE_ERROR] error text of a board that does not answer */
-    bool is_silent;     /* whether the board failed to answer in the last tick */
-    uint64_t random;    /* state of the random number generator of the simulated loop */
+    device board, twin;  /* firmware on a board, and its twin, the firmware's C code as a program on
+                            this computer; both replace the library's step block (the block that
+                            computes the voltages) where the simulation has a board */
+    char *message;  /* [SCENE_ERROR] text of the error message about a board that does not answer */
+    bool is_silent; /* whether the board that runs the firmware failed to answer in the last tick */
+    uint64_t random; /* state of the random number generator of the simulated loop */
     int next_event, missed_until;
     double factor, scheduled_factor; /* factor by which the target is multiplied (1): present value,
                                         and value that the scene's schedule alone would give,

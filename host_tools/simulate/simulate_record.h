@@ -13,16 +13,18 @@ enum { RECORD_BINS = 800 };
 
 typedef struct simulate_record {
     int bins, ticks, amplifiers;
-    double error[LAWS][RECORD_BINS]; /* largest relative shape error within each bin of time, for
-                                        each control law */
-    double measurement_error[RECORD_BINS]; /* largest relative error of the shape that the
-                                              controller measures or estimates, within each bin of
-                                              time; 0 without an estimator */
-    double vibration[RECORD_BINS]; /* largest relative distance of the controller's shape from the
-                                      static equilibrium within each bin of time; 0 for a
+    double error[LAWS][RECORD_BINS]; /* largest shape error, relative to the norm of the scene's
+                                        target, within each bin of time, for each control law */
+    double measurement_error[RECORD_BINS]; /* largest error of the shape that the controller
+                                              measures or estimates, relative to the norm of the
+                                              scene's target, within each bin of time; 0 without an
+                                              estimator */
+    double vibration[RECORD_BINS]; /* largest deviation of the shape from the static equilibrium
+                                      under the library's controller within each bin of time,
+                                      relative to the norm of the scene's target; 0 for a
                                       quasi-static plant */
-    double *voltage; /* [RECORD_BINS][amplifiers] voltages of the controller at the last tick of
-                        each bin of time (V) */
+    double *voltage; /* [RECORD_BINS][amplifiers] voltages that the library's controller gives at
+                        the last tick of each bin of time (V) */
     double *lower, *upper; /* [amplifiers] voltage limits of the controller, to mark the bins of
                               time in which a limit is active (V) */
 } simulate_record;

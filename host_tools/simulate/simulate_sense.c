@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Inputs of the controller in a simulated closed loop: sensors, the shape estimated from few
- * sensors, known loads (simulate_loop.h).
+ * Inputs of the controller in a simulated closed loop: the sensors, the shape that is estimated
+ * from their readings, and the known loads (simulate_loop.h).
  */
 #include "simulate_loop.h"
 #include <math.h>
@@ -70,8 +70,8 @@ void sense_close(loop *loop)
 /* ---- sensors ---------------------------------------------------------- */
 
 /*
- * Address of the vector of a tick in a ring buffer that stores one vector for each of the last
- * ticks.
+ * Return the address of the vector that belongs to a tick in a ring buffer; the buffer holds one
+ * vector, of readings or of load factors, for each of the last ticks.
  *   length in  number of entries of a vector
  */
 static double *ring_entry(const loop *loop, double *history, int tick, int length)
@@ -96,8 +96,8 @@ static int store_tick(loop *loop, int tick, char *error)
 }
 
 /*
- * Compute the readings that the controller receives: those of `delay` ticks ago, with noise and
- * faults.
+ * Compute the readings that the controller receives in a tick: those of `delay` ticks before, with
+ * noise and faults of the sensors.
  */
 static void read_sensors(loop *loop, int tick)
 {
@@ -126,9 +126,10 @@ const double *sense_known_loads(const loop *loop, int tick)
 }
 
 /*
- * Compute the weighted norm of true shape minus measured shape relative to that of the scene's
- * target. The displacements by the known loads, which the controller subtracts from its measured
- * shape, are added again. Targets without a measurement contribute zero.
+ * Compute the measurement error of the simulated loop: the weighted norm of true shape minus
+ * measured shape, relative to that of the scene's target. The displacements by the known loads,
+ * which the controller subtracts from its measured shape, are added again. Targets without a
+ * measurement contribute zero.
  */
 void sense_measurement_error(loop *loop)
 {

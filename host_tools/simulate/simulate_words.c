@@ -10,7 +10,7 @@ const char *simulate_words_influence(const design *design)
     return design->simulate.at_target ? "at the target" : "at rest";
 }
 
-/* Name of the type of a load, for a text. */
+/* Return the name of the type of a load, for texts that describe events of a simulation. */
 static const char *name_of_load(const scene_load *load)
 {
 #define WORDS_OF(type, words, quantity, forces) [type] = words,

@@ -11,11 +11,14 @@
  */
 enum { SIMULATE_PHASE_TEXT = 160 };
 
-/* Text that names the shape at which the influence matrix of a simulation is computed. */
+/*
+ * Return a text that names the shape (undeformed or deformed) at which the influence matrix of the
+ * simulated controller is computed.
+ */
 const char *simulate_words_influence(const design *design);
 
 /*
- * Describe the events with which a phase of the simulation begins.
+ * Describe the events with which a phase of the simulation (interval between events) begins.
  *   text [SIMULATE_PHASE_TEXT] out  the description
  */
 void simulate_words_phase(const simulation *simulation, const simulate_phase *phase,

@@ -26,8 +26,9 @@
 struct loop_blocks;
 
 /*
- * LAW_CONTROLLER: the library's controller; LAW_CLAMP: clipped least squares; LAW_REGULARISED:
- * clipped regularised least squares.
+ * Control laws of a simulation: LAW_CONTROLLER is the library's controller, and LAW_CLAMP (clipped
+ * least squares) and LAW_REGULARISED (clipped regularised least squares) are simulated for
+ * comparison with it.
  */
 typedef enum simulate_law { LAW_CONTROLLER, LAW_CLAMP, LAW_REGULARISED, LAWS } simulate_law;
 
@@ -68,10 +69,11 @@ typedef struct simulate_course {
                          last ticks of the phase (interval between events) */
     double vibration_worst; /* largest relative deviation from the static equilibrium in the phase
                                (interval between events) */
-    int settled; /* number of ticks until the distance of the shape from its final value stays
-                    within 5 % of the largest distance; -1: never */
-    int step_limit_ticks; /* number of ticks that the step limit alone requires from the initial to
-                             the final voltages */
+    int settled; /* number of ticks after the start of the phase (interval between events) from
+                    which on the distance of the shape from its final value stays within 5 % of the
+                    largest distance; -1: never */
+    int step_limit_ticks; /* number of ticks that the step limit alone requires from the voltages at
+                             the start of the phase (interval between events) to those at its end */
     double *voltage;      /* [amplifiers] output voltages at the end of the phase (interval between
                              events) of the simulation (V) */
     double *shape; /* [targets] displacements of the target rows (controlled displacements) at the
@@ -80,7 +82,7 @@ typedef struct simulate_course {
                              (interval between events) */
 } simulate_course;
 
-/* Phase of a simulation: the ticks from one tick with events to the next. */
+/* Phase of a simulation: the ticks from one tick at which events happen to the next such tick. */
 typedef struct simulate_phase {
     int from, until;
     int first, events; /* index of the first event of the scene with which the phase begins, and
@@ -111,7 +113,7 @@ typedef struct simulate_count {
     long beyond_rows; /* number of limits of differences and sums of voltages that the commanded or
                          the output voltages of a tick violate */
     long not_finite;  /* number of commanded or output voltages that are not finite */
-    long iterations;  /* number of iterations of the optimiser in all ticks */
+    long iterations;  /* number of iterations of the optimiser in all ticks of the simulation */
     int iterations_most;
     long status[SIMULATE_STATUSES]; /* number of ticks with each warning of the controller; ticks
                                        without a warning at index 0 */
@@ -131,8 +133,8 @@ typedef struct simulation {
                                  */
     struct loop_blocks *blocks; /* list of the control blocks of the controller; the firmware of the
                                    scene has the same list */
-    estimator estimator; /* gains of the estimator and feed-forward tables; empty unless `estimates`
-                            or `feeds` is set */
+    estimator estimator; /* gains of the shape estimator, and feed-forward tables of the known
+                            loads; empty unless `estimates` or `feeds` is set */
     damper damper; /* tables of the control tick that damps vibration; unused for a quasi-static
                       plant */
     wiring_test pulses; /* test pulses of the fault detector of a damped loop; unused where the
@@ -148,8 +150,8 @@ typedef struct simulation {
     struct loop_blocks *undamped_blocks; /* list of the blocks of a control tick that does not damp
                                             vibration, for the control laws with which the
                                             controller is compared */
-    bool estimates;                      /* whether the shape is estimated from few sensors */
-    bool feeds;                          /* whether known loads are fed forward to the voltages */
+    bool estimates;   /* whether the controller estimates the shape from few sensors */
+    bool feeds;       /* whether the controller compensates known loads by feed-forward voltages */
     bool quantises;   /* whether the amplifiers have a resolution or a dead band */
     bool has_target;  /* whether the scene's target is not zero at all target nodes */
     double reference; /* denominator of all relative errors: the weighted norm of the scene's target
@@ -195,9 +197,9 @@ int simulate_tables(analysis *nominal, char *error);
 int simulate_device(simulation *simulation, const device_board *board, char *error);
 
 /*
- * Run all ticks under a control law.
- *   callback in  called after each tick; may be NULL
- *   context  in  passed on to the callback
+ * Run all ticks of the simulation under one control law.
+ *   callback in  function called after each tick; may be NULL
+ *   context  in  pointer passed on to the callback
  * Returns 0, or -1 with error filled.
  */
 int simulate_run(simulation *simulation, simulate_law law, simulate_tick_callback *callback,
@@ -210,7 +212,10 @@ int simulate_run(simulation *simulation, simulate_law law, simulate_tick_callbac
  */
 int simulate_optima(simulation *simulation, char *error);
 
-/* Return the number of ticks in which a control law ran, that is, which were not missed. */
+/*
+ * Return the number of ticks of the simulation in which the controller ran, that is, which were not
+ * missed.
+ */
 long simulate_ran(const simulate_count *count);
 
 #endif

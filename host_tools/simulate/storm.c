@@ -20,7 +20,8 @@ enum {
                           low-pass filter of the residual readings, the part of the readings that
                           the vibration modes do not explain */
     REST_MOST = 20000,
-    REST_STEPS = 200, /* number of static control steps that find where a loop comes to rest */
+    REST_STEPS = 200, /* largest number of control steps, computed with static responses only, that
+                         find the voltages at which a control loop comes to rest */
     END_LEAST = 20, /* smallest and largest number of ticks, at the end of a storm (simulation with
                        fast jumps of the target), over which the results are averaged */
     END_MOST = 500
@@ -48,8 +49,8 @@ static int no_memory(const analysis *analysis, char *error)
 }
 
 /*
- * List the output rows of the sensors: all target rows (controlled displacements), or those of the
- * scene's `estimate` section.
+ * Set the index of the structure's output row that each sensor measures: all target rows
+ * (controlled displacements), or the outputs that the scene's `estimate` section names.
  */
 static void list_rows(storm_rig *rig)
 {
@@ -70,7 +71,8 @@ static void list_rows(storm_rig *rig)
 }
 
 /*
- * Set the static responses of targets and sensors to the voltages.
+ * Set the static displacements of the targets and static readings of the sensors per volt of each
+ * amplifier.
  *   influence [outputs][inputs] in  influence matrix of the structure
  */
 static void fill_static(storm_rig *rig, const double *influence)
@@ -99,15 +101,15 @@ static void fill_limits(storm_rig *rig)
 }
 
 /*
- * Smallest scale of the errors of the shape, relative to the norm of the shape under half the
- * voltage range of all amplifiers with random signs.
+ * Smallest unit of the shape errors, relative to the norm of the shape under half the voltage range
+ * of all amplifiers with random signs.
  */
 static const double least_scale = 0.02;
 
 /*
- * Set the scale of the errors of the shape: the norm of the target, or a small part of what the
- * voltages reach where the target is zero or nearly zero, as in a loop that only damps vibration.
- * Returns whether memory sufficed.
+ * Set the unit in which shape errors are measured: the norm of the target, or a small part of what
+ * the voltages reach where the target is zero or nearly zero, as in a loop that only damps
+ * vibration. Returns whether memory sufficed.
  */
 static bool fill_scale(storm_rig *rig)
 {
@@ -231,7 +233,7 @@ typedef struct storm {
     double *last_target;      /* [targets] last target of the simulation: the target of the scene */
     double *best_shape; /* [targets] best shape for the last target that the limits allow on the
                            simulated structure */
-    double *shape;      /* [targets] shape of the structure in the present tick */
+    double *shape;      /* [targets] shape of the simulated structure in the present tick */
     double *part;       /* [targets] work array for a part of the shape of the structure */
     double *sensed;     /* [sensors] readings that the control loop receives in the present tick */
     double *reading;    /* [history_ticks][sensors] noise-free readings of the last ticks */
@@ -278,7 +280,10 @@ static void multiply(double *product, const double *matrix, const double *vector
         product[i] *= factor;
 }
 
-/* Set the limits of the voltage problem to the limits of the simulation. */
+/*
+ * Set the voltage and step limits of the voltage problem, which the controller solves, to the
+ * limits of the simulation.
+ */
 static void set_limits(storm *storm)
 {
     const size_t amplifiers = storm->rig->amplifiers;
@@ -399,10 +404,10 @@ static void append_block(storm *storm, const pzs_block *given)
 }
 
 /*
- * Copy the blocks of the control tick. A simulation without limits omits two kinds of blocks: those
- * that follow the block that computes the voltages, because converter steps and held electrodes
- * would hide the growth of vibrations, and the compensation of hysteresis, which has no inverse
- * without limits.
+ * Copy the blocks of the control tick that the simulation runs. A simulation without limits omits
+ * two kinds of blocks: those that follow the block that computes the voltages, because converter
+ * steps and held electrodes would hide the growth of vibrations, and the compensation of
+ * hysteresis, which has no inverse without limits.
  */
 static void set_tables(storm *storm)
 {
@@ -562,8 +567,9 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
 /* ---- ticks ------------------------------------------------------------ */
 
 /*
- * Address of the vector of a tick in a ring buffer that stores one vector for each of the last
- * ticks; for ticks before the start the vector of the start is returned.
+ * Return the address of the vector that belongs to a tick in a ring buffer, which holds one vector,
+ * such as the sensor readings, for each of the last ticks; for ticks before the start the vector of
+ * the start is returned.
  *   length in  number of entries of a vector
  */
 static double *ring_entry(const storm *storm, double *ring, int tick, size_t length)
@@ -582,7 +588,10 @@ static void compute_shape(storm *storm)
         storm->shape[i] += storm->part[i] + offset_of(storm, i);
 }
 
-/* Compute the present readings of the sensors and store them until they arrive at the loop. */
+/*
+ * Compute the present noise-free readings of the sensors, and store them until the control loop
+ * receives them some ticks later.
+ */
 static void store_readings(storm *storm)
 {
     const storm_rig *rig = storm->rig;
@@ -600,7 +609,10 @@ static void store_readings(storm *storm)
     }
 }
 
-/* Compute the readings that the loop receives: late, and with noise. */
+/*
+ * Compute the readings that the control loop receives in the present tick: those of some ticks
+ * before, with noise.
+ */
 static void sense_readings(storm *storm)
 {
     const storm_rig *rig = storm->rig;
@@ -622,8 +634,8 @@ static bool misses(storm *storm)
 }
 
 /*
- * Inform the loop of missed ticks, and let the loop compute the voltages. Returns the status of the
- * loop.
+ * Inform the control loop of missed ticks, and let it compute the voltages of the present tick.
+ * Returns the status of the control loop.
  */
 static pzs_status choose_voltages(storm *storm)
 {
@@ -753,8 +765,9 @@ int storm_run(const storm_rig *rig, const storm_plant *plant, storm_result *resu
 /* ---- growth ----------------------------------------------------------- */
 
 /*
- * Amplitude of the vibration and of the last change of the voltages, as displacements of the
- * targets.
+ * Return one measure of the size of a vibration: the root of the sum of squares of two weighted
+ * norms, that of the structure's vibration displacements and that of the displacements by the last
+ * change of the voltages.
  */
 static double amplitude(storm *storm)
 {
@@ -771,7 +784,8 @@ static double amplitude(storm *storm)
 }
 
 /*
- * Slope of the straight line that fits values over their index best.
+ * Return the slope of the straight line that fits values over their indices in the least-squares
+ * sense.
  *   value [count] in  values, one for each index
  */
 static double slope(const double *value, int count)

@@ -66,7 +66,8 @@ typedef struct storm_rig {
                                    displacements) are measured */
     pzs_block block[PZS_BLOCK_LIMIT];
     int blocks;
-    int delay;       /* age of the readings that the scene file states (ticks) */
+    int delay; /* age of the sensor readings when the control loop receives them, as the scene file
+                  states it (ticks) */
     double interval; /* time between control ticks (s) */
     size_t sensors, targets, amplifiers;
     compensation ceramic; /* hysteresis and creep of the ceramic as the scene file describes them */
@@ -79,18 +80,18 @@ typedef struct storm_rig {
                              amplifier */
     double *influence; /* [targets][amplifiers] static displacement of each target row (controlled
                           displacement) per volt of each amplifier */
-    double scale;      /* norm of the target, or a fiftieth of what the voltages reach where that
-                          is more: the unit of the errors of the shape (m) */
-    uint32_t *row;     /* [sensors] index of the structure's output row that each sensor measures */
+    double scale;  /* unit in which shape errors are measured (m): norm of the target, or a fiftieth
+                      of the norm of the shapes that the voltages reach, where that is more */
+    uint32_t *row; /* [sensors] index of the structure's output row that each sensor measures */
     double *lower, *upper; /* [amplifiers] finite limits within which random voltages are drawn (V)
                             */
 } storm_rig;
 
 typedef struct storm_result {
-    double end;  /* largest distance from the best shape that the limits allow, in the last period,
-                    relative to the norm of the target */
-    double peak; /* largest distance from the best shape that the limits allow, at any time,
-                    relative to the norm of the target */
+    double end;  /* largest distance of the shape from the best shape that the limits allow, in the
+                    last period of the first vibration mode, relative to the norm of the target */
+    double peak; /* largest distance of the shape from the best shape that the limits allow, at any
+                    time, relative to the norm of the target */
     double growth; /* growth factor per tick of the amplitude of the vibration, mean over the second
                       half of the simulation; only for simulations without limits */
     int ticks;

@@ -36,8 +36,9 @@ int program_begin(const char *const *argument, int *to, int *from)
         close(in[0]), close(out[1]);
         *to = in[1];
         *from = out[0];
-        fcntl(*to, F_SETFD, FD_CLOEXEC); /* The pipes are closed on exec, so that no program that is
-                                            started later inherits them. */
+        fcntl(*to, F_SETFD, FD_CLOEXEC); /* The file descriptors of the pipes are closed in any
+                                            program that is started later (close-on-exec flag), so
+                                            that it does not inherit them. */
         fcntl(*from, F_SETFD, FD_CLOEXEC);
     }
     return (int)process;

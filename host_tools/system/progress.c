@@ -25,7 +25,9 @@ static const uint32_t *volatile solves;
 static volatile sig_atomic_t done, total, is_running, is_shown;
 static struct timespec began;
 
-/* Text of the progress display and its length, while the text is being put together. */
+/*
+ * Text of the progress display and its length, used to compose the displayed line piece by piece.
+ */
 typedef struct text {
     char at[LINE];
     size_t length;

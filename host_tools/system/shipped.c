@@ -70,7 +70,7 @@ int shipped_is_name(const char *name)
 
 /*
  * If a file lies below the current folder, replace its path by the path relative to the current
- * folder, for messages.
+ * folder, which is shorter in error messages.
  */
 static void shorten(char path[SHIPPED_PATH])
 {

@@ -134,8 +134,8 @@ static void begin_reals(const emitter *emitter, const char *name, size_t count, 
 }
 
 /*
- * Write entry i of an array of reals that has one value in single and another one in double
- * precision.
+ * Write the entry with index i of an array of reals, whose values in single and in double precision
+ * may differ; the compiler of the device chooses one of both.
  */
 static void list_by_bits(emitter *emitter, size_t i, double single, double value)
 {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Writes arrays as C source and accumulates their size and their checksum in single precision. */
+/*
+ * Writes arrays of numbers as C source for a firmware, and accumulates their size and their
+ * checksum in single precision.
+ */
 #ifndef EMIT_H
 #define EMIT_H
 
@@ -9,8 +12,8 @@
 typedef struct emitter {
     FILE *file;
     const char *prefix;
-    char upper[64]; /* `prefix` (start of all names in the tables) in capital letters, with which
-                       the names of macros begin */
+    char upper[64]; /* the member `prefix`, with which all names in the generated tables begin, in
+                       capital letters; names of macros begin with it */
     uint32_t crc32; /* checksum of the data written so far, with reals rounded to single precision
                      */
     size_t reals, bytes; /* size of the data written so far: number of reals, and bytes of other
@@ -18,9 +21,9 @@ typedef struct emitter {
 } emitter;
 
 /*
- * Write a number with so many digits that a program reads the same bits. Before an array of numbers
- * is written, emit_count_reals or emit_count_bytes adds it to the checksum and to the size of the
- * tables.
+ * Write a number in decimal with so many digits that a program reads the same bits. The number is
+ * not counted: emit_count_reals or emit_count_bytes adds an array to the checksum and to the size
+ * of the tables before it is written.
  */
 void emit_real(FILE *file, double value);
 uint32_t emit_crc_reals(uint32_t crc, const double *value, size_t count);

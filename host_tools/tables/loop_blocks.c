@@ -64,8 +64,8 @@ static bool has_feed_forward(const loop_blocks *blocks)
 }
 
 /*
- * Whether the scene needs the block that estimates the shape from the readings of sensors. The
- * block that damps vibration replaces it, because that block estimates the shape itself.
+ * Return whether the scene needs the block of the control loop that estimates the shape from sensor
+ * readings. The block that damps vibration estimates the shape itself and replaces that block.
  */
 static bool has_estimator(const loop_blocks *blocks)
 {
@@ -269,8 +269,8 @@ static const void *supervision_tables(loop_blocks *blocks)
 /* ---- tables as source ------------------------------------------------- */
 
 /*
- * Write the name of the estimator's array that several blocks of the control loop use, or NULL
- * where the scene has no estimator of the shape.
+ * Write the name of an array of the shape estimator that several blocks of the control loop use,
+ * with a comma, or NULL where the scene has no shape estimator.
  */
 static void write_shared(const emitter *emitter, const void *table, const char *name)
 {
@@ -281,7 +281,8 @@ static void write_shared(const emitter *emitter, const void *table, const char *
 }
 
 /*
- * Write tables of test pulses.
+ * Write tables of test pulses, short steps of one amplifier's voltage to which the sensors have to
+ * respond.
  *   name in  name of the tables in the generated header, after the prefix
  */
 static void write_pulses(emitter *emitter, const pzs_selftest_tables *tables, const char *name)
@@ -495,9 +496,10 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
 /* ---- memory ------------------------------------------------------------ */
 
 /*
- * Define the memory of a block in bytes, by the library's macro in both precisions, and the text of
- * the macro for the generated header. Pointers, and reals in structs, have their size on this
- * computer, so that in single precision the number is an upper bound.
+ * Define a function that returns the memory of a block of the control loop (bytes), by the
+ * library's macro in single or double precision, and the text of this macro for the generated
+ * header. Pointers, and reals in structs, have their size on this computer, so that in single
+ * precision the number is an upper bound.
  */
 #define BLOCK_BYTES(name, expression)                                                              \
     static const char name##_macro[] = #expression;                                                \
@@ -579,7 +581,7 @@ static const struct {
 };
 enum { BLOCK_TYPES = sizeof block_types / sizeof *block_types };
 
-/* List the blocks that the scene needs, with their tables. */
+/* List the blocks of the control loop (tasks of a tick) that the scene needs, with their tables. */
 static void list_blocks(loop_blocks *blocks)
 {
     blocks->count = 0;
@@ -615,8 +617,8 @@ static int count_readings(const loop_blocks *blocks)
 }
 
 /*
- * Largest number of plays of the compensation (elements with backlash) whose slacks lie within the
- * largest change of a voltage in one tick.
+ * Return the largest number of plays (elements with backlash) of the hysteresis compensation whose
+ * backlash lies within the largest change of a voltage in one tick.
  */
 static size_t near_plays(const loop_blocks *blocks)
 {
@@ -634,7 +636,7 @@ static size_t near_plays(const loop_blocks *blocks)
     return most;
 }
 
-/* Number of blocks in the list of a scene. */
+/* Return the number of blocks of the control loop that a scene needs. */
 static size_t count_blocks(const loop_blocks *blocks)
 {
     size_t present = 0;
@@ -676,7 +678,10 @@ size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single)
 
 /* ---- work -------------------------------------------------------------- */
 
-/* Upper bound of the instructions of one tick in which the loop is in control. */
+/*
+ * Return an upper bound of the instructions of one tick in which the loop controls the voltages,
+ * and not of a tick of the self-test before.
+ */
 static double tick_bound(const loop_blocks *blocks, const block_counts *of,
                          const loop_processor *on)
 {
@@ -763,7 +768,10 @@ static void write_bytes(const emitter *emitter, const loop_blocks *blocks)
     fputs(")\n\n", emitter->file);
 }
 
-/* Write the entries of the list of blocks, each with its largest number of instructions. */
+/*
+ * Write the list of the blocks of the control loop as a C array, each with an upper bound of its
+ * instructions in a tick.
+ */
 static void write_list(const emitter *emitter, const loop_blocks *blocks)
 {
     loop_bounds bounds;
@@ -859,8 +867,8 @@ static void write_amplifiers(const emitter *emitter, const design *design)
 }
 
 /*
- * Write the indices of the estimator's readings as enumeration constants: NAME for an output with
- * one value, or NAME_1, NAME_2 and so on for an output with several values.
+ * Write the indices of the readings that the shape estimator uses as enumeration constants: NAME
+ * for an output with one value, or NAME_1, NAME_2 and so on for an output with several values.
  */
 static void write_sensors(const emitter *emitter, const analysis *analysis)
 {
@@ -886,8 +894,8 @@ static void write_sensors(const emitter *emitter, const analysis *analysis)
 }
 
 /*
- * Write the outputs of a measured influence matrix as a comment: their rows in the file, counted
- * from 1, names and coordinates.
+ * Write a comment that lists the outputs of a measured influence matrix: their rows in the file of
+ * the matrix, counted from 1, names and coordinates.
  */
 static void write_rows(const emitter *emitter, const design *design)
 {

@@ -17,13 +17,13 @@ typedef struct loop_blocks {
     const design *design;
     const estimator *estimator;
     const damper *damper;
-    const wiring_test *wiring; /* tables of the self-test before the loop takes control; NULL: the
-                                  loop has no self-test */
+    const wiring_test *wiring; /* tables of the self-test that runs before the control loop takes
+                                  control; NULL: the loop has no self-test */
     const wiring_test *pulses; /* tables of the test pulses of the fault detector in a loop that
                                   damps vibration; NULL: the loop has no such detector */
     /*
-     * Tables of those blocks of the control tick whose data are not stored in the design, the
-     * estimator or the damper.
+     * Tables of those blocks of the control loop whose data are stored neither in the design nor in
+     * the shape estimator nor in the vibration damper.
      */
     pzs_reading_delay delay;
     pzs_known_loads known_loads;
@@ -51,7 +51,10 @@ typedef struct loop_bounds {
                     self-test, which runs before, does not count */
 } loop_bounds;
 
-/* Everything that a list of blocks refers to. A struct of this type must not be moved in memory. */
+/*
+ * Everything that the list of the blocks of a control loop refers to. A struct of this type must
+ * not be moved in memory.
+ */
 typedef struct loop_parts {
     estimator estimator;
     damper damper;
@@ -71,14 +74,14 @@ int loop_feeds(const design *design);
 int loop_quantises(const design *design);
 
 /*
- * Whether the controller of a scene has a supervisor: where the scene asks for it by the section
- * `safety`, and where the loop damps vibration, unless the scene says `safety: none`.
+ * Return whether the control loop of a scene has a supervisor: where the scene asks for it by the
+ * section `safety`, and where the loop damps vibration, unless the scene says `safety: none`.
  */
 bool loop_supervises(const design *design, bool is_damped);
 
 /*
- * Fill the list of blocks of a scene, in the order in which a tick runs them. The list refers to
- * *blocks, the design, the estimator and the damper, which must outlive it.
+ * Fill the list of the blocks of a scene's control loop, in the order in which a tick runs them.
+ * The list refers to *blocks, the design, the estimator and the damper, which must outlive it.
  *   design    in  design whose voltage problem is computed
  *   estimator in  shape estimator with its gains; all zero where the scene has neither an estimator
  *                 nor feed-forward
@@ -88,40 +91,44 @@ void loop_blocks_fill(loop_blocks *blocks, const design *design, const estimator
                       const damper *damper);
 
 /*
- * Add the blocks that make test pulses to a filled list of blocks, where the scene has them: the
- * self-test, and the fault detector of a loop that damps vibration.
+ * Add the blocks that make test pulses (short steps of an amplifier's voltage) to a filled list of
+ * the blocks of a control loop, where the scene has such blocks: the self-test, and the fault
+ * detector of a loop that damps vibration.
  *   wiring in  tables of the self-test; must outlive the list
  *   pulses in  tables of the test pulses of the fault detector; must outlive the list
  */
 void loop_blocks_test(loop_blocks *blocks, const wiring_test *wiring, const wiring_test *pulses);
 
 /*
- * Write the tables of the blocks, the list PREFIX_blocks and the macro PREFIX_LOOP_BYTES (memory of
- * the loop) as C source. The tables of the estimator, the feed-forward and the voltage problem must
- * be written before.
+ * Write the blocks of a control loop as C source: their tables, the list PREFIX_blocks and the
+ * macro PREFIX_LOOP_BYTES (memory of the loop). The tables of the estimator, the feed-forward and
+ * the voltage problem must be written before.
  */
 void loop_blocks_write(emitter *emitter, const loop_blocks *blocks);
 
 /*
- * Memory of a control loop with the blocks of a list (bytes): the value of PREFIX_LOOP_BYTES in the
- * generated header, in single or in double precision. In single precision the value is an upper
+ * Return the memory of a control loop with given blocks (bytes): the value of PREFIX_LOOP_BYTES in
+ * the generated header, in single or in double precision. In single precision the value is an upper
  * bound, because pointers and the reals in structs count as on this computer.
  */
 size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single);
 
 /*
- * Limit of the optimiser's work in one tick with a list of blocks (multiply-adds): what the
- * processor clock of the scene file allows, or the default of the library.
+ * Return the largest number of multiply-adds of the optimiser in one tick of a control loop with
+ * given blocks: what the processor clock of the scene file allows, or the default of the library.
  */
 uint64_t loop_blocks_work_limit(const loop_blocks *blocks);
 
-/* Compute the upper bounds of the instructions of one tick of a list of blocks on a processor. */
+/*
+ * Compute upper bounds of the instructions that one tick of a control loop with given blocks takes
+ * on a processor.
+ */
 void loop_blocks_bound(const loop_blocks *blocks, const loop_processor *on, loop_bounds *bounds);
 
 /*
- * Make the list of blocks of a scene with everything that it refers to.
- *   analysis  in  analysis whose voltage problem and stability certificate are computed; must
- *                 outlive the parts
+ * Make the list of the blocks of a scene's control loop with everything that it refers to.
+ *   analysis in  analysis whose voltage problem and stability certificate are computed; must
+ *                outlive the parts
  * Returns 0, or -1 with error filled and nothing to close.
  */
 int loop_parts_open(loop_parts *parts, const analysis *analysis, char *error);

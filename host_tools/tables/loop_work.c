@@ -19,8 +19,8 @@ static double product(const loop_processor *on, size_t rows, size_t cols)
 }
 
 /*
- * Number of instructions of those loops of a tick that do not multiply matrices: a number for each
- * output, a number for each input, and a number for the tick.
+ * Return the number of instructions of those program loops of a control tick that do not multiply
+ * matrices: `per_output` for each output, `per_input` for each input, and `once` in addition.
  */
 static double loops(const block_counts *of, const loop_processor *on, double per_output,
                     double per_input, double once)
@@ -28,15 +28,18 @@ static double loops(const block_counts *of, const loop_processor *on, double per
     return on->other * (per_output * (double)of->outputs + per_input * (double)of->inputs + once);
 }
 
-/* Number of instructions of the prediction of the shape after the voltages have changed. */
+/*
+ * Return the number of instructions that predict the shape in a control tick, after the voltages
+ * have changed.
+ */
 static double prediction(const block_counts *of, const loop_processor *on)
 {
     return product(on, of->outputs, of->inputs) + loops(of, on, 6, 30, 100);
 }
 
 /*
- * Number of instructions of a second prediction of the shape in a tick; 0 if the loop never needs
- * one.
+ * Return the number of instructions of a second prediction of the shape in a control tick; 0 if the
+ * blocks of the loop never need one.
  */
 static double second_prediction(const block_counts *of, const loop_processor *on)
 {
@@ -84,8 +87,8 @@ double loop_work_estimator(const block_counts *of, const loop_processor *on)
 }
 
 /*
- * Number of instructions of the optimiser, and of those loops of a voltage step whose length is the
- * number of inputs.
+ * Return the number of instructions of the optimiser of the voltages, and of those program loops of
+ * a voltage step whose length is the number of inputs.
  */
 static double optimisation(const block_counts *of, const loop_processor *on)
 {

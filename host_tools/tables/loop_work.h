@@ -27,16 +27,18 @@ typedef struct block_counts {
     size_t blocks;              /* number of blocks of the control loop */
     size_t delay, damper_delay; /* age of the sensor readings that the scene file states, and that
                                    the block that damps vibration assumes (ticks) */
-    size_t near_plays;   /* largest number of plays (elements with backlash) that begin to move, or
-                            change their direction, within one step limit */
-    bool is_damped;      /* whether the list of blocks contains the block that damps vibration */
-    bool detects_faults; /* whether the list of blocks contains the fault detector for electrodes */
+    size_t near_plays; /* largest number of plays (elements with backlash) that begin to move, or
+                          change their direction, within one step limit */
+    bool is_damped; /* whether the list of blocks of the control loop contains the block that damps
+                       vibration */
+    bool detects_faults; /* whether the list of blocks of the control loop contains the fault
+                            detector for electrodes */
     bool moves_outside;  /* whether a block other than the control step may change the voltages, so
                             that the shape is predicted twice in a tick */
     uint64_t work_limit; /* limit of the optimiser's work in one tick (multiply-adds) */
 } block_counts;
 
-/* A processor for which the instructions of a tick are bounded. */
+/* A processor for which the instructions of a control tick are bounded. */
 typedef struct loop_processor {
     const char *name, *key; /* name of the processor with precision and optimisation; name of the
                                JSON member */
@@ -47,7 +49,8 @@ typedef struct loop_processor {
     double columns;   /* number of matrix columns that a product of matrix and vector processes
                          together */
     double optimiser; /* number of instructions for each counted multiply-add of the optimiser */
-    double other;     /* number of instructions of all other loops, relative to a Cortex-M4F */
+    double other;     /* number of instructions of program loops that are neither products of matrix
+                         and vector nor the optimiser, relative to a Cortex-M4F */
 } loop_processor;
 
 /*
@@ -58,8 +61,8 @@ enum { LOOP_PROCESSORS = 2 };
 extern const loop_processor loop_processor_table[LOOP_PROCESSORS];
 
 /*
- * Upper bounds of the instructions of one tick: of all that runs besides the blocks (repair of
- * memory, checksums, last check of the voltages), and of each type of block.
+ * Function that returns an upper bound of the instructions in one tick: of one type of block, or of
+ * all that runs besides the blocks (repair of memory, checksums, last check of the voltages).
  */
 typedef double loop_work_bound(const block_counts *of, const loop_processor *on);
 loop_work_bound loop_work_rest, loop_work_selftest, loop_work_delay, loop_work_feed_forward,

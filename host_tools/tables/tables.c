@@ -106,8 +106,8 @@ static void name_or_null(const emitter *emitter, int is_written, const char *nam
 }
 
 /*
- * Number of entries that the factor of the stiffness matrix takes in memory if `tile` rows form a
- * panel, with the padding of the panels.
+ * Return the number of entries that the factor of the stiffness matrix takes in memory if `tile`
+ * rows form a panel, with the zeros that fill up the panels.
  */
 static size_t padded_entries(const mesh *mesh, int tile)
 {
@@ -169,7 +169,9 @@ static void write_mesh(emitter *emitter, const mesh *mesh, bool is_compact)
     write_element_types(emitter, mesh);
 }
 
-/* Write the rotated axes of the nodes at oblique supports; without such nodes nothing is written.
+/*
+ * Write the axes of the displacements at nodes on oblique supports; without such nodes nothing is
+ * written.
  */
 static void write_turns(emitter *emitter, const mesh *mesh)
 {
@@ -182,7 +184,10 @@ static void write_turns(emitter *emitter, const mesh *mesh)
                 "axes of the mean displacements of each rotation in the triad of its node");
 }
 
-/* Write the C struct of the structure (pzs_structure), after its arrays. */
+/*
+ * Write the C struct of the mechanical structure (pzs_structure), after the arrays to which it
+ * points.
+ */
 static void write_structure_struct(const emitter *emitter, const pzs_structure *structure)
 {
     const char *prefix = emitter->prefix;
@@ -346,7 +351,7 @@ static void write_limit_rows(emitter *emitter, const design *design)
             emitter->prefix, emitter->prefix);
 }
 
-/* Write the C struct of the voltage problem (pzs_problem), after its arrays. */
+/* Write the C struct of the voltage problem (pzs_problem), after the arrays to which it points. */
 static void write_problem_struct(const emitter *emitter, const pzs_problem *problem)
 {
     char influence_name[128], hessian_name[128], rows_name[128];
@@ -368,7 +373,8 @@ static void write_problem_struct(const emitter *emitter, const pzs_problem *prob
 
 /*
  * Write the voltage problem and its target.
- *   given in  voltage problem of the list of blocks, with the limit of the optimiser's work
+ *   given in  voltage problem that the list of blocks of the control loop refers to, with the
+ *             limit of the optimiser's work
  */
 static void write_problem(emitter *emitter, const analysis *analysis, tables_image image,
                           const pzs_problem *given)
@@ -534,9 +540,9 @@ static void write_stability(const emitter *emitter, const certificate *certifica
 }
 
 /*
- * Write the tables of all blocks of the control loop, and the names that the source of a firmware
- * uses.
- *   size  out  memory of the loop
+ * Write the tables of all blocks of the control loop, and the names of amplifiers and sensors that
+ * the source of a firmware uses.
+ *   size out  memory of the loop
  */
 static void write_blocks(emitter *emitter, const analysis *analysis, const loop_parts *parts,
                          tables_size *size)

@@ -165,7 +165,10 @@ static void write_contact(emitter *emitter, const equilibrium *equilibrium)
             emitter->upper, nodes, emitter->upper, equilibrium->contact.settings.stiffness);
 }
 
-/* Write sizes and settings of the equilibrium solver, and the outputs that the host computed. */
+/*
+ * Write sizes and settings of the equilibrium solver, and the values of the outputs in the
+ * equilibrium that the host computed, for comparison on the device.
+ */
 static int write_equilibrium(emitter *emitter, const analysis *analysis)
 {
     const pzs_structure *structure = &analysis->design.structure;

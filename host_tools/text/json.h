@@ -15,8 +15,9 @@ typedef struct json {
 } json;
 
 /*
- * Write the brackets, members and elements of a JSON document. `key` is the name of a member of an
- * object, NULL for an element of an array. A number that is not finite is written as null.
+ * Write an opening or closing bracket, a member or an element of a JSON document. `key` is the name
+ * of a member of an object, NULL for an element of an array. A number that is not finite is written
+ * as null.
  */
 void json_open(json *json, const char *key, char bracket);
 void json_open_line(json *json, const char *key,
