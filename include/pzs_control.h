@@ -68,7 +68,7 @@ typedef struct pzs_limit_rows {
  */
 extern const struct pzs_limit_row_calls pzs_limit_rows_calls;
 
-#define PZS_LIMIT_ROW_LIMIT 8192 /* largest number of limit rows of a voltage problem */
+#define PZS_LIMIT_ROW_LIMIT 8192 /* largest number of limit rows, limits of sums of voltages */
 
 /*
  * The voltage problem: influence matrix, weights and limits. All arrays are const and may stay in

@@ -243,8 +243,8 @@ static char *duplicate(const char *text)
 }
 
 /*
- * Store the path of the scene file and the applied changes in the scene file, for error messages
- * after reading.
+ * Store in a scene the path of its file and the changes from the command line that were applied to
+ * it, for error messages after reading.
  */
 static int keep_origin(scene *scene, const char *path, const char *const *set, int sets)
 {

@@ -15,10 +15,9 @@
 
 typedef struct inertia {
     const modal *modal;
-    double gain;    /* factor of the static response of the vibration modes to the inputs; 1: the
-                       response in the modal description */
-    double stretch; /* factor of all natural frequencies; 1: the frequencies in the modal
-                       description */
+    double gain;    /* ratio of the static response of the vibration modes to the inputs, to the
+                       response that the member `modal` states */
+    double stretch; /* ratio of the natural frequencies to those that the member `modal` states */
     double *memory; /* one allocated block of memory that holds the arrays `deviation`, `velocity`,
                        `input` and `propagator`; NULL if the caller provides their memory */
     double *deviation;  /* [modes] deviation of the modal coordinate of each vibration mode from its

@@ -6,10 +6,11 @@
  * Each row of a table in plant.c is one way in which a plant moves (plant_motion.h):
  *   quasi-static  every shape is the static equilibrium
  *   modal         vibration about the static equilibrium in the vibration modes of the undeformed
- *                 state (inertia.h); modes that are left out follow without delay. The equilibrium
- *                 may be that of a nonlinear structure, whose modes are then still those of the
- *                 undeformed state: this is valid as long as the deformation changes the natural
- *                 frequencies only slightly
+ *                 state (inertia.h); the part of the shape in vibration modes that are not computed
+ *                 follows the inputs without delay. The equilibrium may be that of a nonlinear
+ *                 structure, whose vibration modes are then still those of the undeformed state:
+ *                 this is valid as long as the deformation changes the natural frequencies only
+ *                 slightly
  *   nonlinear     all degrees of freedom of the mesh move with their mass at large rotation
  *                 (shell_motion.h)
  */
@@ -53,8 +54,9 @@ typedef struct plant {
                                   rotation */
     double *modal_input; /* [amplifiers + loads] inputs of the model of vibration modes: voltages
                             (V) and load factors */
-    double *deviation;   /* [output rows] deviation of the latest shape from the static equilibrium,
-                            for a nonlinear motion by one step of Newton's method */
+    double *deviation;   /* [output rows] deviation of the outputs in the latest shape from their
+                            values in the static equilibrium; where the motion is nonlinear, it is
+                            computed by one step of Newton's method */
 } plant;
 
 /*

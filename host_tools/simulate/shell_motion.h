@@ -17,12 +17,12 @@
  *
  * Damping has three parts, none of which can add energy, whatever the step:
  *   - damping of mass, a M (u1 - u0)/h
- *   - viscosity b, which damps a mode of angular frequency w by the ratio b w/2. One half of b is a
- *     viscosity of the material: b/2 times the rate of the stress resultants acts in addition to
- *     them. The other half adds b/2 times the acceleration to (u1 - u0)/h. It is needed because
- *     material viscosity alone does not damp motions that are much faster than a step
- *   - damping of each mode that the steps follow, in its reference shape, which brings the damping
- *     ratio of the mode to the one that the scene file states
+ *   - viscosity b, which damps a vibration mode of angular frequency w by the ratio b w/2. One half
+ *     of b is a viscosity of the material: b/2 times the rate of the stress resultants acts in
+ *     addition to them. The other half adds b/2 times the acceleration to (u1 - u0)/h. It is needed
+ *     because material viscosity alone does not damp motions that are much faster than a step
+ *   - damping of each vibration mode that the time steps resolve (followed mode), with its shape in
+ *     the undeformed state, which brings its damping ratio to the one that the scene file states
  * Rayleigh's coefficients of the scene are a and b. Where the scene file states damping ratios, a
  * is zero and b is the largest viscosity that gives no followed mode more than its ratio. Faster
  * motions are thus damped more than the followed ones.

@@ -129,8 +129,8 @@ typedef struct simulate_count {
 typedef struct simulation {
     const analysis *nominal;
     plant plant;
-    const pzs_problem *problem; /* voltage problem of the controller, made from the nominal design
-                                 */
+    const pzs_problem *problem; /* voltage problem of the controller, for the structure
+                                   without the plant's differences */
     struct loop_blocks *blocks; /* list of the control blocks of the controller; the firmware of the
                                    scene has the same list */
     estimator estimator; /* gains of the shape estimator, and feed-forward tables of the known

@@ -236,10 +236,10 @@ static double reachable_rms(const design *design)
  * shape deviates from the target by more than three causes explain: a sudden load that changes the
  * shape by 0.3 of the root mean square target, or as the loads of the scene do where these move the
  * shape more; noise of at least 0.005 of the root mean square target; and changes of the target,
- * whose effect decays by a factor of e in two periods of the first mode (in 50 ticks without a
- * vibration model). Where the target is zero, the displacements under half the voltage range count
- * in its place. The alarm threshold of the counter of implausible ticks is one period, at least 20
- * ticks.
+ * whose effect decays by a factor of e in two periods of the first vibration mode (in 50 ticks
+ * without a vibration model). Where the target is zero, the displacements under half the voltage
+ * range count in its place. The alarm threshold of the counter of implausible ticks is one period,
+ * at least 20 ticks.
  */
 static const void *supervision_tables(loop_blocks *blocks)
 {

@@ -516,9 +516,9 @@ static void write_verdict(const emitter *emitter, const certificate_loop *loop)
 }
 
 /*
- * Write what is known of the vibration of the control loop as a comment: the modes that the loop
- * damps, or the stability certificate of a loop without a vibration model. Where the certificate
- * finds such a loop unstable, also write the macro PREFIX_QUASI_STATIC.
+ * Write what is known of the vibration of the control loop as a comment: the vibration modes that
+ * the loop damps, or the stability certificate of a loop without a vibration model. Where the
+ * certificate finds such a loop unstable, also write the macro PREFIX_QUASI_STATIC.
  */
 static void write_stability(const emitter *emitter, const certificate *certificate,
                             const damper *damper)
