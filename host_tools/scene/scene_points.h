@@ -25,7 +25,8 @@ int scene_points_table(reader *reader, int node, number_table *table, int column
 
 /*
  * Read the points of a surface and fit its height z over x and y to them.
- *   cells    [2] in   numbers of pieces along x and y; 0: about four points to a piece
+ *   cells    [2] in   numbers of cells of the piecewise bicubic height function along x and
+ *                     y; 0: about four points to a cell
  *   function     out  height z over x and y, released by the caller
  * Returns 0, or -1 after writing the error message of the YAML tree.
  */

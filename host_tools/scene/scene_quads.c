@@ -423,7 +423,7 @@ int read_place(reader *reader, int node, scene_where *where)
 /* ---- nodes of a place --------------------------------------------------- */
 
 /*
- * Mark the nodes of all nodes, edges or elements of a set of the mesh file.
+ * Mark the nodes of a set of the mesh file, which is a set of nodes, of edges or of elements.
  *   type in number of nodes of each item of the set: 1 for nodes, 2 for edges, 4 for elements
  *   in_set [nodes]  out  1 for a node of the set; other entries stay as they are
  */

@@ -584,8 +584,8 @@ static int read_layer_of(reader *reader, int node, void *to, const void *rule)
 }
 
 /*
- * Read an output of the potential of a bare face (without electrode) of a layer, which is given by
- * its name.
+ * Read an output that is the electric potential of a bare face (without electrode) of a layer; the
+ * layer is given by its name.
  */
 static int read_potential(reader *reader, int node, void *to, const void *rule)
 {

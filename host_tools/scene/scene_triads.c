@@ -246,8 +246,8 @@ static int hold_global(triads *triads, const scene_support *support, size_t node
         const bool is_held = (bits & axis_bit[i]) != 0;
         if (is_held != (held == 1))
             continue;
-        own = i; /* Index of the only constrained global axis, or of the only free axis if two are
-                    constrained. */
+        own = i; /* Index of the only global axis along which the node is constrained, or of the
+                    only free axis if it is constrained along two. */
         if (held == 1 && fabs(triads->mesh->director[node][i]) > sqrt(1 - nearly * nearly)) {
             triads->mesh->constrained[node] |= ALONG_3;
             return 0;

@@ -20,8 +20,9 @@ typedef struct law {
     pzs_problem problem; /* least-squares problem whose solution is the voltages; first
                             member, because the library casts a pointer to this struct to it */
     unconstrained solver;
-    double gain, leak;   /* gain and leak of the leaky integrator, both without unit */
-    double *memory;      /* one allocation that holds the vectors disturbance, required and next */
+    double gain, leak; /* gain and leak of the leaky integrator, both without unit */
+    double *memory; /* one allocation that holds the arrays disturbance, required and next of this
+                       struct */
     double *disturbance; /* [outputs] last known difference between the measured and the predicted
                             shape (m) */
     double *required;    /* [outputs] displacements that the voltages have to produce (m) */

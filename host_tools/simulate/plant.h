@@ -87,8 +87,8 @@ void plant_rest(plant *plant);
 void plant_kick(plant *plant, int load, double seconds);
 
 /*
- * Let time pass under constant voltages and the present loads. The call has no effect on a
- * quasi-static plant.
+ * Advance the motion of the plant by a time under constant voltages and its present loads. The call
+ * has no effect on a quasi-static plant.
  *   voltage [amplifiers] in  voltages of the amplifiers (V)
  *   seconds              in  time that passes (s)
  * Returns 0, or -1 with error filled where a nonlinear motion could not be computed.

@@ -25,7 +25,10 @@ typedef struct plant_motion {
      * Apply the impulse of a load to the plant at one instant: its force multiplied by `seconds`.
      */
     void (*kick)(struct plant *plant, int load, double seconds);
-    /* Let a time pass under the present inputs (voltages, loads and temperature). */
+    /*
+     * Advance the motion of the plant by a time under its present inputs (voltages, loads and
+     * temperature).
+     */
     int (*advance)(struct plant *plant, double seconds, char *error);
     /*
      * Compute the shape at this instant and, for a plant with inertia, the deviation of every

@@ -110,7 +110,7 @@ void shell_motion_rest(shell_motion *motion, const double *displacement, const d
 void shell_motion_kick(shell_motion *motion, uint32_t input, double seconds);
 
 /*
- * Let time pass under constant input values.
+ * Advance the motion of the shell by a time (s) under constant input values.
  *   value [inputs] in  input values of the structure: voltages (V), load factors, temperature
  * Returns whether Newton's method has converged in every step. The motion stays at the last
  * converged step otherwise.
@@ -133,8 +133,8 @@ double shell_motion_kinetic(shell_motion *motion);
 double shell_motion_strain_energy(shell_motion *motion);
 
 /*
- * Potential energy of the input values at the present displacement (N m): the energy of the loads
- * of constant direction and of the prescribed stress resultants.
+ * Return the potential energy (N m) that the shell has at its present displacement in the loads of
+ * constant direction and in the prescribed stress resultants, under given input values.
  */
 double shell_motion_potential(shell_motion *motion, const double *value);
 

@@ -254,7 +254,10 @@ static bool varies(const loop *loop)
     return is_varying;
 }
 
-/* Let time pass while the amplifiers are commanded to constant voltages. */
+/*
+ * Advance the simulated plant by a time during which the amplifiers are commanded to constant
+ * voltages.
+ */
 static int advance_plant(loop *loop, const double *output, double seconds, char *error)
 {
     const int parts = varies(loop) ? IMPERFECTION_PARTS : 1;
@@ -280,7 +283,8 @@ static double random_part(loop *loop, const disturbance *disturbance, int tick)
 }
 
 /*
- * Let the time between the last tick and the present one pass. Returns 0, or -1 with error filled.
+ * Advance the simulated plant from the last tick to the present one. Returns 0, or -1 with error
+ * filled.
  */
 static int elapse_interval(loop *loop, int tick, char *error)
 {

@@ -64,7 +64,8 @@ typedef struct loop {
     double factor, scheduled_factor; /* factor by which the target is multiplied (1): present value,
                                         and value that the scene's schedule alone would give,
                                         without random events */
-    double *memory; /* one allocation that holds all vectors from `goal` to `last_voltage` */
+    double *memory; /* one allocation that holds the arrays of this struct from `goal` to
+                       `last_voltage` */
     double *goal;   /* [targets] displacements of the scene's target or of the schedule, before they
                        are multiplied by the factor of the target */
     double *wanted; /* [targets] wanted displacements: target of the scene or schedule times the
@@ -96,7 +97,8 @@ typedef struct loop {
     int sensors;    /* number of sensors: one for each target, or those of the scene's `estimate`
                        section */
     sensor *sensor; /* [sensors] state of each sensor: its faults and its drift */
-    double *sense_memory; /* one allocation that holds all vectors from `noise` to `next_load` */
+    double *sense_memory; /* one allocation that holds the arrays of this struct from `noise` to
+                             `next_load` */
     double *noise;   /* [sensors] standard deviation of the noise of each sensor, in the unit of its
                         reading */
     double *reading; /* [sensors] latest reading of each sensor, with noise and faults */

@@ -137,8 +137,9 @@ typedef struct simulation {
                             loads; empty unless `estimates` or `feeds` is set */
     damper damper; /* tables of the control tick that damps vibration; unused for a quasi-static
                       plant */
-    wiring_test pulses; /* test pulses of the fault detector of a damped loop; unused where the
-                           scene asks for no detected faults */
+    wiring_test pulses; /* test pulses (short steps of an amplifier's voltage) of the fault detector
+                           in a loop that damps vibration; unused where the scene asks for no
+                           detected faults */
     wiring_test wiring; /* self-test of amplifiers, cables and sensors, which the controller makes
                            before the first tick of the schedule; unused where the scene has none */
     pzs_selftest_verdict verdict; /* result of the controller's self-test of amplifiers, cables and

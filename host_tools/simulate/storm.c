@@ -212,7 +212,8 @@ typedef struct storm {
                                 stored */
     int missed_ticks; /* number of missed ticks since the last tick in which the control loop ran */
     double noise;     /* standard deviation of the noise of a reading, in the unit of the reading */
-    double *memory;   /* one allocation that holds `limits` and all arrays declared after it */
+    double *memory; /* one allocation that holds `limits` and all arrays of this struct that follow
+                       it */
     double *limits; /* [3][amplifiers] lower voltage limits, upper voltage limits and step limits of
                        the simulation (V) */
     double *voltage; /* [amplifiers] voltages of the amplifiers in the present tick (V) */

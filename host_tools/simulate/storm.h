@@ -75,9 +75,10 @@ typedef struct storm_rig {
     modal modal;
     const double *offset; /* [outputs] displacement of each output row at 0 V, on a structure
                              linearised about the equilibrium at its target; NULL: zero */
-    double *memory;       /* one allocation that holds `direct` and all arrays declared after it */
-    double *direct;       /* [sensors][amplifiers] static reading of each sensor per volt of each
-                             amplifier */
+    double *memory; /* one allocation that holds `direct` and all arrays of this struct that follow
+                       it */
+    double *direct; /* [sensors][amplifiers] static reading of each sensor per volt of each
+                       amplifier */
     double *influence; /* [targets][amplifiers] static displacement of each target row (controlled
                           displacement) per volt of each amplifier */
     double scale;  /* unit in which shape errors are measured (m): norm of the target, or a fiftieth

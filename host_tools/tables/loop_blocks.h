@@ -19,8 +19,9 @@ typedef struct loop_blocks {
     const damper *damper;
     const wiring_test *wiring; /* tables of the self-test that runs before the control loop takes
                                   control; NULL: the loop has no self-test */
-    const wiring_test *pulses; /* tables of the test pulses of the fault detector in a loop that
-                                  damps vibration; NULL: the loop has no such detector */
+    const wiring_test *pulses; /* tables of the test pulses (short steps of an amplifier's voltage)
+                                  of the fault detector in a loop that damps vibration; NULL: the
+                                  loop has no such detector */
     /*
      * Tables of those blocks of the control loop whose data are stored neither in the design nor in
      * the shape estimator nor in the vibration damper.
@@ -59,8 +60,8 @@ typedef struct loop_parts {
     estimator estimator;
     damper damper;
     wiring_test wiring; /* tables of the self-test of amplifiers, cables and sensors */
-    wiring_test pulses; /* tables of the test pulses of the fault detector, in a loop that damps
-                           vibration */
+    wiring_test pulses; /* tables of the test pulses (short steps of an amplifier's voltage) of the
+                           fault detector, in a loop that damps vibration */
     loop_blocks blocks;
 } loop_parts;
 

@@ -40,8 +40,8 @@ typedef struct block_counts {
 
 /* A processor for which the instructions of a control tick are bounded. */
 typedef struct loop_processor {
-    const char *name, *key; /* name of the processor with precision and optimisation; name of the
-                               JSON member */
+    const char *name, *key; /* name of the processor with precision and compiler optimisation, for
+                               printed results; name of the member of its results in JSON output */
     double entry; /* number of instructions for each matrix entry in a product of matrix and vector
                    */
     double row; /* number of further instructions for each row and group of columns in a product of

@@ -111,8 +111,9 @@ static uint32_t body_crc_32(const pzs_body *body)
 }
 
 /*
- * Write the contact face and the contact body. A body that the scene file gives by a formula needs
- * a distance function in the firmware.
+ * Write the tables of the contact of the shell with a rigid body: the face of the shell that may
+ * touch the body, and the body. A body that the scene file gives by a formula needs a distance
+ * function in the firmware.
  */
 static void write_contact(emitter *emitter, const equilibrium *equilibrium)
 {
