@@ -22,7 +22,8 @@ typedef struct retired {
     const char *path; /* path of the retired key, or of the key whose value is a retired word: keys
                          joined by '.', where the items of lists have no key */
     const char *old_name, *new_name;
-    const char *remark; /* remark that ends the error message, or an empty string */
+    const char *remark; /* remark that ends the error message about a retired name, or an empty
+                           string */
 } retired;
 
 /*

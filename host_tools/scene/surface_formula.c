@@ -31,8 +31,9 @@ static expr_jet height_at(const bicubic *points, double x, double y)
 }
 
 /*
- * Return position and derivatives of a surface at theta1 and theta2. Without a formula, x is
- * theta1, y is theta2, and z is the height of the surface fitted to points, or 0.
+ * Return the position in space, with its derivatives, of the point of a surface at theta1 and
+ * theta2. Without a formula, x is theta1, y is theta2, and z is the height of the surface fitted to
+ * points, or 0.
  */
 static place place_at(const scene_surface *surface, double theta1, double theta2)
 {

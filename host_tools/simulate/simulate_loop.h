@@ -88,8 +88,9 @@ typedef struct loop {
                                         the tick (fraction of the tick interval); jitter: the
                                         interval between ticks varies (fraction of the tick
                                         interval); delay: readings arrive later (ticks) */
-    double vibration; /* weighted norm of the deviation from the static equilibrium relative to the
-                         weighted norm of the scene's target; 0 for a quasi-static plant */
+    double vibration; /* weighted norm of the deviation of the shape from the static equilibrium,
+                         relative to the weighted norm of the scene's target; 0 for a quasi-static
+                         plant */
     double *twin_command, *last_voltage; /* [amplifiers] voltages of the board's twin (the
                                             firmware's C code on this computer); voltages before the
                                             tick (V) */

@@ -65,10 +65,12 @@ typedef struct simulate_course {
                       simulation */
     double measurement_error; /* relative measurement error, root mean square over the last ticks of
                                  the phase (interval between events) */
-    double vibration; /* relative deviation from the static equilibrium, root mean square over the
-                         last ticks of the phase (interval between events) */
-    double vibration_worst; /* largest relative deviation from the static equilibrium in the phase
-                               (interval between events) */
+    double vibration; /* deviation of the shape from the static equilibrium, relative to the norm of
+                         the scene's target: root mean square over the last ticks of the phase
+                         (interval between events) */
+    double vibration_worst; /* largest deviation of the shape from the static equilibrium in the
+                               phase (interval between events), relative to the norm of the scene's
+                               target */
     int settled; /* number of ticks after the start of the phase (interval between events) from
                     which on the distance of the shape from its final value stays within 5 % of the
                     largest distance; -1: never */
@@ -135,8 +137,7 @@ typedef struct simulation {
                                    scene has the same list */
     estimator estimator; /* gains of the shape estimator, and feed-forward tables of the known
                             loads; empty unless `estimates` or `feeds` is set */
-    damper damper; /* tables of the control tick that damps vibration; unused for a quasi-static
-                      plant */
+    damper damper; /* tables of the block that damps vibration; unused for a quasi-static plant */
     wiring_test pulses; /* test pulses (short steps of an amplifier's voltage) of the fault detector
                            in a loop that damps vibration; unused where the scene asks for no
                            detected faults */
@@ -148,9 +149,9 @@ typedef struct simulation {
                                    sensors has found; empty: it has passed or has not ended */
     damper unused_damper; /* empty tables of a vibration damper, for control laws that do not damp
                              vibration */
-    struct loop_blocks *undamped_blocks; /* list of the blocks of a control tick that does not damp
-                                            vibration, for the control laws with which the
-                                            controller is compared */
+    struct loop_blocks *undamped_blocks; /* list of the blocks of a control tick without the block
+                                            that damps vibration, for the control laws with which
+                                            the controller is compared */
     bool estimates;   /* whether the controller estimates the shape from few sensors */
     bool feeds;       /* whether the controller compensates known loads by feed-forward voltages */
     bool quantises;   /* whether the amplifiers have a resolution or a dead band */
