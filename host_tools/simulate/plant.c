@@ -91,9 +91,10 @@ static int change_scene(plant *plant)
 
 /*
  * Whether the plant has inertia: if the scene asks for it, or if the scene file does not say and
- * gives all densities. A plant with a contact has no inertia, because its modes depend on the nodes
- * in contact. A plant with sensors of voltages or charges has no inertia, because the modal model
- * has no output rows for them. The member `reason` of the plant states why it has no inertia.
+ * gives all densities. A plant with a contact has no inertia, because its vibration modes depend on
+ * the nodes in contact. A plant with sensors of voltages or charges has no inertia, because the
+ * modal model has no output rows for them. The member `reason` of the plant states why it has no
+ * inertia.
  */
 static bool wants_inertia(plant *plant)
 {

@@ -840,8 +840,9 @@ void loop_parts_close(loop_parts *parts)
 /* ---- names ------------------------------------------------------------ */
 
 /*
- * Write an enumeration constant PREFIX_KIND_name whose value is an index. A name that is not a C
- * identifier gets the index as a suffix, so that different names stay different.
+ * Write an enumeration constant PREFIX_KIND_name whose value is the index of an amplifier or of a
+ * sensor reading. A name that is not a C identifier gets the index as a suffix, so that different
+ * names stay different.
  */
 static void write_index(const emitter *emitter, const char *kind, const char *name, int index)
 {

@@ -160,7 +160,8 @@ double loop_work_amplifier(const block_counts *of, const loop_processor *on)
 
 /*
  * Upper bound of the instructions of the fault detector. In its longest tick, measurements become
- * missing or return, and a matrix and its factor are computed anew.
+ * missing or return, and the matrix of its least-squares estimate of the electrodes' voltages is
+ * computed and factored anew.
  */
 double loop_work_detector(const block_counts *of, const loop_processor *on)
 {
