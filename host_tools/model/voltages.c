@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Optimal voltages for a target within the limits, and voltages of other methods for comparison
- * (voltages.h).
+ * Optimal voltages for a target shape within the voltage limits, and voltages of other methods for
+ * comparison (voltages.h).
  */
 #include "voltages.h"
 #include <math.h>
@@ -22,8 +22,8 @@ enum { MOST_RELINEARISED = 40, MOST_REFUSED = 8 };
 typedef struct trial {
     pzs_problem problem;
     pzs_control control;
-    double *limits; /* [4][amplifiers] lower voltage limits, upper voltage limits, step limits and
-                       voltages inside all limits (V) */
+    double *limits; /* [4][amplifiers] lower voltage limits, upper voltage limits, step limits
+                       (largest change in one tick) and voltages inside all limits (V) */
     pzs_limit_rows rows;
     void *work;
 } trial;
@@ -35,7 +35,8 @@ static void trial_free(trial *trial)
 }
 
 /*
- * Set up a controller for the voltage problem with other limits.
+ * Set up a controller that minimises the shape error under the voltage limits that `common`
+ * selects, in place of the limits of the design.
  *   influence [targets][amplifiers] in  influence matrix; NULL: that of the design in the reference
  *       state
  * Returns the status of the library; `error` is filled where limits do not overlap.
@@ -78,9 +79,9 @@ static pzs_status trial_start(trial *trial, const design *design, common_limits 
 }
 
 /*
- * Store the widest voltage range of any amplifier, the numbers of amplifiers that are held (limits
- * that allow only one voltage) or have a narrower range, and the number of voltages at a limit in
- * the result.
+ * Store in a result the widest voltage range of any amplifier, the numbers of amplifiers that are
+ * held (limits that allow only one voltage) or have a narrower range, and the number of voltages at
+ * a limit.
  */
 static void note_limits(const pzs_problem *problem, const double *voltage, voltages *result)
 {
@@ -98,13 +99,16 @@ static void note_limits(const pzs_problem *problem, const double *voltage, volta
     for (int k = 0; k < problem->inputs; k++)
         result->narrowed += problem->lower[k] != problem->upper[k] &&
                             (problem->lower[k] > lowest || problem->upper[k] < highest);
-    result->limit[0] = fmin(lowest, highest); /* If every amplifier is held at one voltage, no limit
-                                                 was found and lowest > highest; fmin and fmax then
-                                                 make the range of voltages infinite. */
+    result->limit[0] = fmin(lowest, highest); /* If every amplifier is held at one voltage, the loop
+                                                 skips all limits and lowest > highest remains; fmin
+                                                 and fmax then make the voltage range infinite. */
     result->limit[1] = fmax(lowest, highest);
 }
 
-/* Fill `error` with the message of a status of the voltage problem. Returns -1. */
+/*
+ * Fill `error` with the message for the status with which the optimisation of the voltages has
+ * failed. Returns -1.
+ */
 static int explain(const analysis *analysis, pzs_status status, char *error)
 {
     if (status == PZS_E_LIMITS)
@@ -114,12 +118,12 @@ static int explain(const analysis *analysis, pzs_status status, char *error)
 }
 
 /*
- * Compute the optimal voltages within the limits in one control step; a step that uses up its
- * iterations is continued.
+ * Compute the optimal voltages within the limits by one step of the controller. A step that stops
+ * because its active-set solver has used up its iterations is continued by further steps.
  *   influence [targets][amplifiers] in      influence matrix; NULL: that of the design in the
  *       reference state
  *   wanted    [targets]             in      displacements that the voltages are to cause
- *   trust_radius                    in      largest change of any voltage (V), or INFINITY
+ *   reach                           in      largest change of any voltage (V), or INFINITY
  *   voltage   [amplifiers]          in/out  voltages before and after (V)
  */
 static pzs_status optimise_voltages(const design *design, common_limits common,
@@ -196,7 +200,11 @@ static double relative(double misfit, double wanted)
     return wanted > 0 ? sqrt(misfit / wanted) : sqrt(misfit);
 }
 
-/* Compute the root mean square and the peak-to-valley value of the error of a result. */
+/*
+ * Compute the weighted root mean square and the peak-to-valley value of a shape error.
+ *   misfit [targets] in  reached minus target value of each controlled displacement
+ *   squares          in  weighted sum of the squares of the misfits
+ */
 static void measure_misfit(const design *design, const double *misfit, double squares,
                            voltages *result)
 {
@@ -212,7 +220,11 @@ static void measure_misfit(const design *design, const double *misfit, double sq
     result->valley = high - low;
 }
 
-/* Fill shape, aligned target and errors of a result from its displacement vector. */
+/*
+ * From the displacement vector of a result, compute its shape (controlled displacements), the
+ * target with the best fit of its free functions (shapes that may be added at no cost), and the
+ * shape errors.
+ */
 static void measure_errors(const analysis *analysis, voltages *result)
 {
     const design *design = &analysis->design;
@@ -236,9 +248,9 @@ static void measure_errors(const analysis *analysis, voltages *result)
 }
 
 /*
- * Compute the displacement under the voltages of a result, and its errors, on the structure that
- * analysis->nonlinear selects (1: nonlinear, 0: linear).
- *   warm in  1: start from the last shape; 0: start from the reference state
+ * Compute the displacement under the voltages of a result, and its shape errors, on the structure
+ * that analysis->is_nonlinear selects (1: nonlinear, 0: linear).
+ *   warm in  1: the equilibrium solver starts from the last shape; 0: from the reference state
  * Returns 0, or -1 with error filled.
  */
 static int evaluate(analysis *analysis, voltages *result, int warm, char *error)
@@ -254,9 +266,9 @@ static int evaluate(analysis *analysis, voltages *result, int warm, char *error)
 }
 
 /*
- * Compute the displacement under the voltages of a result and its errors, starting from the
- * reference state. Where the load steps end early, the error of the result is NAN and its shape is
- * the last equilibrium.
+ * Compute the displacement under the voltages of a result and its shape errors; the load steps
+ * start from the reference state. Where the load steps end early, the shape error is NAN and the
+ * shape is that of the last equilibrium found.
  */
 static int evaluate_or_none(analysis *analysis, voltages *result, char *error)
 {
@@ -288,9 +300,9 @@ int voltages_linear(analysis *analysis, common_limits common, voltages *result, 
 }
 
 /*
- * Compute least-squares voltages clipped to the limits.
- *   tuned in  true: regularised with the parameter that leaves the smallest error of the linear
- *       model
+ * Compute voltages by least squares without limits, then clip each to its limits.
+ *   tuned in  true: the least squares are regularised, with the parameter for which the clipped
+ *       voltages leave the smallest shape error of the linear model
  */
 static pzs_status clip_voltages(const design *design, common_limits common, bool tuned,
                                 voltages *result, char *error)
@@ -362,8 +374,9 @@ void voltages_free(voltages *result)
 /* ---- Gauss-Newton on the nonlinear structure -------------------------- */
 
 /*
- * Objective of the optimisation: a squared misfit of the shape plus the regularisation term of a
- * result's voltages.
+ * Objective of the optimisation of the voltages: the given weighted sum of squared shape errors
+ * plus the regularisation term, a multiple of the squared distance of the voltages from their
+ * reference voltages.
  */
 static double with_regularisation(const analysis *analysis, const voltages *result, double sum)
 {
@@ -374,7 +387,10 @@ static double with_regularisation(const analysis *analysis, const voltages *resu
     return sum;
 }
 
-/* Objective of the optimisation at the shape and the voltages of a result. */
+/*
+ * Objective of the optimisation of the voltages for a result: weighted sum of its squared shape
+ * errors plus the regularisation term of its voltages.
+ */
 static double objective(const analysis *analysis, const voltages *result)
 {
     return with_regularisation(
@@ -386,17 +402,21 @@ static double objective(const analysis *analysis, const voltages *result)
 typedef struct newton {
     double *full_influence; /* [outputs][inputs] influence matrix of the nonlinear structure at the
                                last computed shape */
-    double *influence;      /* [targets][amplifiers] influence matrix of the voltage problem */
-    double *wanted;      /* [targets] displacements that the voltages are to cause in the linearised
-                            problem */
-    double *work;        /* [targets] work array for displacements of the target nodes */
+    double *influence; /* [targets][amplifiers] influence matrix from the voltages to the controlled
+                          displacements in the linearised problem */
+    double *wanted;    /* [targets] displacements that the voltages are to cause in the linearised
+                          problem */
+    double *work;      /* [targets] work array for displacements of the target nodes */
     double trust_radius; /* largest change of any voltage in one iteration of the nonlinear
                             optimisation (V) */
     void *state;         /* saved state of the equilibrium solver for the best result so far */
     voltages best; /* voltages and shape with the smallest objective of all iterations so far */
 } newton;
 
-/* Save a result and the state of the equilibrium solver as the best ones so far. */
+/*
+ * Save a result, which has the smallest objective of all iterations so far, and the state of the
+ * equilibrium solver that belongs to it.
+ */
 static void save_best(const analysis *analysis, newton *newton, const voltages *result)
 {
     const voltages own = newton->best;
@@ -435,7 +455,10 @@ static void restore_best(analysis *analysis, const newton *newton, voltages *res
     result->optimality = newton->best.optimality;
 }
 
-/* Compute the influence matrix at the last shape and the linearised voltage problem. */
+/*
+ * Linearise the nonlinear structure at the last shape: compute its influence matrix there, and the
+ * displacements that the voltages are to cause in the linearised problem.
+ */
 static pzs_status relinearise(analysis *analysis, newton *newton, voltages *result)
 {
     const design *design = &analysis->design;
@@ -480,10 +503,10 @@ static double largest_change(const analysis *analysis, const newton *newton, con
 }
 
 /*
- * Move to the optimum of the linearised structure within the trust radius. The radius follows the
- * ratio of the actual to the predicted decrease of the objective. A step that does not decrease the
- * objective is undone and repeated with a smaller radius. Returns the relative decrease of the
- * objective; 0: no step decreases it.
+ * Move the voltages to the optimum of the linearised structure within the trust radius, the largest
+ * change of any voltage. The radius follows the ratio of the actual to the predicted decrease of
+ * the objective. A step that does not decrease the objective is undone and repeated with a smaller
+ * radius. Returns the relative decrease of the objective; 0: no step decreases it.
  */
 static double make_trust_region_step(analysis *analysis, common_limits common, newton *newton,
                                      voltages *result, pzs_status *status, char *error)
@@ -538,7 +561,10 @@ static int gauss_newton(analysis *analysis, common_limits common, voltages *resu
     return status == PZS_OK ? 0 : analysis_explain(analysis, status, error);
 }
 
-/* Halve the voltages, within their limits, until an equilibrium exists. */
+/*
+ * Halve the voltages, within their limits, until the nonlinear structure has an equilibrium under
+ * them.
+ */
 static int halve_voltages(analysis *analysis, common_limits common, voltages *result, char *error)
 {
     trial trial;

@@ -2,7 +2,8 @@
 /*
  * Voltages for a scene's target: the optimum within the limits on the linear or nonlinear
  * structure, and other voltages for comparison. Each result contains the voltages and the shape
- * that they cause on the structure that analysis->nonlinear selects (1: nonlinear, 0: linear).
+ * that they cause on the structure that analysis->is_nonlinear selects (true: nonlinear, false:
+ * linear).
  */
 #ifndef VOLTAGES_H
 #define VOLTAGES_H
@@ -33,12 +34,13 @@ typedef struct voltages {
     double optimality; /* violation of the optimality (KKT) conditions relative to the largest entry
                           of the gradient at zero voltage; NAN where the result is not an optimum */
     double limit[2];   /* lowest and highest voltage that any amplifier may give (V) */
-    int held, narrowed;    /* number of amplifiers that are held at one voltage; number of other
-                              amplifiers whose voltage range is narrower than `limit` */
-    double residual;       /* relative residual of the linear solver in the displacement */
-    double regularisation; /* regularisation parameter of regularised and then clipped least
-                              squares, relative to the mean diagonal entry of the Hessian; 0 for
-                              other methods */
+    int held, narrowed; /* number of amplifiers that are held at one voltage; number of other
+                           amplifiers whose voltage range is narrower than `limit` */
+    double residual; /* relative residual of the linear equations whose solution is the displacement
+                        vector */
+    double regularisation; /* regularisation parameter of least squares that are regularised and
+                              then clipped, as a multiple of the mean diagonal entry of the Hessian;
+                              0 for other methods */
     int active_limits, iterations; /* number of amplifiers at a voltage limit (amplifiers held at
                                       one voltage do not count), and number of iterations of the
                                       optimiser */
@@ -48,8 +50,9 @@ typedef struct voltages {
                         combination of the columns of others (amplifiers held at one voltage do not
                         count, regularisation is ignored); computed for clipped least squares only,
                         otherwise 0 */
-    int relinearised;  /* number of times that the influence matrix was computed again, each time
-                          at the deformed shape reached until then */
+    int relinearised;  /* number of times that the influence matrix was computed again in the
+                          nonlinear optimisation, each time at the deformed shape reached until then
+                        */
     int linear_solves; /* number of linear solves that the equilibrium of the nonlinear structure
                           has needed */
 } voltages;

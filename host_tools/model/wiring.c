@@ -44,7 +44,7 @@ typedef struct wiring {
                          measured shapes of the amplifier's voltage times the scalar product of the
                          shape with the electrode's column of the model's influence matrix */
     double *matrix; /* [amplifiers][amplifiers] matrix of the normal equations for the gains of the
-                       electrodes, then its Cholesky factor */
+                       electrodes, which its Cholesky factor replaces */
     double *gain;   /* [amplifiers] right-hand side of the normal equations, then gain of each
                        electrode (ratio of its actual to its model influence) */
     double *work;   /* [amplifiers] work vector for one column of the normal equations for the gains
@@ -155,7 +155,7 @@ static double right_side(const wiring *wiring, size_t actuator)
 
 /*
  * Common gain of all electrodes (ratio of actual to model influence) that fits the measured shapes
- * best.
+ * best in the least-squares sense.
  */
 static double common_gain(const wiring *wiring)
 {
@@ -169,9 +169,10 @@ static double common_gain(const wiring *wiring)
 }
 
 /*
- * Compute the gain of every electrode (ratio of its actual to its model influence) for the present
- * wiring. A gain that the measurements do not determine is kept at the common gain of all
- * electrodes by the prior. Returns the remaining sum of squares.
+ * Compute the gain of every electrode (ratio of its actual to its model influence) if the cables
+ * connect electrodes and amplifiers as assumed at present. A gain that the measurements do not
+ * determine is kept at the common gain of all electrodes by the prior. Returns the remaining sum of
+ * squared differences between measured and model shapes.
  */
 static double find_gains(wiring *wiring)
 {
@@ -208,8 +209,9 @@ static void exchange(wiring *wiring, size_t first, size_t second)
 }
 
 /*
- * Find the exchange of two cables that lowers the remaining sum of squares most. Returns whether it
- * lowers the sum enough to count as a fault.
+ * Find the exchange of the cables of two electrodes that lowers the remaining sum of squared
+ * differences between measured and model shapes most. Returns whether the exchange lowers the sum
+ * enough to count as a fault.
  */
 static bool find_swap(wiring *wiring, wiring_fault *fault)
 {
@@ -243,7 +245,7 @@ static double median_gain(wiring *wiring)
 
 /*
  * Standard error of the gain of an electrode (ratio of its actual to its model influence), from the
- * Cholesky factor of the last call of find_gains.
+ * Cholesky factor of the normal equations for the gains, which find_gains has left.
  */
 static double gain_error(wiring *wiring, size_t actuator)
 {
@@ -272,7 +274,8 @@ static int find_gain_faults(wiring *wiring, wiring_fault *fault, int faults)
 }
 
 /*
- * Apply a wiring fault to the columns of a matrix.
+ * Apply a wiring fault to the columns of a matrix, one for each actuator: exchange two columns,
+ * negate a column or set it to 0.
  *   matrix [rows][actuators] in/out  matrix before and after the change
  */
 static void change_columns(const wiring_fault *fault, size_t rows, size_t actuators, double *matrix)

@@ -15,8 +15,8 @@
 static const double periods = 6, fewest_ticks = 64, most_ticks = 60000;
 
 /*
- * Test pulses of the fault detector of a damped loop: height relative to the voltage range of the
- * amplifier, and duration in periods of the first vibration mode, which the loop damps.
+ * Test pulses of the fault detector in a control loop that damps vibration: height relative to the
+ * voltage range of the amplifier, and duration in periods of the first vibration mode.
  */
 static const double detector_height = 0.1, detector_periods = 4;
 
@@ -53,9 +53,9 @@ static double height_of(const design *design, int amplifier, double amplitude)
 }
 
 /*
- * Return the duration of a test pulse (ticks).
- *   count in  number of periods of the first vibration mode in a pulse, where the scene gives no
- *       duration
+ * Return the duration of a test pulse of the self-test (ticks).
+ *   count in  number of periods of the first vibration mode in a pulse, where the scene file gives
+ *       no duration
  */
 static uint16_t window_of(const analysis *analysis, const double *height, double count)
 {
@@ -92,7 +92,8 @@ static void list_noise(const design *design, const estimator *estimator, size_t 
 
 /*
  * Return the root mean square, over all sensors and amplifiers, of the response of a sensor to 1 V
- * at an amplifier. Each response is multiplied by the scale of its sensor.
+ * at an amplifier. Each response is multiplied by a factor of its sensor, the scale, which makes
+ * sensors of different units comparable.
  */
 static double mean_response(const pzs_selftest_tables *tables, const double *direct,
                             const double *scale)
@@ -106,10 +107,10 @@ static double mean_response(const pzs_selftest_tables *tables, const double *dir
 }
 
 /*
- * Set the scale of each sensor, so that the mean square of all scaled responses to 1 V is 1, and
- * the noise above which a sensor is reported as too noisy. The scales are inversely proportional to
- * the noise of the sensors where the scene file states it, so that sensors with different units can
- * be compared.
+ * Set the scale of each sensor, a factor for its readings with which the mean square of all
+ * responses to 1 V is 1, and the noise above which a sensor is reported as too noisy. The scales
+ * are inversely proportional to the noise of the sensors where the scene file states it, so that
+ * sensors with different units can be compared.
  */
 static void set_scales(const pzs_selftest_tables *tables, const double *direct, double amplitude,
                        double *scale, double *noise)
@@ -127,8 +128,9 @@ static void set_scales(const pzs_selftest_tables *tables, const double *direct, 
 }
 
 /*
- * Make tables of test pulses, without their heights and durations.
- * Returns the array of the heights [inputs], or NULL where memory runs out.
+ * Allocate the tables of the self-test of the wiring, and fill them except for the heights and
+ * durations of the test pulses. Returns the array of the heights [inputs], or NULL where memory
+ * runs out.
  */
 static double *open_tables(wiring_test *test, const design *design, const estimator *estimator)
 {
@@ -154,10 +156,10 @@ static double *open_tables(wiring_test *test, const design *design, const estima
 }
 
 /*
- * Complete tables of test pulses whose heights and durations are known: scales of the sensors and
- * largest plausible noise.
- *   amplitude in  height of a test pulse (V), by whose mean response the smallest plausible noise
- *                 is chosen
+ * Complete the tables of the self-test of the wiring, in which heights and durations of the test
+ * pulses are known: scale factors of the sensors, and noise above which a sensor is too noisy.
+ *   amplitude in  height of a test pulse (V); the mean response of the sensors to it gives a lower
+ *       bound of the permitted noise
  */
 static void complete_tables(wiring_test *test, const design *design, double amplitude)
 {
@@ -351,8 +353,8 @@ void wiring_test_remarks(const wiring_test *test, const analysis *analysis, char
 }
 
 /*
- * Append what the self-test found about one amplifier or sensor to a text; `other` is the name of
- * the amplifier or sensor whose cable is exchanged with it.
+ * Append to a text what the self-test of the wiring found about one amplifier or sensor; `other` is
+ * the name of the amplifier or sensor with which it has exchanged its cable.
  */
 static void append_finding(char text[SCENE_ERROR], const char *name, const pzs_wiring *finding,
                            const char *other)
@@ -368,7 +370,10 @@ static void append_finding(char text[SCENE_ERROR], const char *name, const pzs_w
         text_append(text, SCENE_ERROR, " %.3g", finding->gain);
 }
 
-/* Append the names of all amplifiers in one state to a text, separated by commas. */
+/*
+ * Append to a text the names, separated by commas, of all amplifiers to which the self-test of the
+ * wiring has assigned a given state, such as dead or reversed.
+ */
 static void append_names(const pzs_selftest *selftest, const design *design, pzs_wiring_state state,
                          char text[SCENE_ERROR])
 {
@@ -381,7 +386,7 @@ static void append_names(const pzs_selftest *selftest, const design *design, pzs
     }
 }
 
-/* Append what the self-test found about each amplifier to a text. */
+/* Append to a text what the self-test of the wiring found about each amplifier. */
 static void append_amplifiers(const pzs_selftest *selftest, const design *design,
                               char text[SCENE_ERROR])
 {

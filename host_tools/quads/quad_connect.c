@@ -110,8 +110,8 @@ static int refuse_parts(const quad_mesh *mesh, const quad_origin *origin,
 }
 
 /*
- * Turn over elements so that all have the orientation that most elements have in the mesh file, or
- * the opposite one if is_flipped is true.
+ * Turn over elements so that all have the orientation (side of the outer face) that most elements
+ * have in the mesh file, or the opposite one if is_flipped is true.
  */
 static void orient(quad_mesh *mesh, const unsigned char *state, bool is_flipped)
 {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Directors and axes of the nodes of a general quadrilateral mesh (quad_steps.h). */
+/*
+ * Directors (unit normals) and axes of the local triads at the nodes of a general quadrilateral
+ * mesh (quad_steps.h).
+ */
 #include "quad_steps.h"
 #include "vector.h"
 
@@ -240,7 +243,10 @@ static void solve_quadric(const double factor[EQUATIONS], double solution[COEFFI
     }
 }
 
-/* Turn the director of a node by the slopes of its quadric. */
+/*
+ * Turn the director (unit normal) of a node by the slopes of the quadric surface that is fitted
+ * around the node.
+ */
 static void turn_director(const quadric *sum, double director[3])
 {
     for (int i = 0; i < 3; i++)
@@ -268,10 +274,10 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
         }
     for (size_t element = 0; element < mesh->elements; element++)
         for (int corner = 0; corner < 4; corner++)
-            for (int k = 1; k < 3; k++) { /* each element adds two of its corners to the neighbours
-                                             of a node: the next one and the opposite one. Inside a
-                                             smooth sheet the third one is added by the neighbouring
-                                             element */
+            for (int k = 1; k < 3; k++) { /* Each element adds two of its corners to the neighbours
+                                             of the node at corner `corner`: the next one and the
+                                             opposite one. Inside a smooth sheet the third one is
+                                             added by the neighbouring element. */
                 const uint32_t own = mesh->element[element][corner],
                                other = mesh->element[element][(corner + k) % 4];
                 add_neighbour(mesh, own, other, size[own], &sums[own]);
@@ -287,15 +293,18 @@ static void fit_directors(const quad_mesh *mesh, const node_state *states, quadr
 /* ---- free edges -------------------------------------------------------- */
 
 /*
- * Normal equations of the slopes s and r of a director n = n0 + s t1 + r t2 on a free edge. Every
- * chord c (straight line) to a neighbour with the director m contributes the equation (n + m).c =
- * 0, which holds exactly on planes, spheres and cylinders.
+ * Normal equations of the slopes s and r of a director (unit normal) n = n0 + s t1 + r t2 on a free
+ * edge, where t1 and t2 are tangents of the surface. Every chord c (straight line) to a
+ * neighbouring node with the director m contributes the equation (n + m).c = 0, which holds exactly
+ * on planes, spheres and cylinders.
  */
 typedef struct slopes {
-    double tangent[2][3]; /* unit vectors t1 and t2 along which the director may lean */
-    double matrix[3];     /* entries 11, 12 and 22 of the 2 x 2 matrix of the normal equations */
-    double right_side[2]; /* right-hand side of the normal equations for the slopes of the director
-                           */
+    double tangent[2][3]; /* tangents t1 and t2, unit vectors along which the director (unit normal)
+                             of a node is inclined */
+    double matrix[3]; /* entries 11, 12 and 22 of the 2 x 2 matrix of the normal equations for the
+                         slopes of a director */
+    double right_side[2]; /* right-hand side of the normal equations for the slopes of a director
+                             (unit normal of a node) */
 } slopes;
 
 static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *sum)
@@ -316,8 +325,9 @@ static void add_chord(const quad_mesh *mesh, size_t node, size_t other, slopes *
 }
 
 /*
- * Solve the normal equations for the slopes of a director on a free edge, and compute the director
- * from them (out [3] out). Returns whether the chords to the neighbours determine the director.
+ * Solve the normal equations for the slopes of a director (unit normal) on a free edge, and compute
+ * the director from them (out [3] out). Returns whether the chords (straight lines) to the
+ * neighbouring nodes determine the director.
  */
 static bool solve_slopes(const slopes *sum, const double director[3], double out[3])
 {
@@ -336,8 +346,8 @@ static bool solve_slopes(const slopes *sum, const double director[3], double out
 }
 
 /*
- * Sum the normal equations of the directors on free edges over the chords to neighbours whose
- * directors are final.
+ * For each node on a free edge, sum the normal equations for its director (unit normal) over the
+ * chords (straight lines) to neighbouring nodes whose directors are final.
  */
 static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *sums)
 {
@@ -358,9 +368,10 @@ static void sum_chords(const quad_mesh *mesh, const node_state *states, slopes *
 }
 
 /*
- * Extrapolate the directors of neighbours to the nodes on free edges. Each solution is scaled to
- * length 1 and the equations are solved again, because they hold for unit vectors; the change of
- * the last repetition is below rounding. Returns the number of extrapolated directors.
+ * Extrapolate the directors (unit normals) of neighbouring nodes to the nodes on free edges. Each
+ * solution is scaled to length 1 and the equations are solved again, because they hold for unit
+ * vectors; the change of the last repetition is below rounding. Returns the number of extrapolated
+ * directors.
  */
 static size_t continue_round(const quad_mesh *mesh, node_state *states, slopes *sums)
 {
@@ -382,8 +393,8 @@ static size_t continue_round(const quad_mesh *mesh, node_state *states, slopes *
 }
 
 /*
- * Extrapolate the directors from the nodes inside to all nodes on free edges; three repetitions
- * also reach the corners of a mesh.
+ * Extrapolate the directors (unit normals) from the nodes inside the mesh to all nodes on free
+ * edges; three repetitions also reach the corners of the mesh.
  */
 static void continue_directors(const quad_mesh *mesh, node_state *states, slopes *sums)
 {

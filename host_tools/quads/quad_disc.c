@@ -72,8 +72,8 @@ static uint32_t border_node(int elements, int j)
 }
 
 /*
- * Compute the position of the node with number j along layer i (1 to layers) around the disc's
- * middle block.
+ * Compute the coordinates of node j of layer i, a closed line of nodes around the disc's middle
+ * block; i is 1 to the number of layers, the last of which is the rim.
  */
 static void ring_point(const disc_plan *plan, const quad_mesh *mesh, int i, int j, double x[2])
 {
@@ -135,8 +135,8 @@ static void fill_nodes(const disc_plan *plan, quad_mesh *mesh)
 /* ---- elements ------------------------------------------------------------ */
 
 /*
- * Return the index of the node at position j along layer i of a disc's mesh; layer 0 is the border
- * of the middle block.
+ * Return the index of node j of layer i in a disc's mesh. A layer is a closed line of nodes around
+ * the middle block; layer 0 is the border of the block.
  */
 static uint32_t layer_node(const disc_plan *plan, int i, int j)
 {
@@ -182,15 +182,18 @@ static int open_set(quad_set *set, const char *name, size_t most)
     return 0;
 }
 
-/* Add the elements of one angular sector, in the layers from `first` to last - 1, to a set. */
+/*
+ * Add the elements of one angular sector of a disc to a set, in the layers from `first` to last -
+ * 1; a layer is a ring of elements one element wide.
+ */
 static void add_sector(const disc_plan *plan, int first, int last, int sector, int sectors,
                        quad_set *set)
 {
     const int elements = plan->disc->elements, each = plan->around / sectors, turn = elements / 2;
     for (int i = first; i < last; i++)
-        for (int j = 0; j < plan->around; j++) /* Positions along a circle of the disc are counted
-                                                  from the diagonal; the x axis lies half a side of
-                                                  the middle block further on. */
+        for (int j = 0; j < plan->around; j++) /* Nodes along a circle of the disc are counted from
+                                                  a diagonal of the middle block; the x axis is half
+                                                  a side of the block further on. */
             if ((j - turn + plan->around) % plan->around / each == sector)
                 set->index[set->count++] = (uint32_t)(elements * elements + i * plan->around + j);
 }

@@ -209,8 +209,9 @@ static int take_bytes(quad_file *file, const char *what, void *value, size_t siz
 }
 
 /*
- * Move the reading position behind a number in text form that ends at `end`. Returns 0, or -1 after
- * writing the error message of the mesh file if no blank, line end or end of the file follows.
+ * Move the reading position of a mesh file behind a number in text form that ends at `end`. Returns
+ * 0, or -1 after writing the error message of the mesh file if no blank, line end or end of the
+ * file follows.
  */
 static int take_number(quad_file *file, const char *what, const char *end)
 {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The graph of a mesh, and the envelope of a factor for an order of its nodes (quad_graph.h). */
+/*
+ * The graph of the nodes of a mesh, and the number of stored entries (envelope) of the factor of
+ * its stiffness matrix for an order of the nodes (quad_graph.h).
+ */
 #include "quad_graph.h"
 
 #include <stdlib.h>

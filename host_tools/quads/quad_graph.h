@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * The graph of a mesh, in which two nodes are neighbours if they belong to one element, and orders
- * of its nodes that give a factor a small envelope (number of stored entries).
+ * of the nodes in which the factor of the stiffness matrix has few stored entries (a small
+ * envelope).
  */
 #ifndef QUAD_GRAPH_H
 #define QUAD_GRAPH_H
@@ -16,7 +17,8 @@ typedef struct quad_graph {
     uint32_t nodes;
     uint32_t *start; /* [nodes + 1] index of the first neighbour of each node in `neighbour`; the
                         last element is the number of all entries */
-    uint32_t *neighbour; /* [entries] indices of the neighbours of all nodes, without repetition */
+    uint32_t *neighbour; /* [entries] indices of the neighbours of node 0, then of node 1 and so on;
+                            each neighbour of a node occurs once */
 } quad_graph;
 
 /* Fill the graph of a mesh. Returns 0, or -1 when memory runs out. */
@@ -25,21 +27,22 @@ int quad_graph_make(quad_graph *graph, const quad_mesh *mesh);
 void quad_graph_free(quad_graph *graph);
 
 /*
- * Return the number of stored entries (envelope) of a matrix factor for an order of the nodes: the
- * sum, over all nodes, of the distance in the order to the first neighbour of the node.
- *   order [nodes] in   the nodes in the order of their numbers
- *   place [nodes] out  place of each node in the order
+ * Return the number of stored entries (envelope) that the factor of a matrix with one row for each
+ * node has for an order of the nodes: the sum, over all nodes, of the distance in the order to the
+ * first neighbour of the node.
+ *   order [nodes] in   nodes in this order
+ *   place [nodes] out  position of each node in the order
  */
 uint64_t quad_envelope(const quad_graph *graph, const uint32_t *order, uint32_t *place);
 
 /*
  * Order the nodes by Sloan's algorithm. The next number goes to the node for which its distance
- * from the end of the mesh, less `growth_weight` times the number of neighbours that the number
+ * from the end of the mesh, less `growth_weight` times the number of nodes that numbering this node
  * would add to the front, is largest; the front consists of the nodes without a number that have a
  * neighbour with a number.
  *   distance [nodes]   in   number of elements between each node and the end of the mesh
  *   first              in   node that gets the first number
- *   growth_weight      in   the weight
+ *   growth_weight      in   weight of the growth of the front against the distance
  *   order    [nodes]   out  the nodes in the order of their numbers
  * Returns 0, or -1 when memory runs out.
  */

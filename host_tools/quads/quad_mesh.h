@@ -76,15 +76,16 @@ const quad_set *quad_set_find(const quad_set *set, size_t count, const char *nam
 bool quad_set_has(const quad_set *set, uint32_t index);
 
 /*
- * Return the global axis (0, 1 or 2) whose projections are suitable as axes e1 of all nodes: the
- * axis that all directors avoid most. Returns -1 if some director comes close to each axis, as on
- * half a sphere.
+ * Return the global axis (0, 1 or 2) whose projections on the surface are suitable as axes e1 of
+ * all nodes: the axis whose smallest angle to any director (unit normal) is largest. Returns -1 if
+ * some director is nearly parallel to each axis, as on half a sphere.
  */
 int quad_common_axis(const quad_mesh *mesh);
 
 /*
- * Compute the axis e1 of a node that no support determines: the projection of the common global
- * axis, or for common = -1 of the global axis that is least aligned with the director.
+ * Compute the axis e1 of the local triad of a node at which no support prescribes this axis: the
+ * projection of the global axis `common` on the surface, or for common = -1 of the global axis that
+ * is least aligned with the director (unit normal).
  */
 void quad_default_axis(const double director[3], int common, double axis[3]);
 

@@ -17,7 +17,7 @@ static uint32_t valence(const quad_graph *graph, uint32_t node)
     return graph->start[node + 1] - graph->start[node];
 }
 
-/* Move the last node of a list forward until no node before it has more neighbours. */
+/* Move the last node of a list forward until no node before it has more neighbours in the mesh. */
 static void sift(const quad_graph *graph, uint32_t *list, size_t count)
 {
     for (size_t i = count - 1; i > 0; i--) {
@@ -59,7 +59,8 @@ static uint32_t list_levels(const quad_graph *graph, size_t count, uint32_t *ord
 }
 
 /*
- * Return the node with the fewest neighbours in the last level of an order of the nodes by levels.
+ * Return the node with the fewest neighbours in the last level of a node order; the level of a node
+ * is its distance, counted in elements, from the start of the order.
  */
 static uint32_t end_node(const quad_graph *graph, const uint32_t *order, const uint32_t *level)
 {
@@ -72,8 +73,9 @@ static uint32_t end_node(const quad_graph *graph, const uint32_t *order, const u
 }
 
 /*
- * Find an order of the nodes by levels that starts from a node at an end of the mesh. The search
- * for this node moves to a node of the last level as long as this increases the number of levels.
+ * Find an order of the nodes by levels (distances from the first node, counted in elements) that
+ * starts from a node at an end of the mesh. The search for this node moves to a node of the last
+ * level as long as this increases the number of levels.
  */
 static void order_from_node(const quad_graph *graph, uint32_t *order, uint32_t *level)
 {
@@ -115,9 +117,9 @@ static void find_range(const quad_mesh *mesh, int axis, double range[2])
 }
 
 /*
- * Find an order of the nodes by levels that starts from all nodes with the lowest coordinate along
- * a global axis. These nodes are sorted along that one of the other two axes in which the mesh is
- * longer.
+ * Find an order of the nodes by their distances, counted in elements, from one side of the mesh:
+ * from all nodes with the lowest coordinate along a global axis. These nodes are sorted along that
+ * one of the other two axes in which the mesh is longer.
  */
 static void order_from_side(const quad_mesh *mesh, const quad_graph *graph, int axis,
                             uint32_t *order, uint32_t *level)
@@ -148,8 +150,10 @@ static void order_from_side(const quad_mesh *mesh, const quad_graph *graph, int 
  */
 typedef struct search {
     const quad_graph *graph;
-    uint32_t *best;  /* [nodes] best order of the mesh nodes found so far */
-    uint32_t *other; /* [nodes] another order of the mesh nodes, to be compared with the best one */
+    uint32_t *best;  /* [nodes] node order with the smallest envelope of the stiffness matrix found
+                        so far */
+    uint32_t *other; /* [nodes] another node order, whose envelope is compared with the smallest one
+                        found so far */
     uint32_t *level; /* [nodes] distance of each node from the start of a node order, counted in
                         elements */
     uint32_t *place; /* [nodes] work memory for counting the entries in the envelope of the matrix
@@ -168,8 +172,8 @@ static void reverse(uint32_t *order, size_t count)
 }
 
 /*
- * Keep the new node order of a search in place of the best one if its envelope (number of stored
- * matrix entries) is smaller.
+ * Keep the new node order of a search in place of the best one so far if the envelope of the
+ * stiffness matrix (number of stored entries) is smaller.
  */
 static void compare(search *search)
 {
@@ -181,8 +185,8 @@ static void compare(search *search)
 }
 
 /*
- * Compare a new node order and its reverse with the best node order of the search, and keep the
- * best one.
+ * Compare a new node order and its reverse with the best node order of the search, and keep the one
+ * for which the stiffness matrix has the fewest stored entries.
  */
 static void compare_both(search *search)
 {
@@ -192,8 +196,9 @@ static void compare_both(search *search)
 }
 
 /*
- * Compare the node orders of the algorithm of Cuthill and McKee with the best order: one from a
- * node at an end of the mesh, and three from the nodes on one side of the mesh.
+ * Compare the node orders of the algorithm of Cuthill and McKee with the best order so far, by the
+ * number of stored entries of the stiffness matrix: one from a node at an end of the mesh, and
+ * three from the nodes on one side of the mesh.
  */
 static void try_levels(search *search, const quad_mesh *mesh)
 {
@@ -206,7 +211,9 @@ static void try_levels(search *search, const quad_mesh *mesh)
 }
 
 /*
- * Compare orders of Sloan's algorithm from a node to the end of the mesh, with several weights.
+ * Compare node orders of Sloan's algorithm with the best order of the search, by the number of
+ * stored entries of the stiffness matrix. The orders run from a given node to the end of the mesh,
+ * with several weights of the growth of the front (nodes without a number beside numbered ones).
  *   level [nodes] in  distance of each node from the end of the mesh
  * Returns 0, or -1 when memory runs out.
  */
@@ -243,8 +250,9 @@ static uint32_t measure_levels(const search *search, const quad_mesh *mesh, int 
 
 /*
  * Compare node orders of Sloan's algorithm between two opposite ends of the mesh with the best
- * order. The ends are those of the longest search by levels, then the lowest and highest nodes
- * along each global axis. Returns 0, or -1 when memory runs out.
+ * order so far, by the number of stored entries of the stiffness matrix. The ends are two nodes
+ * that are as many elements apart as a search finds, then the lowest and highest nodes along each
+ * global axis. Returns 0, or -1 when memory runs out.
  */
 static int try_fronts(search *search, const quad_mesh *mesh)
 {

@@ -12,7 +12,7 @@
 typedef struct quad_raw_node {
     int64_t label; /* number of the node in the mesh file */
     double x[3];
-    size_t at; /* position (byte) in the mesh file at which the item was read, for error messages */
+    size_t at; /* position (byte) in the mesh file at which the node was read, for error messages */
 } quad_raw_node;
 
 /* Cell of a mesh file: a point (1 corner), an edge (2 corners) or a quadrilateral (4 corners). */
@@ -22,7 +22,7 @@ typedef struct quad_raw_cell {
     int corners;
     int group; /* number of the set to which the cell (point, edge or quadrilateral) belongs, used
                   by the reader of a file format to collect the members of sets */
-    size_t at; /* position (byte) in the mesh file at which the item was read, for error messages */
+    size_t at; /* position (byte) in the mesh file at which the cell was read, for error messages */
 } quad_raw_cell;
 
 /*

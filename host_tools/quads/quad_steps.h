@@ -29,8 +29,8 @@ int quad_collect(quad_mesh *mesh, quad_origin *origin, const quad_raw *raw,
                  const quad_options *options);
 
 /*
- * Neighbours of all elements across their sides; the value QUAD_FREE marks a side without a
- * neighbour.
+ * Neighbours of all elements of a mesh across their sides; the value QUAD_FREE marks a side without
+ * a neighbour.
  */
 #define QUAD_FREE UINT32_MAX
 typedef struct quad_topology {
@@ -56,9 +56,9 @@ int quad_directors(quad_mesh *mesh, const quad_origin *origin, const quad_topolo
                    quad_warnings *warnings);
 
 /*
- * Choose the first side of each element so that it runs as nearly as possible along the axes of its
- * nodes: equal elements are then listed alike and share an element type. Edge sets are adapted.
- * Returns 0, or -1 when memory runs out.
+ * Choose the first side of each element so that it runs as nearly as possible along the axes e1 of
+ * its nodes: elements of equal shape then list their corners alike and share an element type. The
+ * numbers in the edge sets are adapted. Returns 0, or -1 when memory runs out.
  */
 int quad_turn(quad_mesh *mesh);
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Choice of the first side of each element (quad_steps.h). */
+/*
+ * Choice of the corner with which the list of an element's corners begins, so that elements of
+ * equal shape share an element type (quad_steps.h).
+ */
 #include "quad_steps.h"
 
 #include <math.h>
@@ -7,8 +10,8 @@
 #include <string.h>
 
 /*
- * Return how well side k of an element runs along the axes of the element's nodes: the component of
- * its direction along these axes.
+ * Return how well side k of an element runs along the axes e1 of the local triads at its nodes: the
+ * component of the side's direction along these axes.
  */
 static double along_axes(const quad_mesh *mesh, const uint32_t node[4], int k)
 {
@@ -24,7 +27,8 @@ static double along_axes(const quad_mesh *mesh, const uint32_t node[4], int k)
 }
 
 /*
- * Return the corner with which an element should begin; the first of nearly equal choices is taken.
+ * Return the corner with which the list of an element's corners should begin, so that its first
+ * side runs along the axes e1 of its nodes; the first of nearly equal choices is taken.
  */
 static uint32_t first_corner(const quad_mesh *mesh, const uint32_t node[4])
 {
@@ -43,8 +47,8 @@ static int ascending(const void *left, const void *right)
 }
 
 /*
- * Adapt the edge numbers of a set after the elements were turned, where first [elements] is the
- * former number of each element's new first corner.
+ * Adapt the edge numbers (4 element + side) of a set after the corner lists of elements were
+ * rotated; first [elements] is the former number of each element's new first corner.
  */
 static void turn_set(quad_set *set, const uint32_t *first)
 {

@@ -105,8 +105,8 @@ static bool next_piece(quad_file *file, piece *one)
 }
 
 /*
- * Return the value in a field of the form NAME=value, or an empty field if the field has another
- * name.
+ * Return the value in a field of the form NAME=value in a line of an INP file, or an empty field if
+ * the field has another name.
  */
 static piece value_of(piece one, const char *name)
 {
@@ -200,8 +200,8 @@ static int open_set(inp *in, piece name, bool is_elements)
 }
 
 /*
- * Add one node or element to the set of the present keyword, if it has a set. Returns 0, or -1
- * after writing the error message of the mesh file.
+ * Add one node or element to the set whose members the present keyword of the INP file lists, if it
+ * lists a set. Returns 0, or -1 after writing the error message of the mesh file.
  */
 static int add_member(inp *in, int64_t label, size_t at)
 {
@@ -210,8 +210,8 @@ static int add_member(inp *in, int64_t label, size_t at)
 }
 
 /*
- * Add the members of another set, which must have been defined before, to the present set. Returns
- * 0, or -1 after writing the error message of the mesh file.
+ * Add the members of another set, which must have been defined before, to the set that is being
+ * read from the INP file. Returns 0, or -1 after writing the error message of the mesh file.
  */
 static int add_other_set(inp *in, piece name)
 {
@@ -444,7 +444,10 @@ static int by_label(const void *left, const void *right)
     return (first->label > second->label) - (first->label < second->label);
 }
 
-/* Return the index of the first entry of a sorted list whose number is at least `label`. */
+/*
+ * Return the index of the first entry, in a list sorted by the numbers of nodes or elements, whose
+ * number is at least `label`.
+ */
 static size_t lower_bound(const numbered *entry, size_t count, int64_t label)
 {
     size_t low = 0, high = count;

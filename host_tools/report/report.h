@@ -14,7 +14,7 @@
 #include "../model/stress_points.h"
 #include "../simulate/simulate_record.h"
 
-/* One report to write. */
+/* One report of results to write. */
 typedef struct report_job {
     FILE *file;
     bool is_svg;
@@ -34,8 +34,9 @@ int report_solve(const report_job *job, const analysis *analysis, const double *
 
 /*
  * Write the report of `pzs shape`: the reached shape, the misfit (reached minus target values) and
- * the voltages of each result, a table of their errors, and the errors of the target's modes.
- *   result [results]  in  optimal voltages of all amplifiers, for each pair of voltage limits
+ * the voltages of each result, a table of their shape errors, and the shape errors of the
+ * alternative target shapes.
+ *   result [results] in  optimal voltages of all amplifiers, for each pair of voltage limits
  */
 int report_shape(const report_job *job, const analysis *analysis, const voltages *result,
                  int results, const modes *modes);
@@ -44,7 +45,7 @@ int report_shape(const report_job *job, const analysis *analysis, const voltages
 int report_simulate(const report_job *job, const simulation *simulation,
                     const simulate_record *record);
 
-/* An array of values at the points or in the cells of a VTK file. */
+/* An array of values at the points or in the cells of a VTK file for ParaView. */
 typedef struct report_array {
     char name[256];
     int components; /* number of values that the array of a VTK file has at each point or in each

@@ -68,8 +68,8 @@ const char *draw_class(const draw_scale *scale, int level);
 const char *draw_colour(const draw_scale *scale, double value);
 
 /*
- * Style class of a text that is written on the colour of a value: "strong" on the dark or saturated
- * colours near the ends of a colour scale, "mild" on others.
+ * Return the style class of a text that is written on the colour of a value: "strong" on the dark
+ * or saturated colours near the ends of a colour scale, "mild" on others.
  */
 const char *draw_tone(const draw_scale *scale, double value);
 
@@ -84,15 +84,18 @@ typedef struct draw_axis {
     double low, high; /* values at both ends of the axis of a diagram */
     double from, to;  /* pixel coordinates of both ends of the axis of a diagram */
     bool is_log;
-    const char *format; /* format of the numbers on the axis of a diagram, as the function `put`
-                           takes it */
+    const char *format; /* format string of the numbers on the axis of a diagram, with the
+                           directives of the function `put` */
     put_unit unit;
 } draw_axis;
 
-/* Pixel coordinate of a value on an axis. */
+/* Return the pixel coordinate of a value on an axis of a diagram. */
 double draw_on(const draw_axis *axis, double value);
 
-/* Widen the range of an axis to contain values, on a logarithmic axis those that are positive. */
+/*
+ * Widen the range of an axis of a diagram to contain values, on a logarithmic axis those that are
+ * positive.
+ */
 void draw_widen(draw_axis *axis, const double *value, int count);
 
 /*
@@ -103,8 +106,8 @@ void draw_curve(FILE *file, const char *style, const draw_axis *x, const double 
                 const draw_axis *y, const double *value, int count);
 
 /*
- * Draw grid lines with their numbers at 1, 2 and 5 times powers of ten, for the values of x (is_x)
- * or of y, over the whole length of the other axis.
+ * Draw the grid lines of a diagram, with their numbers, at 1, 2 and 5 times powers of ten, for the
+ * values of x (is_x) or of y, over the whole length of the other axis.
  */
 void draw_grid(FILE *file, const draw_axis *x, const draw_axis *y, bool is_x);
 

@@ -86,8 +86,8 @@ int shell_find_plans(const design *design, int *plan)
 
 /* An electrode on a map: a patch of whole elements, or an electrode of arbitrary outline. */
 typedef struct electrode {
-    shell part; /* copy of the map with only the elements of the electrode, if the electrode is a
-                   patch of whole elements */
+    shell part; /* copy of the map with only the elements of the electrode, if the electrode
+                   consists of whole elements */
     const scene_patches *patches;
     int index;                    /* index of the electrode in its grid of patches */
     double low[2], high[2], area; /* bounding box (pixels) and area (pixels squared) of the
@@ -120,7 +120,10 @@ static void draw_piece(void *context, int element, const double (*natural)[2], s
     electrode->area += fabs(twice) / 2;
 }
 
-/* Prepare the drawing of an electrode: find the elements of a patch of whole elements. */
+/*
+ * Prepare the drawing of an electrode on a map of the surface: find the elements of the electrode
+ * if it is a patch of whole elements.
+ */
 static electrode open_electrode(const shell *map, const scene_patches *patches, int index)
 {
     electrode electrode = {*map, patches, index, {HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}, 0};
@@ -186,7 +189,10 @@ static text_room room_of(const electrode *electrode)
     return cells > 0 && least > sqrt(electrode->area / cells) ? nearest : room;
 }
 
-/* Style class of the outline that marks a voltage, for each value of shell_mark. */
+/*
+ * Style class of an electrode's outline for each value of shell_mark: voltage within its limits, at
+ * an active limit, and beyond the limits.
+ */
 static const char *const mark_style[] = {"patch", "limit", "beyond"};
 
 /*
@@ -202,9 +208,9 @@ static void begin_amplifier(FILE *file, const design *design, const shell_voltag
 }
 
 /*
- * Write the voltage of an amplifier in the largest font that fits into its space, and end the SVG
- * group of the amplifier. A voltage at a limit is written in any case, all other voltages only if
- * the font is large enough to be read.
+ * Write the voltage of an amplifier on the map in the largest font that fits into the electrode,
+ * and end the SVG group of the amplifier. A voltage at a limit is written in any case, all other
+ * voltages only if the font is large enough to be read.
  */
 static void end_amplifier(FILE *file, const shell_voltage_set *set, int amplifier,
                           const text_room *room)
@@ -259,7 +265,7 @@ static void draw_actuator(const shell *map, const scene_actuator *actuator,
     }
 }
 
-/* Compute the pixel coordinates of stack k of an actuator; NAN if memory runs out. */
+/* Compute the pixel coordinates of piezoelectric stack k of an actuator; NAN if memory runs out. */
 static void stack_at(const shell *map, const scene_actuator *actuator, int k, double at[2])
 {
     mesh_spot spot;
@@ -272,7 +278,10 @@ static void stack_at(const shell *map, const scene_actuator *actuator, int k, do
     view_project(&map->view, place, at);
 }
 
-/* Radius of the discs of an actuator's stacks, which do not touch one another (pixels). */
+/*
+ * Radius of the discs by which a map shows the piezoelectric stacks of an actuator, chosen so that
+ * they do not touch one another (pixels).
+ */
 static double stack_radius(const shell *map, const scene_actuator *actuator)
 {
     const double largest = 16, share = 0.45;
@@ -286,7 +295,7 @@ static double stack_radius(const shell *map, const scene_actuator *actuator)
     return radius;
 }
 
-/* Draw the stacks of an actuator as discs in the colours of their voltages. */
+/* Draw the piezoelectric stacks of an actuator as discs in the colours of their voltages. */
 static void draw_stacks(const shell *map, const scene_actuator *actuator,
                         const shell_voltage_set *set)
 {

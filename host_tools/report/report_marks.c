@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Marks in a picture of the mesh in space: loads, outputs, directions of x, y and z, and rigid
- * bodies.
+ * Marks in a picture of the mesh in space: loads, outputs, directions of x, y and z, and the rigid
+ * bodies that the shell may touch.
  */
 #include <math.h>
 #include <string.h>

@@ -109,7 +109,10 @@ static void write_facts(const page *page, double residual)
     fprintf(page->file, FACT("Scene", "%08lx") "</dl>\n", (unsigned long)design->structure.scene);
 }
 
-/* Write the warnings on implausible numbers, and on a shell that lies behind the rigid body. */
+/*
+ * Write on a report page the warnings on implausible numbers of the scene file, and on a shell that
+ * the equilibrium solver has found on the wrong side of the surface of a rigid body.
+ */
 static void write_warnings(const page *page)
 {
     static const char *const item = "<li><b class=\"warn\">%t</b>: %t</li>\n";

@@ -19,8 +19,8 @@ typedef struct page {
     const mesh *mesh;
     const design *design;
     shell space, map;
-    char pressure[WORDS_UNIT]; /* unit of pressures and stresses; empty if the scene file names none
-                                */
+    char pressure[WORDS_UNIT]; /* unit of pressures and stresses as text; empty if the scene file
+                                  names none */
     draw_scale scale; /* colour scale of the values on the surface in all pictures in space */
     double *vector;   /* [nodes][3] displacement of each node that is drawn */
     double *wanted;   /* [nodes][3] displacement in which the component that the target prescribes
@@ -71,11 +71,11 @@ void page_caption(const page *page, const draw_scale *scale, const char *format,
 void page_map(const page *page, const double *value, const draw_scale *scale, const char *title);
 
 /*
- * Parts of pages: page_structure writes the tables of the layers and materials and the text of the
- * scene file; page_stress the section of the recovered stresses, a map and tables, nothing where
- * field is NULL; page_voltages the table of the voltages, a row for each amplifier and a column for
- * each result; page_modes for each pair of voltage limits a section with the shape error of every
- * mode of the target, nothing if the scene has no such modes.
+ * Parts of report pages: page_structure writes the tables of the layers and materials and the text
+ * of the scene file; page_stress the section of the recovered stresses, a map and tables, nothing
+ * where field is NULL; page_voltages the table of the voltages, a row for each amplifier and a
+ * column for each result; page_modes, for each pair of voltage limits, a section with the shape
+ * error of every alternative target shape, nothing if the scene has none.
  */
 void page_structure(const page *page);
 void page_stress(const page *page, const stress_field *field);

@@ -119,8 +119,8 @@ static void put_limits(FILE *file, const double limit[2], const char *unit)
 }
 
 /*
- * Write one value with a directive of the function put, such as %n for a number with four
- * significant digits.
+ * Write one value with a directive of a format, such as %n for a number with four significant
+ * digits.
  */
 static void put_value(FILE *file, char directive, double value, va_list *more)
 {

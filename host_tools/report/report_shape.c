@@ -5,8 +5,8 @@
 #include "report_page.h"
 
 /*
- * Report page of `pzs shape`. All results, one for each pair of voltage limits, have the same
- * colour scale of the misfit (reached minus target value), page.scale.
+ * Report page of `pzs shape`. The misfit (reached minus target value) has the same colour scale,
+ * page.scale, in all results, of which there is one for each pair of voltage limits.
  */
 typedef struct shape_page {
     page page;
@@ -39,7 +39,10 @@ static bool is_beyond(const shape_page *shape, const voltages *result, int k)
     return result->voltage[k] < design->lower[k] || result->voltage[k] > design->upper[k];
 }
 
-/* Largest absolute voltage of a result. */
+/*
+ * Return the largest absolute voltage of a result, which contains the optimal voltages of all
+ * amplifiers.
+ */
 static double largest_voltage(const voltages *result)
 {
     draw_scale scale = {.most = 0};
@@ -81,8 +84,8 @@ static draw_scale take_result(shape_page *shape, const voltages *result)
 }
 
 /*
- * Choose colour scales, magnification of the displacement, and view in space, which all results on
- * the page have in common.
+ * Choose the colour scales, the magnification of the displacement and the view in space; all
+ * results on the page of `pzs shape` have them in common.
  */
 static void fit_page(shape_page *shape)
 {
@@ -110,8 +113,8 @@ static void fit_page(shape_page *shape)
 }
 
 /*
- * Return the result that the page shows first: the first one with voltage limits, or the first
- * result if none has limits.
+ * Return the result (optimal voltages for one pair of limits) that the page of `pzs shape` shows
+ * first: the first one with voltage limits, or the first result if none has limits.
  */
 static const voltages *main_result(const shape_page *shape)
 {
@@ -211,7 +214,10 @@ static void draw_levels(const page *page, const voltages *result)
     page_caption(page, &scale, "Reached, on one scale with target:");
 }
 
-/* Draw the voltages of a result on one map of the surface, or as bars if there is no such map. */
+/*
+ * Draw the voltages of all amplifiers in a result on one map of the surface, or as bars if the
+ * scene has no patches to draw on a map.
+ */
 static void draw_plan(const shape_page *shape, int which, const voltages *result)
 {
     const shell_voltage_set set = {result->voltage, shape->mark, &shape->voltage};

@@ -230,8 +230,8 @@ static void sort_cells(const shell *shell)
 }
 
 /*
- * Return the index of the colour at a point inside a cell (quadrilateral), with values interpolated
- * from those at its corners.
+ * Return the index of the colour at a point inside a cell (quadrilateral) of a picture, for a value
+ * interpolated from those at the corners of the cell.
  *   own [4] in  values at the corners
  */
 static int level_inside(const double own[4], const draw_scale *scale, double first, double second)

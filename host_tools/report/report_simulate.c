@@ -81,7 +81,7 @@ static void write_counts(const simulate_page *self)
     put_table_end(self->page.file);
 }
 
-/* Write in what the simulated plant differs from the model of the controller. */
+/* Write on the report page in what the simulated plant differs from the model of the controller. */
 static void write_plant(const simulate_page *self)
 {
     FILE *file = self->page.file;
@@ -106,8 +106,8 @@ static void write_plant(const simulate_page *self)
 }
 
 /*
- * Write whether the simulated structure has inertia, its first natural frequency, and the result of
- * the stability tests of the control loop.
+ * Write on the report page whether the simulated structure has inertia, its first natural
+ * frequency, and the result of the stability tests of the control loop.
  */
 static void write_certificate(const simulate_page *self)
 {
@@ -166,7 +166,8 @@ static void draw_errors(const simulate_page *self)
     const simulate_record *record = self->record;
     const struct {
         const char *style;
-        const double *value; /* [bins] values of a curve, one for each time bin of the record */
+        const double *value; /* [bins] values of a curve, one for each bin (equal time intervals of
+                                the record) */
         int bins;
     } curve[] = {{"rest bold", record->error[LAW_CLAMP], record->bins},
                  {"wire bold", record->error[LAW_CONTROLLER], record->bins},
@@ -209,7 +210,10 @@ static void write_errors(const simulate_page *self)
         (record->ticks + record->bins - 1) / record->bins);
 }
 
-/* Whether the voltage of an amplifier is at a limit at the end of a time bin of the record. */
+/*
+ * Whether the voltage of an amplifier is at a limit at the end of a time bin; the record of a
+ * simulation is divided into bins of equal length.
+ */
 static bool is_active(const simulate_record *record, int amplifier, int bin)
 {
     const double voltage = record->voltage[bin * record->amplifiers + amplifier];

@@ -23,8 +23,8 @@ static double value_of(const solve_page *solve, int k, int i)
 }
 
 /*
- * Write a row of the table of outputs: the value of output k, or, if the output has several values,
- * their range.
+ * Write a row of the table of outputs on the report page: the value of output k, or, if the output
+ * has several values, their range.
  */
 static void write_output(const solve_page *solve, int k)
 {
@@ -64,9 +64,10 @@ static void write_outputs(const solve_page *solve)
 }
 
 /*
- * List the values of a displacement output along one mesh line of theta1 (along = 0) or theta2
- * (along = 1).
- *   theta, value [nodes]  out  parameter of each node along the line, and displacement there
+ * List the values of displacement output k along one mesh line in the direction of theta1 (along =
+ * 0) or theta2 (along = 1).
+ *   theta, value [nodes] out  surface coordinate of each node along the line, and displacement
+ *       there
  * Returns the number of values, 0 for other outputs.
  */
 static int list_values(const solve_page *solve, int k, int along, double *theta, double *value)
@@ -89,8 +90,9 @@ static int list_values(const solve_page *solve, int k, int along, double *theta,
 }
 
 /*
- * Draw one diagram of all outputs at several nodes of a line along the surface coordinate theta1
- * (along = 0) or theta2 (along = 1), over this coordinate; nothing if there are no such outputs.
+ * Draw one diagram of all outputs that have values at several nodes of a mesh line along the
+ * surface coordinate theta1 (along = 0) or theta2 (along = 1), over this coordinate; nothing if
+ * there are no such outputs.
  */
 static void draw_lines(const solve_page *solve, int along)
 {
@@ -131,7 +133,7 @@ static void draw_lines(const solve_page *solve, int along)
 
 /*
  * Choose colour scale, magnification and view of the picture of the deformed shape. Displacements
- * of a nonlinear analysis are not magnified.
+ * of a geometrically nonlinear analysis are not magnified.
  */
 static void fit_deformed(solve_page *solve)
 {
@@ -202,7 +204,7 @@ static void write_components(const page *page)
     fputs("</div>\n</section>\n", page->file);
 }
 
-/* Write the map of the contact pressure. */
+/* Write on the report page the map of the contact pressure between the shell and a rigid body. */
 static void write_contact_map(const page *page)
 {
     const pzs_contact_info *info = &page->analysis->equilibrium.contact.info;

@@ -7,10 +7,10 @@
 #include "report_page.h"
 
 /*
- * Average a load that is given for each element at the nodes, weighted with the areas of the
- * elements.
- *   load  [elements] in   load of each element
- *   value [nodes]    out  mean load at each node
+ * Average at the nodes a value that is given for each element (largest von Mises stress, or use of
+ * the strength), weighted with the areas of the elements.
+ *   load  [elements] in   value of each element
+ *   value [nodes]    out  mean value at each node
  */
 static void average_load(const stress_field *field, const double *load, double *value)
 {

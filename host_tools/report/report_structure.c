@@ -89,7 +89,8 @@ void page_voltages(const page *page, const voltages *result, int results)
 }
 
 /*
- * Write the shape errors of all target shapes (modes of the target) for one pair of voltage limits.
+ * Write the table of the shape errors of all alternative target shapes of a scene, each with its
+ * own optimal voltages, for one pair of voltage limits.
  *   limits in  index of the pair of voltage limits
  */
 static void write_modes(const page *page, const modes *modes, int limits)

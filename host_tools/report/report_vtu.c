@@ -45,7 +45,7 @@ static void write_arrays(FILE *file, bool of_cells, int rows, const report_array
     }
 }
 
-/* Write the coordinates of the points of a VTK file. */
+/* Write the coordinates of the points of a VTK file for ParaView. */
 static void write_places(FILE *file, const mesh *mesh, const stress_points *points, int count)
 {
     begin_array(file, "Float64", 3, "place");

@@ -27,8 +27,9 @@ static const double points_of_cell = 4;
 static const double penalty = 1e-6;
 
 /*
- * Smallest share of the variance of y, with x and y relative to their ranges, that a line of x and
- * y must leave. Below it the points lie on a line: they are about a hundred times as long as wide.
+ * Smallest share of the variance of y, with x and y relative to their ranges, that a straight line
+ * fitted to the given points must leave. Below it the points are regarded as lying on a line: they
+ * are about a hundred times as long as wide.
  */
 static const double narrow = 1e-4;
 
@@ -189,8 +190,8 @@ static void add_points(const bicubic *function, size_t count, const double (*poi
 
 /*
  * Allocate the matrix of the normal equations of the spline fit. Each of its rows belongs to a
- * B-spline, and begins with the first B-spline that differs from zero in one of the same cells.
- * Returns 0, or -1 when memory runs out; the caller releases the arrays in either case.
+ * product of B-splines, and begins with the first product that differs from zero in one of the same
+ * cells. Returns 0, or -1 when memory runs out; the caller releases the arrays in either case.
  */
 static int open_equations(const bicubic *function, pzs_envelope *equations, uint16_t *first,
                           uint32_t rows)
@@ -250,8 +251,9 @@ static void find_rectangle(bicubic *function, size_t count, const double (*point
 }
 
 /*
- * Whether the points lie on a line of x and y: their correlation coefficient differs from 1 or -1
- * so little that the points are about a hundred times as long as wide, or all x or all y are equal.
+ * Whether the points of the fit lie on a straight line in the plane of x and y: their correlation
+ * coefficient differs from 1 or -1 so little that the points are about a hundred times as long as
+ * wide, or all x or all y are equal.
  */
 static bool are_on_line(const bicubic *function, size_t count, const double (*point)[3])
 {

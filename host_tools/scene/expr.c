@@ -58,7 +58,8 @@ typedef struct parser {
                   have been executed */
     waiting stack[STACK];
     int waiting;
-    bool want_value; /* true: the next symbol must be an operand; false: it must be an operator */
+    bool want_value; /* true: the next symbol of the formula must be an operand; false: it must be
+                        an operator */
     bool is_constant;
 } parser;
 
@@ -115,8 +116,9 @@ static int push(parser *parser, operation op, const word *function)
 }
 
 /*
- * Move operators from the parser stack to the code as long as their precedence is at least
- * `binding`, at most down to an open parenthesis. Returns 0, or -1 if the formula is too long.
+ * Move operators from the stack of the formula parser to the code as long as their precedence is at
+ * least `binding`, at most down to an open parenthesis. Returns 0, or -1 if the formula is too
+ * long.
  */
 static int reduce(parser *parser, int binding)
 {
@@ -205,8 +207,8 @@ static int take_value(parser *parser)
 }
 
 /*
- * Read a closing parenthesis, or a comma between the arguments of a function. Returns 0, or -1 on a
- * fault.
+ * Read a closing parenthesis in a formula, or a comma between the arguments of a function. Returns
+ * 0, or -1 on a fault.
  */
 static int take_bracket(parser *parser)
 {
@@ -265,8 +267,8 @@ static int parse(parser *parser)
 }
 
 /*
- * Allocate an expression with room for `length` instructions and a copy of its text. Returns NULL
- * when memory runs out.
+ * Allocate a formula with room for `length` instructions and a copy of its text. Returns NULL when
+ * memory runs out.
  */
 static expr *new_expr(const char *text, size_t length)
 {
@@ -454,8 +456,8 @@ static double formula_value(const expr *expression, const expr_point *at)
 
 /*
  * Copy the coordinates of a point that are arguments of an interpolated function, in the order of
- * expression->axis.
- *   place  [axes] out  at most 3 coordinates
+ * the function's own arguments.
+ *   place [axes] out  at most 3 coordinates
  */
 static void place_of(const expr *expression, const expr_point *at, double *place)
 {

@@ -61,8 +61,9 @@ double expr_row_value(const expr *expression, const expr_point *at, int row);
 int expr_rows(const expr *expression);
 
 /*
- * Return the distance from a point to the nearest scattered point of an interpolated function, in
- * multiples of the usual spacing of those points; 0 for any other function.
+ * Return how far a point lies from the data of an interpolated function: the distance to the
+ * nearest scattered point, in multiples of the usual spacing of those points; 0 for any other
+ * function.
  */
 double expr_gap(const expr *expression, const expr_point *at);
 

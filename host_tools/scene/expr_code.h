@@ -53,20 +53,20 @@ struct expr {
     int length;
     bool is_constant;
     scatter *scatter;             /* interpolated function through scattered points, or NULL */
-    int axes, axis[SCATTER_AXES]; /* number and indices of the coordinates that the scattered points
-                                     have */
+    int axes, axis[SCATTER_AXES]; /* number of coordinates of the scattered points, and index of
+                                     each in the order x, y, z, theta1, theta2 */
     double spacing;               /* usual distance between neighbouring scattered points */
     double *list; /* [rows] values of a function that is given as a list of values, or NULL */
     int rows;
     instruction code[];
 };
 
-/* Return the number of values that an operation takes from the stack. */
+/* Return the number of values that an operation of a formula takes from the evaluation stack. */
 int expr_arity(operation op);
 
 /*
  * Find the radial order n and the azimuthal order m >= 0 of the Zernike polynomial with Noll index
- * j.
+ * j (position in Noll's sequence of the polynomials).
  */
 void expr_zernike_orders(int j, int *n, int *m);
 

@@ -14,8 +14,8 @@ typedef struct slope1 {
 } slope1;
 
 /*
- * Value and derivatives of a function of two variables a and b. `first`: derivatives by a and by b;
- * `second`: twice by a, twice by b, and once by each.
+ * Value and derivatives of a function of two variables a and b. `first`: derivatives with respect
+ * to a and to b; `second`: twice with respect to a, twice to b, and mixed.
  */
 typedef struct slope2 {
     double value, first[2], second[3];
@@ -105,8 +105,9 @@ static slope1 slope_of(operation op, double argument)
 }
 
 /*
- * Return value and derivatives of base^exponent for a constant exponent; they are exact also where
- * the base is 0 and the exponent is a small integer.
+ * Return the value of base^exponent for a constant exponent with its first and second derivatives
+ * with respect to the base; they are exact also where the base is 0 and the exponent is a small
+ * integer.
  */
 static slope1 power_slope(double base, double exponent)
 {
@@ -144,8 +145,8 @@ static slope2 quotient(double a, double b)
 }
 
 /*
- * Return value and derivatives of atan2(a, b), the polar angle of the point with abscissa b and
- * ordinate a.
+ * Return the value of atan2(a, b), the polar angle of the point with abscissa b and ordinate a,
+ * with its derivatives with respect to a and b.
  */
 static slope2 angle(double a, double b)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Derivatives of formulas by automatic differentiation. */
+/* First and second derivatives of formulas by automatic differentiation. */
 #ifndef EXPR_JET_H
 #define EXPR_JET_H
 
@@ -11,9 +11,10 @@
  */
 typedef struct expr_jet {
     double value;
-    double first[2];  /* first derivatives with respect to theta1 and theta2 */
-    double second[3]; /* second derivatives: twice with respect to theta1, twice to theta2, and
-                         mixed */
+    double first[2];  /* first derivatives of the function with respect to the surface parameters
+                         theta1 and theta2 */
+    double second[3]; /* second derivatives of the function: twice with respect to theta1, twice
+                         with respect to theta2, and mixed */
 } expr_jet;
 
 /*

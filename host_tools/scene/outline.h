@@ -12,11 +12,12 @@
 
 /* Plane in which the corners and lengths of the outlines of electrodes are given. */
 typedef enum outline_plane {
-    OUTLINE_THETA, /* outlines are given in the parameters theta1 and theta2 of the surface */
+    OUTLINE_THETA, /* outlines of electrodes are given in the surface parameters theta1 and theta2
+                    */
     OUTLINE_XY,
     OUTLINE_XZ,
-    OUTLINE_YZ /* plane of two coordinates in space (x and y, x and z, or y and z), on which the
-                  surface is projected along the third coordinate */
+    OUTLINE_YZ /* outlines are given in a plane of two coordinates in space (x and y, x and z, or y
+                  and z), on which the surface is projected along the third coordinate */
 } outline_plane;
 
 struct polygon; /* The C struct `polygon`, a list of points, is declared in
@@ -49,13 +50,16 @@ typedef struct scene_outlines {
     int elements;
     size_t *start; /* [elements + 1] index, in electrode_of and share, of the first covered part of
                       each element; the last entry is the number of all parts */
-    int *electrode_of; /* [parts] number of the electrode that covers each part of an element,
-                          ascending in each element */
+    int *electrode_of; /* [parts] number of the electrode that covers each part of an element;
+                          within one element the numbers ascend */
     double *share; /* [parts] covered area of each part divided by the area of its element, above 0
                       and at most 1 */
 } scene_outlines;
 
-/* Append an electrode without area to a list of electrodes. Returns NULL where memory runs out. */
+/*
+ * Append an electrode without area to a list of electrodes. Returns the electrode, or NULL where
+ * memory runs out.
+ */
 scene_outline *outline_append(scene_outlines *outlines, scene_at at);
 
 /*

@@ -12,7 +12,10 @@
 
 static const double full_turn = 6.283185307179586476925287;
 
-/* Indices in outline_cell.at of the two coordinates that span each outline_plane. */
+/*
+ * For each plane of electrode outlines, the indices of its two coordinates among the five
+ * coordinates x, y, z, theta1, theta2 of a corner of an element.
+ */
 static const int plane_axes[4][2] = {{3, 4}, {0, 1}, {0, 2}, {1, 2}};
 
 int outline_elements(const scene *scene)
@@ -94,8 +97,8 @@ static void fit_ratio(outline_cell *cell, const int axis[2], const double ratio[
 }
 
 /*
- * Compute all members of a cell, the quadrilateral of an element or of a part of one in the plane
- * of the electrode outlines, that follow from its corners.
+ * Compute all members of a cell that follow from its corners. A cell is the quadrilateral of an
+ * element, or of a part of one, in the plane of the electrode outlines.
  */
 static void finish(outline_cell *cell, outline_plane plane)
 {

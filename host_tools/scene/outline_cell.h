@@ -10,8 +10,8 @@
 #include "scene.h"
 
 /*
- * Number of coordinates of a corner: x, y, z, theta1 and theta2. On a mesh from a file theta1 and
- * theta2 are 0.
+ * Number of coordinates of a corner of an element: x, y, z, theta1 and theta2. On a mesh from a
+ * file theta1 and theta2 are 0.
  */
 enum { OUTLINE_AXES = 5 };
 
@@ -41,13 +41,14 @@ typedef struct outline_cell {
 int outline_elements(const scene *scene);
 
 /*
- * Compute the cell of an element: its quadrilateral in the plane of the outlines, and its area on
- * the surface.
+ * Compute the cell of an element: its quadrilateral in the plane of the electrode outlines, and its
+ * area on the surface.
  */
 void outline_cell_of(const scene *scene, outline_plane plane, int element, outline_cell *cell);
 
 /*
- * Compute the part of a cell between two values of each natural coordinate.
+ * Compute the part of a cell (the quadrilateral of an element in the plane of the electrode
+ * outlines) between two values of each natural coordinate.
  *   low, high [2] in  from -1 to 1
  */
 void outline_cell_part(const outline_cell *whole, outline_plane plane, const double low[2],

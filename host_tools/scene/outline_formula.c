@@ -28,8 +28,9 @@ int formula_sample(const scene *scene, const outline_cell *cell, const scene_out
 }
 
 /*
- * Find the grid points at the corners of triangle k (0 or 1) of the square in column i and row j of
- * the grid.
+ * Find the corners of triangle k (0 or 1) of the square in column i and row j of the grid into
+ * which an element is divided.
+ *   corner [3][2] out  column and row of the grid point at each corner
  */
 static void triangle_of(int i, int j, int k, int corner[3][2])
 {

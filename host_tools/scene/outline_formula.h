@@ -9,25 +9,28 @@
 #include "outline_cell.h"
 
 /*
- * Number of squares along a side of the grid of an element, and values of a formula at the corners
- * of the squares.
+ * Number of squares along a side of the grid into which an element is divided, and values of an
+ * electrode's formula at the corners of the squares.
  */
 enum { FORMULA_GRID = 16 };
 typedef double formula_grid[FORMULA_GRID + 1][FORMULA_GRID + 1];
 
 /*
- * Compute the values of a formula on the grid of an element. Returns 0, or -1 with error filled
- * where a value is not finite.
+ * Compute the values of an electrode's formula on the grid of squares of an element. Returns 0, or
+ * -1 with error filled where a value is not finite.
  */
 int formula_sample(const scene *scene, const outline_cell *cell, const scene_outline *outline,
                    formula_grid value, char *error);
 
-/* Return the part of the area of an element in which a formula is positive. */
+/*
+ * Return the part of the area of an element, from 0 to 1, in which the formula of an electrode is
+ * positive.
+ */
 double formula_share(const outline_cell *cell, formula_grid value);
 
 /*
- * Draw the areas of an element in which a formula is positive, or, if draws_outline is true, the
- * lines on which the formula is 0.
+ * Draw the areas of an element in which the formula of an electrode is positive, or, if
+ * draws_outline is true, the lines on which the formula is 0.
  */
 void formula_pieces(formula_grid value, int element, bool draws_outline, outline_draw *draw,
                     void *context);

@@ -6,7 +6,8 @@
 #include "outline_cover.h"
 
 /*
- * Number of squares along a side of the grid of an element on which overlaps of formulas are found.
+ * Number of squares along a side of the grid of an element on which overlaps of electrodes given by
+ * formulas are found.
  */
 enum { OVERLAP_GRID = 8 };
 

@@ -94,8 +94,8 @@ double outline_grid_size(const grid_pattern *pattern)
 }
 
 /*
- * Compute corner k (0 to 3, counted counterclockwise) of the rectangular electrode in the cell with
- * the indices i and j of a grid.
+ * Compute corner k (0 to 3, counted counterclockwise) of the rectangular electrode with the indices
+ * i and j in a grid of cells.
  */
 static void grid_corner(const grid_pattern *pattern, int i, int j, int k, double point[2])
 {
@@ -141,9 +141,9 @@ typedef struct keystone {
 } keystone;
 
 /*
- * Compute the electrode in sector k of a ring. Its two straight sides meet at the radius
- * (gap/2)/sin(half the angle of the sector); the electrode begins there where this radius is larger
- * than that of its inner arc.
+ * Compute the keystone-shaped electrode in sector k of a ring. Its two straight sides are parallel
+ * to the radii that bound the sector and meet at the radius (gap/2)/sin(half the angle of the
+ * sector); the electrode begins there where this radius is larger than that of its inner arc.
  */
 static keystone keystone_of(const ring_pattern *pattern, int ring, int k)
 {

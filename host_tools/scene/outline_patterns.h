@@ -12,8 +12,8 @@
 #include "outline.h"
 
 /*
- * Largest numbers of rings of a pattern, of cells of a grid along one coordinate, and of
- * electrodes.
+ * Largest numbers of rings of an electrode pattern (OUTLINE_RINGS), of cells of a grid along one
+ * coordinate (OUTLINE_CELLS), and of electrodes (OUTLINE_MOST).
  */
 enum { OUTLINE_RINGS = 64, OUTLINE_CELLS = 1000, OUTLINE_MOST = 4096 };
 
@@ -32,12 +32,12 @@ typedef struct hexagon_pattern {
 } hexagon_pattern;
 
 /*
- * Pattern of a rectangle that is divided into equal cells. The electrodes are numbered with the
- * second coordinate fastest.
+ * Pattern of electrodes: a rectangle that is divided into equal cells. The electrodes are numbered
+ * with the second coordinate fastest.
  */
 typedef struct grid_pattern {
-    double from[2], to[2]; /* corners of the rectangle with the smallest and the largest coordinates
-                            */
+    double from[2], to[2]; /* corner of the rectangle with the smallest coordinates, and corner with
+                              the largest coordinates, before the rotation by `angle` */
     double gap, angle;     /* gap: distance between neighbouring electrodes; angle: rotation of the
                               rectangle about its middle (degrees) */
     int count[2]; /* number of cells of the pattern along the first and the second coordinate */
@@ -57,9 +57,10 @@ typedef struct ring_pattern {
 } ring_pattern;
 
 /*
- * Append the electrodes of a circle or pattern. Each function returns 0, or -1 where memory runs
- * out. The caller refuses gaps that leave no electrode: the functions outline_..._size return the
- * smallest width of any electrode of a pattern, which is 0 or negative then.
+ * Append the electrodes of a circle or of a pattern of cells to a list. Each function returns 0, or
+ * -1 where memory runs out. The caller refuses gaps between electrodes that leave no electrode: the
+ * functions outline_..._size return the smallest width of any electrode of a pattern, which is 0 or
+ * negative then.
  */
 int outline_circle(scene_outlines *outlines, const double centre[2], double radius, scene_at at);
 int outline_hexagons(scene_outlines *outlines, const hexagon_pattern *pattern, scene_at at);

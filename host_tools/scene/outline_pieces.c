@@ -12,16 +12,20 @@ typedef struct piece_drawing {
     outline_plane plane;
     outline_cell cell; /* cell (quadrilateral in the plane of the electrode outlines) of the element
                         */
-    outline_cell moved; /* cell of the element after a move by full turns of theta1 or theta2 */
-    double shift[2];    /* displacement of the cell (element or part of one) in the plane of the
-                           outlines by full turns of theta1 or theta2 */
+    outline_cell moved; /* cell (quadrilateral in the plane of the electrode outlines) of the
+                           element after a move by full turns of the angle theta1 or theta2 */
+    double shift[2]; /* displacement of the cell (quadrilateral of the element in the plane of the
+                        outlines) by full turns of the angle theta1 or theta2 */
     int element;
     outline_draw *draw;
     void *context;
     clip_room room;
 } piece_drawing;
 
-/* Replace points of the plane of the outlines by their natural coordinates in the element. */
+/*
+ * Replace points of the plane of the electrode outlines by their natural coordinates in the element
+ * that is being drawn.
+ */
 static void to_natural(const piece_drawing *drawing, double (*point)[2], size_t count)
 {
     for (size_t i = 0; i < count; i++) {
@@ -62,7 +66,7 @@ static bool cut_line(const double a[2], const double b[2], double (*line)[2])
     return true;
 }
 
-/* Draw those parts of the sides of a polygon that lie in the element. */
+/* Draw those parts of the sides of an electrode's polygon that lie in the element. */
 static void draw_sides(const piece_drawing *drawing, const polygon *polygon)
 {
     for (size_t i = 0; i < polygon->count; i++) {

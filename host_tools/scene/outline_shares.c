@@ -10,8 +10,8 @@
 #include "outline_formula.h"
 
 /*
- * A covered part of an element below ROUNDING counts as 0, and one above 1 - ROUNDING as 1. An
- * outline along the sides of elements therefore gives exactly 0 and 1.
+ * A part of an element's area that an electrode covers counts as 0 below ROUNDING, and as 1 above 1
+ * - ROUNDING. An outline along the sides of elements therefore gives exactly 0 and 1.
  */
 static const double ROUNDING = 1e-12;
 
@@ -44,8 +44,8 @@ static void append(share_list *list, int element, int electrode, double share)
 }
 
 /*
- * Arguments and work memory while the covered parts of elements are computed for one item of the
- * section `patches`.
+ * Arguments and work memory of the computation of the part of each element that each electrode of
+ * one item of the section `patches` covers.
  */
 typedef struct outline_work {
     const scene *scene;
@@ -57,7 +57,7 @@ typedef struct outline_work {
     char *error;
 } outline_work;
 
-/* Return whether the layer on which the patches lie exists in an element. */
+/* Return whether the layer on which the electrodes lie exists in an element. */
 static bool has_layer(const outline_work *work, int element)
 {
     const scene_layer *layer = &work->scene->layer[work->patches->layer];
@@ -84,7 +84,10 @@ static int refuse_steep(const outline_work *work, int electrode, const outline_c
                        cell->at[0][2]);
 }
 
-/* Append the part of one element that an electrode covers. Returns 0, or -1 with error filled. */
+/*
+ * Append the part of one element's area that an electrode covers to the list of such parts. Returns
+ * 0, or -1 with error filled.
+ */
 static int add_share(outline_work *work, int electrode, int element, clip_room *room,
                      electrode_sums *sums)
 {
@@ -176,7 +179,8 @@ static int check_place(const outline_work *work, int electrode, const electrode_
 }
 
 /*
- * Append the parts of all elements that one electrode covers. Returns 0, or -1 with error filled.
+ * Append the parts of all elements that one electrode covers to the list of covered parts. Returns
+ * 0, or -1 with error filled.
  */
 static int add_electrode(outline_work *work, int electrode)
 {
@@ -205,8 +209,8 @@ static int add_electrode(outline_work *work, int electrode)
 }
 
 /*
- * Sort the covered parts by elements, and by electrodes in each element. Returns 0, or -1 where
- * memory runs out.
+ * Sort the list of the parts of elements that electrodes cover by elements, and by electrodes in
+ * each element. Returns 0, or -1 where memory runs out.
  */
 static int sort_entries(const share_list *list, int elements, scene_outlines *outlines)
 {

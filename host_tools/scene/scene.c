@@ -144,7 +144,10 @@ void scene_free(scene *scene)
     memset(scene, 0, sizeof *scene);
 }
 
-/* Allocate a copy of an array, with room for one more item. Returns NULL where memory runs out. */
+/*
+ * Allocate a copy of an array with room for one more item at its end. Returns NULL where memory
+ * runs out.
+ */
 static void *copy_items(const void *items, size_t count, size_t size)
 {
     void *copy = calloc(count + 1, size);

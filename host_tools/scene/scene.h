@@ -95,12 +95,12 @@ typedef struct scene_element {
     double tau; /* factor of the warping correction in the membrane shear strain of an element */
     double rho; /* factor of the bending flexibility that is added to the transverse shear
                    compliance of an element */
-    bool hr, lin33; /* hr: true sets the stress resultants of those strains to 0 that the linear and
-                       bilinear strain modes of an element omit (Hellinger-Reissner), false sets
-                       these strains to 0; lin33: true condenses the linear part of the normal
-                       strain e33 through the thickness */
-    bool metric;    /* true: strains take the exact variation of the surface metric through the
-                       thickness; false: metric of the reference surface */
+    bool hr, lin33;  /* hr: true sets to 0 the stress resultants that belong to strains outside the
+                        linear and bilinear strain modes of an element (Hellinger-Reissner), false
+                        sets these strains to 0; lin33: true condenses the part of the normal strain
+                        e33 that is linear in the thickness coordinate */
+    bool metric;     /* true: strains take the exact variation of the surface metric through the
+                        thickness; false: metric of the reference surface */
     bool exact_area; /* true: exact area of an element; false: area from the metric at the centre of
                         the element */
     int dof_per_node; /* number of dof of a node: 7, or 6 without the seventh, the displacement u3
@@ -110,7 +110,8 @@ typedef struct scene_element {
                                thickness */
 } scene_element;
 
-typedef struct scene_line { /* Mesh lines of one surface coordinate, theta1 or theta2. */
+typedef struct scene_line { /* Mesh lines along which one surface coordinate, theta1 or theta2, is
+                               constant. */
     int elements;
     double *point; /* [elements + 1] coordinates of the mesh lines, ascending (length or rad) */
     bool slit; /* true: the two ends of a mesh direction that covers a full turn are not joined */
@@ -188,7 +189,8 @@ typedef struct scene_layer {
     char name[SCENE_NAME];
     int material;
     double thickness, angle;
-    bool patched; /* true: the layer consists of patches, and there is no material between them */
+    bool patched; /* true: a piezoelectric layer consists of patches, and there is no material
+                     between them */
     int poling;   /* poling direction of a layer, from the layer or else from its material: along
                      its axis 1, 2 or 3, negative against that axis */
     double finger_distance; /* distance of the interdigitated electrodes on the faces of a layer
@@ -285,8 +287,8 @@ typedef struct scene_direction {
 } scene_direction;
 
 /*
- * Quantity that the stiffness of a spring refers to: each point, unit length of an edge, or unit
- * area.
+ * Quantity to which the stiffness of a spring refers: each point (PER_POINT), unit length of an
+ * edge (PER_LENGTH), or unit area (PER_AREA).
  */
 typedef enum scene_per { PER_POINT, PER_LENGTH, PER_AREA } scene_per;
 
@@ -365,8 +367,9 @@ typedef struct scene_support {
                             nodes, or the direction of an oblique support; zero vector: not given */
     expr *formula[3]; /* components of the direction of an oblique support as formulas of the place
                          of the node; NULL: the direction is given by numbers */
-    unsigned fix; /* bit i set: dof i of the support's nodes is prescribed, in the order means of u1
-                     u2 u3, differences of u1 u2 u3, middle surface; higher bits are FIX_SIMPLE to
+    unsigned fix; /* bit i set: dof i of the support's nodes is prescribed; dof 0 to 2 are the means
+                     of the displacements u1, u2, u3 of both faces, 3 to 5 their differences, 6 is
+                     u3 of the middle surface relative to the mean; higher bits are FIX_SIMPLE to
                      FIX_ACROSS */
     expr *value;  /* formula of the displacement that a support prescribes at full load (length unit
                      of the scene file); NULL: 0 */
@@ -392,8 +395,8 @@ typedef struct scene_load {
     scene_where where; /* nodes on which a point load or line load acts; for a face load on a mesh
                           from a file, the element set that it is limited to */
     scene_face face;
-    scene_component component; /* displacement component along which a load acts; u3 for a pressure
-                                */
+    scene_component component; /* displacement component along which a load acts, such as u3 (normal
+                                  to the surface) for a pressure */
     double vector[3]; /* unit vector (x, y, z) along which a weight acts; zero vector: the weight
                          acts along `component` */
     scene_direction about; /* axis about which a point load acts as a moment */
@@ -423,7 +426,7 @@ typedef struct scene_body {
 
 typedef struct scene_contact {
     bool given;
-    scene_face face; /* face of the shell that touches the rigid body, inner or outer */
+    scene_face face; /* face of the shell that may touch the rigid body, inner or outer */
     scene_body body;
     double move[3]; /* displacement x, y, z of the rigid body at full load (length unit of the scene
                        file) */
@@ -474,11 +477,12 @@ typedef struct scene_output {
                    together: 0 inner face, 1 middle, 2 outer face */
     double angle; /* angle by which axis 1 of a strain output is turned from that of the shell
                      (degrees) */
-    scene_contact_output contact;   /* quantity of contact; if it is not CONTACT_NONE, the output is
-                                       no displacement, and only CONTACT_PRESSURE has a place */
+    scene_contact_output contact;   /* quantity of contact with a rigid body; if it is not
+                                       CONTACT_NONE, the output is no displacement, and only
+                                       CONTACT_PRESSURE has a place on the mesh */
     scene_electric_output electric; /* electric quantity; if it is not ELECTRIC_NONE, the output is
                                        neither a displacement nor a quantity of contact; only
-                                       ELECTRIC_POTENTIAL has a place */
+                                       ELECTRIC_POTENTIAL has a place on the mesh */
     bool of_sensor;   /* electric output: true: of sensor electrodes; false: of the electrodes of
                          amplifiers */
     int first, count; /* range of the electrodes of an electric output: numbers first to first +
@@ -486,11 +490,15 @@ typedef struct scene_output {
     scene_where where;
     scene_component component;
     scene_face face;
-    double reference; /* reference value that is printed beside the result; NAN if not given */
+    double reference; /* reference value of an output that is printed beside the computed value; NAN
+                         if not given */
     scene_at at;
 } scene_output;
 
-/* Named alternative target shape; it has the component, place and weights of the scene's target. */
+/*
+ * Alternative target shape with a name of its own; it has the displacement component, place and
+ * weights of the scene's target.
+ */
 typedef struct scene_mode {
     char name[SCENE_NAME];
     expr *value;
@@ -508,8 +516,8 @@ typedef struct scene_target {
     bool weight_area; /* weights of the nodes in the target error: true: by the area of each node;
                          false: equal */
     int frees;
-    scene_mode *free; /* [frees] functions whose best fit is removed from the target and from the
-                         target error */
+    scene_mode *free; /* [frees] functions that may be added to the target at no cost: their best
+                         fit is removed from the shape error */
 } scene_target;
 
 typedef struct scene_compare {
@@ -550,7 +558,7 @@ typedef struct scene_limits {
     scene_limit *each; /* [each_count] voltage limits of single amplifiers, which override the
                           common limits */
     int rows;
-    scene_limit_row *row; /* [rows] limits of differences and sums of voltages */
+    scene_limit_row *row; /* [rows] limits of differences and of weighted sums of voltages */
     scene_at at;
 } scene_limits;
 
@@ -619,7 +627,8 @@ enum { ANNOUNCED_NEVER = -1, ANNOUNCED_DETECTED = -2 };
 
 typedef struct scene_event {
     scene_event_type type;
-    int tick; /* number of the tick at which the event takes place; events are in ascending order */
+    int tick;    /* number of the tick at which the simulation event takes place; events are in
+                    ascending order */
     double size; /* size of an event: factor of the target or of a load, temperature (K), or
                     probability that a sensor is affected */
     int ticks;   /* duration (ticks) of EVENT_NAN, EVENT_FROZEN, EVENT_LOST and of the event types
@@ -678,8 +687,8 @@ typedef enum scene_motion { MOTION_MODAL, MOTION_NONLINEAR } scene_motion;
 typedef struct scene_simulate {
     bool given;
     int ticks, seed;
-    bool at_target; /* true: the controller uses the influence matrix of the state at the nonlinear
-                       optimum; false: that of the undeformed state */
+    bool at_target; /* true: the controller uses the influence matrix of the structure deformed by
+                       the optimal voltages; false: that of the undeformed structure */
     scene_kinematics kinematics; /* kinematics of the simulated plant, linear or nonlinear */
     double *stiffness, *d; /* [materials] factors by which stiffness and piezoelectric constants of
                               the plant differ from what the controller knows */
@@ -709,7 +718,7 @@ typedef struct scene_simulate {
     scene_imperfections imperfections;
     bool detects_faults; /* whether the controller itself has to detect the fault of some electrode
                             (ANNOUNCED_DETECTED) */
-    bool has_feed_forward; /* whether the controller knows some load event in advance */
+    bool has_feed_forward; /* whether the controller is told some load event one tick in advance */
     int events;
     scene_event *event;
     scene_at at;
@@ -795,9 +804,10 @@ typedef struct scene_safety {
     double amplitude;      /* height of the test pulses of the self-test of the wiring (V); 0: no
                               self-test */
     double gain_tolerance; /* largest plausible deviation of an amplifier's gain from the mean gain
-                              of all amplifiers, relative to the latter, in the self-test */
-    int pulse_ticks; /* duration of a pulse of the self-test (ticks); 0: chosen from the period of
-                        the first vibration mode */
+                              of all amplifiers, relative to this mean; a larger one is a fault in
+                              the self-test of the wiring */
+    int pulse_ticks; /* duration of a test pulse of the self-test of the wiring (ticks); 0: chosen
+                        from the period of the first vibration mode */
 } scene_safety;
 
 enum { SCENE_PLAYS = 32, SCENE_CREEPS = 8 };
@@ -839,8 +849,8 @@ typedef struct scene_unit_names {
 } scene_unit_names;
 
 typedef struct scene {
-    scene_origin *origin; /* scene file and changes from which the scene was read; NULL where the
-                             scene was not read from a file */
+    scene_origin *origin; /* path of the scene file and changes of the option --set from which the
+                             scene was read; NULL where the scene was not read from a file */
     char name[SCENE_NAME];
     char *about;
     scene_unit_names units;
@@ -853,7 +863,8 @@ typedef struct scene {
     scene_surface surface;
     scene_line line[2]; /* mesh lines of theta1 and theta2; without points where the mesh comes from
                            a file */
-    scene_quads *quads; /* mesh from a file, or NULL where the scene has mesh lines on a surface */
+    scene_quads *quads; /* mesh that is read from a file, or NULL where the scene has mesh lines on
+                           a surface */
     bool reference_is_middle;
     double reference; /* height of the reference surface above the inner face of the laminate
                          (length unit of the scene file) */
@@ -947,9 +958,9 @@ bool scene_has_electrodes(const scene_actuator *actuator);
 bool scene_heats_all(const scene_actuator *actuator);
 
 /*
- * Mark the nodes of a place (named set, or node nearest to a point) on a mesh from a file. A named
- * set is searched for among the node sets, then the edge sets, then the element sets.
- *   in_set  [nodes]  out  1 for the nodes of the place, else 0
+ * Mark the nodes of a named set, or the node nearest to a point, on a mesh from a file. A named set
+ * is searched for among the node sets, then the edge sets, then the element sets.
+ *   in_set [nodes] out  1 for the nodes of the set or point, else 0
  * Returns the number of nodes that are marked.
  */
 size_t scene_mark_nodes(const scene *scene, const scene_where *where, unsigned char *in_set);

@@ -139,8 +139,8 @@ static int check_meridian(const scene *scene, char *error)
 }
 
 /*
- * Check that the centres of curvature lie outside the layers: 1 + k z > 0 for both principal
- * curvatures k at the heights z of both faces.
+ * Check that the centres of curvature of the surface lie outside the shell: 1 + k z > 0 for both
+ * principal curvatures k at the heights z of both faces.
  */
 static int check_depth(const scene *scene, double thickness, char *error)
 {
@@ -196,7 +196,7 @@ static int check_formula(const scene *scene, char *error)
     return 0;
 }
 
-/* Reject a mesh that reaches beyond the points to which its surface is fitted. */
+/* Reject a mesh that reaches beyond the measured points to which its surface is fitted. */
 static int check_points(const scene *scene, char *error)
 {
     const scene_line *line = scene->line;

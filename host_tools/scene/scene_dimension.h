@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Physical dimensions of the numbers in a scene file: each row of a table of scene keys
- * (scene_fields.h) names the dimension of its key.
+ * Physical dimensions, such as length or voltage, of the numbers in a scene file: each row of a
+ * table of scene keys (scene_fields.h) names the dimension of its key.
  */
 #ifndef SCENE_DIMENSION_H
 #define SCENE_DIMENSION_H

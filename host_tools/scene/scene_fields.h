@@ -44,7 +44,8 @@ typedef enum form_type {
     FORM_LIST,  /* FORM_LIST: value that is a list whose items all have one form */
     FORM_MAP,   /* FORM_MAP: value that is a mapping whose keys are the rows of a table */
     FORM_NAMED, /* FORM_NAMED: mapping of names that the user chooses to values of one form */
-    FORM_ANY    /* FORM_ANY: value that may have any one of several forms */
+    FORM_ANY /* FORM_ANY: value that may have any one of several forms, such as a number or a list
+              */
 } form_type;
 
 /*
@@ -63,18 +64,20 @@ typedef struct form_case {
  */
 typedef struct form {
     form_type type;
-    const range *range;  /* FORM_NUMBER, FORM_WHOLE, FORM_FORMULA: permitted range of the number;
-                            NULL: any */
+    const range *range;  /* permitted range of the number, for a value that is a number, an integer
+                            or a constant formula (FORM_NUMBER, FORM_WHOLE, FORM_FORMULA); NULL: any
+                            number */
     const choice *words; /* array of the permitted words, for a value that is a word (FORM_WORD) */
     const struct form *item; /* description of each item, for a value that is a list or a mapping of
                                 names (FORM_LIST, FORM_NAMED) */
-    const struct form *first; /* FORM_LIST: form of the first item where it differs from the form of
-                                 the others, else NULL */
+    const struct form *first; /* form of the first item of a list (FORM_LIST) where it differs from
+                                 the form of the others, else NULL */
     int least, most; /* FORM_LIST, FORM_NAMED: smallest and largest number of items; most = 0: any
                         number */
     const struct field *fields; /* table of the permitted keys, for a value that is a mapping
                                    (FORM_MAP) */
-    const form_case *cases; /* FORM_MAP: permitted combinations of keys; NULL: any combination */
+    const form_case *cases; /* permitted combinations of the keys of a mapping (FORM_MAP); NULL: any
+                               combination */
     const struct form *const *any; /* array of the permitted descriptions, ended by NULL, for a
                                       value that may have one of several forms (FORM_ANY) */
 } form;
@@ -87,14 +90,14 @@ typedef struct field {
     const char *key; /* key of the mapping; NULL ends the table; the rows are read in the order of
                         the table */
     field_read *read;
-    size_t offset; /* offset of the destination within the structure that the mapping fills (bytes)
-                    */
-    const void *rule; /* argument of the read function: a range, an array of choices, or another
-                         rule */
+    size_t offset;    /* offset of the member that receives the value of a key, in the C struct that
+                         the mapping fills (bytes) */
+    const void *rule; /* argument of the function that reads the value of a key: a range, an array
+                         of choices, or another rule */
     bool required;
     dimension of;     /* physical dimension of the numbers in the value of the key */
-    const form *form; /* form of the value; NULL where the form follows from a basic read function
-                       */
+    const form *form; /* form of the value of a key; NULL where the form follows from a basic read
+                         function */
     const char *help; /* sentence that explains the key to users */
 } field;
 
@@ -140,9 +143,9 @@ form field_form(const field *field);
 extern const form scene_form;
 
 /*
- * Read a YAML mapping into the structure at `to`: unknown keys are rejected, the values are read in
- * the order of the table, and missing required keys are reported. Returns 0, or -1 after writing
- * the error message of the YAML tree.
+ * Read a YAML mapping into the C struct at `to`: unknown keys are rejected, the values are read in
+ * the order of the table `fields`, and missing required keys are reported. Returns 0, or -1 after
+ * writing the error message of the YAML tree.
  */
 int read_map(reader *reader, int node, const field *fields, void *to);
 
@@ -193,8 +196,9 @@ typedef int item_read(reader *reader, int node, void *item);
 int read_items(reader *reader, int node, void *items, size_t size, item_read *read, int *begun);
 
 /*
- * Read the name of an item of the scene, and find its index in the array of these items.
- *   missing  in  format of the error message where no item has the name; %s is the name
+ * Read a name from a YAML node, and find the index of the item with this name in an array whose
+ * items begin with their names.
+ *   missing in  format of the error message where no item has the name; %s is the name
  * Returns 0, or -1 after writing the error message of the YAML tree.
  */
 int read_index(reader *reader, int node, const void *items, int count, size_t size,

@@ -80,15 +80,16 @@ static int read_list_node(reader *reader, int node, void *to, const void *rule)
 
 /* Columns of a table that gives a function: one for each coordinate, and one for the value. */
 typedef struct function_columns {
-    int axes, axis[EXPR_AXES], column[EXPR_AXES]; /* number of coordinates, index of each coordinate
-                                                     (x, y, z, theta1, theta2), and number of its
-                                                     column */
+    int axes, axis[EXPR_AXES], column[EXPR_AXES]; /* number of coordinates of a function given by a
+                                                     table, index of each coordinate in the order x,
+                                                     y, z, theta1, theta2, and number of the table's
+                                                     column that holds it */
     int value; /* number of the table's column that holds the values of the function */
 } function_columns;
 
 typedef struct function_text {
-    int file, columns, value; /* YAML nodes of the keys in a mapping that names a file; 0 for a key
-                                 that is absent */
+    int file, columns, value; /* YAML nodes of the keys in a mapping of the scene file that names
+                                 another file; 0 for a key that is absent */
     double scale;
 } function_text;
 

@@ -10,7 +10,8 @@
 
 /* Data sheet of a film, a thin actuator with fibres; thickness = 0: the material is no film. */
 typedef struct scene_film {
-    double voltage;   /* voltage at which strains and force are given (V) */
+    double voltage; /* voltage of the data sheet at which strains and force of the film actuator are
+                       given (V) */
     double strain[2]; /* free strains of the film along and across its fibres at the given voltage
                          (1) */
     double thickness; /* thickness of the film actuator (m) */

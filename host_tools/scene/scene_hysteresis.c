@@ -11,7 +11,8 @@
  */
 typedef struct list_rule {
     range range;
-    int least, most; /* smallest and largest number of items of the list */
+    int least, most; /* smallest and largest number of items of a list of numbers in the section
+                        `hysteresis` */
 } list_rule;
 
 /*

@@ -28,8 +28,8 @@ typedef struct influence_text {
                                     y and z; -1 where there is none */
     int *column; /* [columns] numbers of the table's columns that are no coordinates */
     int columns;
-    unsigned char *is_ignored; /* [outputs] 1 for an output of the file that the scene file leaves
-                                  out */
+    unsigned char *is_ignored; /* [outputs] 1 for an output of the influence matrix in the file that
+                                  the scene file leaves out, else 0 */
 } influence_text;
 
 static const char *const axis_name[AXES] = {"x", "y", "z"};
@@ -80,9 +80,9 @@ static int actuators_of(const influence_text *text)
 }
 
 /*
- * Return an entry of the measured matrix before it is multiplied by the factor `scale` of the
- * scene.
- *   place  [NUMBER_NAME] out  position of the entry in the file, as text
+ * Return an entry of the measured influence matrix as its file states it, before it is multiplied
+ * by the factor `scale` of the scene file.
+ *   place [NUMBER_NAME] out  position of the entry in the file, as text
  */
 static double entry(const influence_text *text, int output, int actuator, char *place)
 {
@@ -94,9 +94,9 @@ static double entry(const influence_text *text, int output, int actuator, char *
 
 /*
  * Compare a number of names, points or flags in the scene file with the number of outputs (or
- * actuators) of the matrix. If a number of outputs equals that of the actuators, or the reverse,
- * the error message says that the matrix is transposed. Returns 0, or -1 after writing the error
- * message of the YAML tree.
+ * actuators) of the measured influence matrix. If a number of outputs equals that of the actuators,
+ * or the reverse, the error message says that the matrix is transposed. Returns 0, or -1 after
+ * writing the error message of the YAML tree.
  */
 static int check_count(reader *reader, int node, const influence_text *text, const char *what,
                        int count, int is_of_outputs)
@@ -133,8 +133,8 @@ static int check_size(reader *reader, const influence_text *text)
 /* ---- actuators -------------------------------------------------------- */
 
 /*
- * Find the name of an actuator: the name in the list of the scene file, otherwise the name in the
- * table, otherwise v1, v2 and so on.
+ * Find the name of an actuator of a measured influence matrix: the name in the list of the scene
+ * file, otherwise the name in the table, otherwise v1, v2 and so on.
  */
 static int name_actuator(reader *reader, const influence_text *text, int k, int item, char *name)
 {
@@ -177,8 +177,8 @@ static int make_actuators(reader *reader, const influence_text *text)
 /* ---- outputs ---------------------------------------------------------- */
 
 /*
- * Copy the names of the outputs to influence.output_name [outputs of the file], which stays NULL if
- * neither the scene nor the file has names.
+ * Copy the names of the outputs of a measured influence matrix to influence.output_name [outputs of
+ * the file], which stays NULL if neither the scene nor the file has names.
  */
 static int name_outputs(reader *reader, const influence_text *text)
 {
@@ -207,8 +207,8 @@ static int name_outputs(reader *reader, const influence_text *text)
 }
 
 /*
- * Return the index of an output that is given by its name or by its number counted from 1, or -1 if
- * there is none.
+ * Return the index of an output of the measured influence matrix that is given by its name or by
+ * its number counted from 1, or -1 if there is none.
  */
 static int find_output(const reader *reader, const influence_text *text, const char *word)
 {
@@ -288,8 +288,8 @@ static int list_rows(reader *reader, influence_text *text)
 /* ---- coordinates ------------------------------------------------------ */
 
 /*
- * Copy the coordinates of the used outputs from columns of a table.
- *   column  [3] in  number of the column of x, y and z; -1 where the table has none: coordinate 0
+ * Copy the coordinates of the used outputs of a measured influence matrix from columns of a table.
+ *   column [3] in  number of the column of x, y and z; -1 where the table has none: coordinate 0
  */
 static int copy_coordinates(reader *reader, int node, const number_table *table,
                             const int column[AXES])
@@ -315,7 +315,10 @@ static int copy_coordinates(reader *reader, int node, const number_table *table,
     return 0;
 }
 
-/* Read the coordinates of the outputs from the key `coordinates`: a list of points, or a file. */
+/*
+ * Read the coordinates of the outputs of a measured influence matrix from the key `coordinates`: a
+ * list of points, or a file.
+ */
 static int read_coordinates(reader *reader, const influence_text *text)
 {
     const int node = text->coordinates;

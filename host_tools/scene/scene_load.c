@@ -136,7 +136,7 @@ static const form fix_words_form = {.type = FORM_LIST, .item = &fix_word_form};
 static const form *const fix_forms[] = {&fix_word_form, &fix_words_form, NULL};
 static const form fix_form = {.type = FORM_ANY, .any = fix_forms};
 
-/* Return whether the three entries of a list are numbers. */
+/* Return whether the three entries of a YAML list are numbers. */
 static bool is_numbers(const reader *reader, int node)
 {
     for (int i = reader->t->node[node].first; i; i = reader->t->node[i].next) {
@@ -164,9 +164,9 @@ static int read_formulas(reader *reader, int node, scene_support *support)
 }
 
 /*
- * Read the direction of a support: axis e1 at its nodes, or the direction of an oblique support.
- * Such a direction is an error with the published element formulation. Returns 0, or -1 after an
- * error message about the scene.
+ * Read the direction of a support: axis e1 of the local triad at its nodes, or the direction of an
+ * oblique support. Such a direction is an error with the element formulation `published`. Returns
+ * 0, or -1 after an error message about the scene.
  */
 static int read_direction_of(reader *reader, int node, void *to, const void *rule)
 {
@@ -207,8 +207,9 @@ static const form support_form = {
 const form supports_form = {.type = FORM_LIST, .item = &support_form};
 
 /*
- * Check that an oblique support has a direction, which no other word of its list needs, and that
- * formulas belong to an oblique support. Returns 0, or -1 after an error message about the scene.
+ * Check that an oblique support has a direction, that its list contains no other word that needs
+ * one, such as `simple`, and that a direction given by formulas belongs to an oblique support.
+ * Returns 0, or -1 after an error message about the scene.
  */
 static int check_oblique(reader *reader, int node, const scene_support *support)
 {

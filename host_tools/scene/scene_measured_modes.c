@@ -13,12 +13,12 @@
 
 enum { MOST_MODES = 200 };
 
-/* One vibration mode as a scene file states it. */
+/* One vibration mode of a structure with a measured influence matrix, as a scene file states it. */
 typedef struct mode_text {
-    double frequency, damping; /* natural frequency of the mode (Hz), and damping ratio, which is 0
-                                  if the scene file gives none */
-    int shape, response;       /* YAML nodes of the displacements of the outputs and of the static
-                                  responses to the actuators; 0 for a key that is absent */
+    double frequency, damping; /* natural frequency of the vibration mode (Hz), and damping ratio,
+                                  which is 0 if the scene file gives none */
+    int shape, response; /* YAML nodes of the displacements of the outputs in the vibration mode and
+                            of its static responses to the actuators; 0 for a key that is absent */
 } mode_text;
 
 static const range ratio = {
@@ -71,9 +71,9 @@ static double *read_numbers(reader *reader, int node, int count, const char *wha
 }
 
 /*
- * Remove the displacements of ignored outputs from a mode shape.
- *   shape [outputs of the file] in/out  displacement of each output of the matrix; afterwards those
- *                                       of the outputs that the scene uses come first
+ * Remove the displacements of outputs that the scene ignores from the shape of a vibration mode.
+ *   shape [outputs of the file] in/out  displacement of each output of the influence matrix in the
+ *       file; afterwards those of the outputs that the scene uses come first
  */
 static void drop_ignored(const scene_influence *influence, double *shape)
 {

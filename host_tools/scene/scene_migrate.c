@@ -9,7 +9,10 @@
 #include "scene.h"
 #include "scene_retired.h"
 
-/* Edit of a text: `length` bytes from the byte `from` on are replaced by another text. */
+/*
+ * Edit of the text of a scene file: `length` bytes from the byte `from` on are replaced by another
+ * text.
+ */
 typedef struct edit {
     size_t from, length;
     char *insert; /* text that is inserted, allocated and owned by the edit */
@@ -77,7 +80,7 @@ static void write_edited(const migration *migration, char *to, size_t *bytes)
     for (int i = 0; i < migration->count; i++) {
         const edit *const edit = &migration->edits[i];
         if (edit->from < at) /* an edit that begins before the end of the last one belongs to a YAML
-                                node that another alias has already reached */
+                                node that has been reached before through another alias (*name) */
             continue;
         memcpy(to + length, migration->text + at, edit->from - at);
         length += edit->from - at;
@@ -124,8 +127,8 @@ static void close_migration(migration *migration)
 /* ---- places in the text ----------------------------------------------- */
 
 /*
- * Return the offset of the byte at which a line starts, behind a byte order mark; lines are counted
- * from 1.
+ * Return the offset, in the text of the scene file, of the byte at which a line starts, behind a
+ * byte order mark; lines are counted from 1.
  */
 static size_t line_start(const migration *migration, int line)
 {
@@ -135,7 +138,10 @@ static size_t line_start(const migration *migration, int line)
     return at;
 }
 
-/* Return the offset of the byte behind the line that contains a given byte. */
+/*
+ * Return the offset, in the text of the scene file, of the byte behind the line that contains a
+ * given byte.
+ */
 static size_t line_end(const migration *migration, size_t at)
 {
     while (at < migration->bytes && migration->text[at] != '\n')
@@ -143,7 +149,10 @@ static size_t line_end(const migration *migration, size_t at)
     return at < migration->bytes ? at + 1 : at;
 }
 
-/* Return the offset of the byte at a line and column; columns count characters of UTF-8. */
+/*
+ * Return the offset of the byte at a line and column in the text of the scene file; columns count
+ * characters of UTF-8.
+ */
 static size_t byte_of(const migration *migration, scene_at place)
 {
     size_t at = line_start(migration, place.line);
@@ -155,8 +164,9 @@ static size_t byte_of(const migration *migration, scene_at place)
 }
 
 /*
- * Find the first byte of a name at a position of the text, behind a quotation mark if there is one.
- * Returns 0, or -1 with the error filled if the name is written with escapes or in several lines.
+ * Find the first byte of a name at a position in the text of the scene file, behind a quotation
+ * mark if there is one. Returns 0, or -1 with the error filled if the name is written with escapes
+ * or in several lines.
  */
 static int locate(const migration *migration, scene_at place, const char *name, size_t *at)
 {
@@ -203,7 +213,10 @@ static size_t value_end(const migration *migration, int node)
     return at + strlen(value->text) + is_quoted;
 }
 
-/* Return the offset of the first byte of a key, its quotation mark included. */
+/*
+ * Return the offset of the first byte of a YAML key in the text of the scene file, its quotation
+ * mark included.
+ */
 static size_t key_start(const migration *migration, int node)
 {
     return byte_of(migration, migration->tree.node[node].key_at);
@@ -239,7 +252,8 @@ static int move_flow_rate(migration *migration, int node, int section)
 }
 
 /*
- * Move the line of the key `rate` to a new section `control`, above the comment before `simulate`.
+ * Move the line of the key `rate` in the section `simulate` of a scene file to a new section
+ * `control` above it, before the comment that belongs to `simulate`.
  */
 static int move_block_rate(migration *migration, int node, int section)
 {

@@ -31,8 +31,8 @@ static const choice shears[] = {{"uniform", 0}, {"equilibrium", 1}, {NULL, 0}};
 static const choice areas[] = {{"centre", 0}, {"exact", 1}, {NULL, 0}};
 
 /*
- * The key `preset` is the first row of the table and is read first, because the other keys modify
- * the preset.
+ * The key `preset` is the first row of the table of the section `element` and is read first,
+ * because the other keys modify the preset.
  */
 static const field element_fields[] = {
     {"preset", read_preset, .form = &preset_form,
@@ -586,9 +586,9 @@ static const form layer_form = {.type = FORM_MAP, .fields = layer_fields};
 const form layers_form = {.type = FORM_LIST, .item = &layer_form, .least = 1};
 
 /*
- * Check a layer with bare faces: its material needs piezoelectric constants and permittivities, and
- * electrodes in fingers contradict a face without electrode. Returns 0, or -1 after writing the
- * error message of the YAML tree.
+ * Check a piezoelectric layer with bare faces (without electrodes): its material needs
+ * piezoelectric constants and permittivities, and interdigitated electrodes contradict a bare face.
+ * Returns 0, or -1 after writing the error message of the YAML tree.
  */
 static int check_bare(reader *reader, int node, const scene_layer *layer)
 {

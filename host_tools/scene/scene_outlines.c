@@ -25,8 +25,9 @@ static int out_of_memory(reader *reader, int node)
 }
 
 /*
- * Refuse a pattern whose gap leaves no electrode; `size` is the smallest width of any electrode of
- * the pattern. Returns 0, or -1 after writing the error message of the YAML tree.
+ * Refuse a pattern of electrodes whose gap between electrodes leaves none; `size` is the smallest
+ * width of any electrode of the pattern. Returns 0, or -1 after writing the error message of the
+ * YAML tree.
  */
 static int check_gap(reader *reader, int node, double gap, double size)
 {
@@ -208,7 +209,7 @@ static int read_outline_grid(reader *reader, int node, void *to, const void *rul
     return outline_grid(to, &pattern, node_at(reader, node)) < 0 ? out_of_memory(reader, node) : 0;
 }
 
-/* Read the radii that bound the rings of a pattern, ascending; the first may be 0. */
+/* Read the radii that bound the rings of an electrode pattern, ascending; the first may be 0. */
 static int read_ring_radii(reader *reader, int node, void *to, const void *rule)
 {
     ring_pattern *pattern = to;
@@ -231,7 +232,10 @@ static int read_ring_radii(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* Read the number of sectors of each ring of a pattern, after the radii have been read. */
+/*
+ * Read the number of sectors of each ring of an electrode pattern, after the radii of the rings
+ * have been read.
+ */
 static int read_ring_sectors(reader *reader, int node, void *to, const void *rule)
 {
     ring_pattern *pattern = to;
@@ -322,8 +326,8 @@ static const field bitmap_fields[] = {
 static const form bitmap_form = {.type = FORM_MAP, .fields = bitmap_fields};
 
 /*
- * Return the number, from 1, of the electrode to which a pixel of a bitmap belongs; 0: the pixel
- * belongs to no electrode, -1: the value of the pixel names no electrode.
+ * Return the number, from 1, of the electrode to which a pixel of a bitmap of electrodes belongs;
+ * 0: the pixel belongs to no electrode, -1: the value of the pixel names no electrode.
  */
 static int label_of(const bitmap_text *text, double value)
 {
@@ -333,8 +337,8 @@ static int label_of(const bitmap_text *text, double value)
 }
 
 /*
- * Append the rectangle of the pixels from column `from` to column `to` - 1 of a row to an
- * electrode.
+ * Append to an electrode the rectangle of the pixels from column `from` to column `to` - 1 in a row
+ * of a bitmap.
  */
 static int add_run(const bitmap_text *text, const number_table *table, size_t row, size_t from,
                    size_t to, scene_outline *outline)

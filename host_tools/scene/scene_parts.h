@@ -9,8 +9,8 @@
 #include "scene_fields.h"
 
 /*
- * Readers of the sections for the surface and the mesh lines (scene_shape.c). The argument `to` of
- * the reader of every section is the scene.
+ * Functions that read the sections `surface` and `mesh` of a scene file (scene_shape.c). Their
+ * argument `to`, which receives the values, is the scene.
  */
 field_read read_surface, read_mesh;
 
@@ -26,15 +26,15 @@ field_read read_mesh_file, read_mesh_disc, read_layer_sets, read_patch_sets, rea
     read_unit;
 
 /*
- * Read a place on a mesh from a file, a mapping of x, y and z, and find the mesh node nearest to it
+ * Read a point on a mesh from a file, a mapping of x, y and z, and find the mesh node nearest to it
  * (scene_quads.c). Returns 0, or -1 after writing the error message of the YAML tree.
  */
 int read_place(reader *reader, int node, scene_where *where);
 
 /*
  * Assign the elements of a mesh from a file to regions of equal layers (check_regions), and let the
- * supports determine its directors, axes and constrained dof (check_triads). Each returns 0, or -1
- * with error filled.
+ * supports determine its directors (unit normals), axes and constrained dof (check_triads). Each
+ * returns 0, or -1 with error filled.
  */
 int check_regions(scene *scene, char *error);
 int check_triads(scene *scene, char *error);
@@ -46,14 +46,15 @@ int check_triads(scene *scene, char *error);
 field_read read_element, read_materials, read_layers, read_reference, read_patches;
 
 /*
- * Readers of springs, of the stacks of an actuator (argument `to`: the scene_actuator), and of a
- * direction given as a word or a vector (argument `to`: the scene_direction), in scene_springs.c.
+ * Functions that read springs, the piezoelectric stacks of an actuator (into the scene_actuator at
+ * `to`), and a direction given as a word or a vector (into the scene_direction at `to`), in
+ * scene_springs.c.
  */
 field_read read_springs, read_stacks, read_any_direction;
 
 /*
- * Readers of the electrodes of patches in scene_outlines.c: the plane of their outlines (argument
- * `to`: the outline_plane), and the outlines (argument `to`: the scene_patches).
+ * Functions that read the electrodes of patches (scene_outlines.c): the plane of their outlines,
+ * into the outline_plane at `to`, and the outlines, into the scene_patches at `to`.
  */
 field_read read_plane, read_outlines;
 extern const form plane_form, outlines_form;
@@ -138,15 +139,16 @@ field_read read_reversed, read_swapped;
 int read_amplifier_names(reader *reader, int node, int **list, int *count);
 
 /*
- * Readers of the limits of differences and of weighted sums of voltages (scene_rows.c), and
- * descriptions of their values.
+ * Functions that read the limits of differences and of weighted sums of voltages (scene_rows.c),
+ * and descriptions of the permitted values.
  */
 field_read read_difference, read_sum;
 extern const form difference_form, sum_form;
 
 /*
- * Refuse parts of the control loop that move amplifiers one by one in a scene file with limits of
- * sums or differences of voltages. Returns 0, or -1 with error filled.
+ * Refuse a scene file that has limits of sums or differences of voltages together with a function
+ * of the control loop that cannot observe them, such as the self-test, which moves one amplifier
+ * after the other. Returns 0, or -1 with error filled.
  */
 int scene_check_rows(const scene *scene, char *error);
 
@@ -157,8 +159,8 @@ int refuse_amplifier(reader *reader, scene_at at, const char *name);
 field_read read_simulate;
 
 /*
- * Readers of places, faces and directions (scene_place.c); the argument `to` of the readers of
- * places is a scene_where.
+ * Functions that read sets of nodes, faces and directions (scene_place.c); for a set of nodes the
+ * argument `to`, which receives the values, is a scene_where.
  */
 field_read read_edge, read_point, read_at;
 int require_place(reader *reader, int node, const scene_where *where);
@@ -169,9 +171,10 @@ extern const choice place_axes[], place_faces[];
 extern const int place_components[];
 
 /*
- * Rows for tables of keys. DIRECTIONS: the six displacement components u1, u2, u3, x, y and z, each
- * read by the function `read` with the component as its rule. PLACE: the keys that describe a set
- * of nodes, read into the scene_where at an offset (bytes) in the C struct that is filled.
+ * Rows for tables of keys of the scene file. DIRECTIONS: the six displacement components u1, u2,
+ * u3, x, y and z, each read by the function `read` with the component as its rule. PLACE: the keys
+ * that describe a set of nodes, read into the scene_where at an offset (bytes) in the C struct that
+ * is filled.
  */
 #define DIRECTION(key, read, i, of, form, help)                                                    \
     {                                                                                              \
