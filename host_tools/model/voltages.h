@@ -35,7 +35,8 @@ typedef struct voltages {
                           of the gradient at zero voltage; NAN where the result is not an optimum */
     double limit[2];   /* lowest and highest voltage that any amplifier may give (V) */
     int held, narrowed; /* number of amplifiers that are held at one voltage; number of other
-                           amplifiers whose voltage range is narrower than `limit` */
+                           amplifiers whose voltage range is narrower than that from the lowest to
+                           the highest voltage of all amplifiers */
     double residual; /* relative residual of the linear equations whose solution is the displacement
                         vector */
     double regularisation; /* regularisation parameter of least squares that are regularised and

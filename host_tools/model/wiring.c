@@ -51,8 +51,9 @@ typedef struct wiring {
                      */
     size_t *amplifier; /* [amplifiers] index of the amplifier to which each electrode is connected
                         */
-    double squares;    /* sum of the squares of all values of the measured shapes */
-    double entries;    /* number of values in all measured shapes */
+    double squares;    /* sum of the squares of all displacements in the shapes measured under known
+                          voltages */
+    double entries;    /* number of displacements in all measured shapes together */
     double variance;   /* estimated variance of the measurement noise */
 } wiring;
 

@@ -168,11 +168,13 @@ static void mark_edges(const quad_mesh *mesh, const quad_topology *topology, nod
  */
 enum { COEFFICIENTS = 5, EQUATIONS = 15 };
 typedef struct quadric {
-    double tangent[2][3];     /* unit vectors along the two coordinates u and v of the quadric */
-    double matrix[EQUATIONS]; /* packed lower triangle of the matrix of the normal equations of the
-                                 fit */
-    double coefficient[COEFFICIENTS]; /* right-hand side of the normal equations, which the
-                                         solution, the coefficients of the quadric, replaces */
+    double tangent[2][3];     /* unit vectors along the two tangential coordinates u and v of the
+                                 quadric surface that is fitted around a node */
+    double matrix[EQUATIONS]; /* packed lower triangle of the matrix of the normal equations for the
+                                 coefficients of a quadric surface */
+    double coefficient[COEFFICIENTS]; /* right-hand side of the normal equations for the
+                                         coefficients of a quadric surface, which the solution
+                                         replaces */
 } quadric;
 
 static void start_quadric(const double director[3], quadric *sum)
@@ -204,8 +206,8 @@ static void add_neighbour(const quad_mesh *mesh, size_t node, size_t other, doub
 }
 
 /*
- * Factor the packed matrix of the normal equations by Cholesky's method. Returns whether the
- * neighbours determine all coefficients.
+ * Factor, by Cholesky's method, the packed matrix of the normal equations for the coefficients of a
+ * quadric surface around a node. Returns whether the neighbouring nodes determine all coefficients.
  */
 static bool factor_quadric(double factor[EQUATIONS])
 {
@@ -226,8 +228,8 @@ static bool factor_quadric(double factor[EQUATIONS])
 }
 
 /*
- * Solve the factored normal equations (solution [5] in/out: right-hand side, replaced by the
- * coefficients).
+ * Solve the factored normal equations for the coefficients of a quadric surface (solution [5]
+ * in/out: right-hand side, replaced by the coefficients).
  */
 static void solve_quadric(const double factor[EQUATIONS], double solution[COEFFICIENTS])
 {

@@ -23,7 +23,8 @@ static const double middle_of_side = 0.5, corner_of_block = 0.42;
 typedef struct disc_plan {
     const quad_disc *disc;
     int around; /* number of elements along every circle of the disc */
-    int bands;  /* number of bands of the disc, each inside one circle: disc->rings + 1 */
+    int bands;  /* number of bands of the disc, each between one circle and the next: number of
+                   circles inside the rim plus 1 */
     double circle[QUAD_RINGS + 1];
     int across[QUAD_RINGS + 1]; /* number of elements across each band of the disc; the first band
                                    lies between the middle block and the first circle */

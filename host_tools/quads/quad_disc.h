@@ -14,9 +14,9 @@ typedef struct quad_disc {
     double radius; /* radius of the disc's rim (m) */
     double sphere; /* radius of the sphere of which the disc is a part, with the centre below the
                       disc (m); 0: flat disc */
-    double ring[QUAD_RINGS]; /* [rings] radii of circles along which elements end, ascending,
-                                without the rim (m) */
-    int rings;               /* number of circles along which elements end, without the rim */
+    double ring[QUAD_RINGS]; /* [rings] radii of circles on the disc that no element crosses,
+                                ascending, without the rim (m) */
+    int rings;    /* number of circles on the disc, besides the rim, that no element crosses */
     int elements; /* number of elements along a side of the middle block, even; every circle has
                      four times as many */
     int sectors;  /* number of equal angular sectors into which each ring of elements outside the

@@ -18,7 +18,7 @@
 typedef struct quad_set {
     char *name;      /* name of the set of nodes, elements or edges, as the mesh file or the mesh
                         generator gives it */
-    size_t count;    /* number of members of the set */
+    size_t count;    /* number of nodes, elements or edges in the set */
     uint32_t *index; /* [count] numbers of the nodes, elements or edges, ascending, without
                         repetition */
 } quad_set;
@@ -63,13 +63,21 @@ typedef struct quad_mesh {
 /* Release the arrays of a mesh; the mesh is empty afterwards. */
 void quad_mesh_free(quad_mesh *mesh);
 
-/* Sort the members of a set in ascending order and remove repetitions. */
+/*
+ * Sort the members (nodes, elements or edges) of a set in ascending order and remove repetitions.
+ */
 void quad_set_sort(quad_set *set);
 
-/* Give an empty set a name and memory for `count` members. Returns whether memory sufficed. */
+/*
+ * Give an empty set of nodes, elements or edges a name and memory for `count` members. Returns
+ * whether memory sufficed.
+ */
 bool quad_set_begin(quad_set *set, const char *name, size_t count);
 
-/* Return the set with a given name among `count` sets, or NULL if there is none. */
+/*
+ * Return the set of nodes, elements or edges with a given name among `count` sets, or NULL if there
+ * is none.
+ */
 const quad_set *quad_set_find(const quad_set *set, size_t count, const char *name);
 
 /* Return whether a set contains the node, element or edge with a given number. */

@@ -31,7 +31,8 @@ typedef struct quad_raw_cell {
  */
 typedef struct quad_raw_set {
     char *name;
-    int corners; /* type of the members of the set: 0 nodes, 2 edges, 4 quadrilaterals */
+    int corners; /* type of the members of a set of the mesh file: 0 nodes, 2 edges, 4
+                    quadrilaterals */
     size_t count, room;
     int64_t *item; /* [count] numbers of nodes in the file, or indices of cells (points, edges or
                       quadrilaterals) */
@@ -54,8 +55,9 @@ int quad_raw_add_node(quad_raw *raw, const quad_file *file, const quad_raw_node 
 int quad_raw_add_cell(quad_raw *raw, const quad_file *file, const quad_raw_cell *cell);
 
 /*
- * Return the set with a given name and number of corners; a new set is added if there is none.
- * Returns NULL after writing the error message of the mesh file when memory runs out.
+ * Return the set of the mesh file with a given name whose members have a given number of corners
+ * (0: nodes); a new set is added if there is none. Returns NULL after writing the error message of
+ * the mesh file when memory runs out.
  */
 quad_raw_set *quad_raw_find_set(quad_raw *raw, const quad_file *file, const char *name,
                                 size_t length, int corners);

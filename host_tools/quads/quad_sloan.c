@@ -10,16 +10,17 @@
 #include <stdlib.h>
 
 /*
- * State of a node. UNSEEN: the node is not a candidate for the next number yet. NEAR_FRONT: the
- * node is a candidate, but none of its neighbours has a number. IN_FRONT: the node is a candidate,
- * and a neighbour has a number. NUMBERED: the node has its number.
+ * State of a mesh node while the nodes are numbered one after the other. UNSEEN: the node is not a
+ * candidate for the next number yet. NEAR_FRONT: the node is a candidate, but none of its
+ * neighbours has a number. IN_FRONT: the node is a candidate, and a neighbour has a number.
+ * NUMBERED: the node has its number.
  */
 typedef enum node_state { UNSEEN, NEAR_FRONT, IN_FRONT, NUMBERED } node_state;
 
 typedef struct sloan {
     const quad_graph *graph;
-    int64_t *priority; /* [nodes] priority of each node; the candidate with the highest priority
-                          gets the next number */
+    int64_t *priority; /* [nodes] priority of each mesh node in the numbering; of the candidates,
+                          the node with the highest priority gets the next number */
     node_state *state; /* [nodes] state of each mesh node in the numbering */
     uint32_t *waiting; /* [nodes] candidates for the next number as a binary heap: the priority at
                           index i is at least that at the indices 2 i + 1 and 2 i + 2 */
@@ -47,8 +48,8 @@ static void swap_slots(sloan *run, uint32_t first, uint32_t second)
 }
 
 /*
- * Move the node at an index of the heap of candidates towards the top until its priority does not
- * exceed that of the node above.
+ * Move the node at an index of the binary heap of candidates for the next number towards the top
+ * until its priority does not exceed that of the node above.
  */
 static void lift(sloan *run, uint32_t slot)
 {
@@ -58,8 +59,8 @@ static void lift(sloan *run, uint32_t slot)
 }
 
 /*
- * Remove the candidate with the highest priority from the heap. Returns the number of this node in
- * the mesh.
+ * Remove the candidate for the next number with the highest priority from the heap. Returns the
+ * index of this node in the mesh.
  */
 static uint32_t take_next(sloan *run)
 {

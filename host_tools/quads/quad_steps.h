@@ -10,7 +10,9 @@
 #include "quad_options.h"
 #include "quad_raw.h"
 
-/* Mesh file and positions in it, for error messages of the steps after reading. */
+/*
+ * Mesh file, and positions of the elements in it, for error messages after the file has been read.
+ */
 typedef struct quad_origin {
     const quad_file *file;
     size_t *element_at; /* [elements] position of each element in the mesh file (byte) */

@@ -303,7 +303,8 @@ static int read_nodes_2(gmsh *gmsh)
         return -1;
     gmsh->file->is_binary = is_binary;
     if (is_binary)
-        gmsh->file->at++; /* One line end separates the number of nodes from the binary data. */
+        gmsh->file->at++; /* In a binary Gmsh file one line end separates the number of nodes from
+                             the binary data. */
     for (int i = 0; i < count; i++) {
         if (!is_binary)
             quad_skip(gmsh->file);
@@ -427,9 +428,8 @@ static int read_element_2(gmsh *gmsh, quad_raw_cell *cell, int type, int tags)
 }
 
 /*
- * Read a block of elements of one type, as binary files of version 2.2 have them; `left` is the
- * number of elements still to be read. Returns 0, or -1 after writing the error message of the mesh
- * file.
+ * Read a block of elements of one type from a binary Gmsh file of version 2.2; `left` is the number
+ * of elements still to be read. Returns 0, or -1 after writing the error message of the mesh file.
  */
 static int read_element_block_2(gmsh *gmsh, int *left)
 {
@@ -476,7 +476,8 @@ static int read_elements_2(gmsh *gmsh)
         return -1;
     gmsh->file->is_binary = is_binary;
     if (is_binary)
-        gmsh->file->at++; /* One line end separates the number of elements from the binary data. */
+        gmsh->file->at++; /* In a binary Gmsh file one line end separates the number of elements
+                             from the binary data. */
     while (is_binary && left > 0)
         if (read_element_block_2(gmsh, &left) < 0)
             return -1;

@@ -6,7 +6,7 @@
 #include <string.h>
 #include "../quads/vector.h"
 
-/* Smallest distance of included points from the edges of a picture, in pixels. */
+/* Smallest distance of the drawn points from the edges of a picture, in pixels. */
 enum { EDGE = 18 };
 
 /*

@@ -89,10 +89,11 @@ static uint32_t row_of(const bicubic *function, const int cell[2], int term)
 }
 
 /*
- * Compute the 16 products of B-splines at a point of a cell, or one of their derivatives with
- * respect to the coordinates x and y of the point.
- *   derivative [2] in   order of the derivative with respect to x and to y
- *   product   [16] out  the product
+ * Compute the 16 products of cubic B-splines that differ from zero in a cell of the spline function
+ * at a point of the cell, or one of their derivatives with respect to the coordinates x and y of
+ * the point.
+ *   derivative [2]  in   order of the derivative with respect to x and to y
+ *   product    [16] out  the products
  */
 static void products(const bicubic *function, const double at[2], const int derivative[2],
                      double product[TERMS])
@@ -110,8 +111,8 @@ static void products(const bicubic *function, const double at[2], const int deri
 /* ---- normal equations --------------------------------------------------- */
 
 /*
- * Add a weight times the outer product of the 16 products of B-splines that differ from zero in a
- * cell to the matrix of the normal equations for this cell.
+ * Add a weight times the outer product, with itself, of the vector of the 16 products of B-splines
+ * that differ from zero in a cell to the matrix of the normal equations for this cell.
  */
 static void add_square(const double product[TERMS], double weight, double matrix[TERMS][TERMS])
 {
@@ -148,8 +149,8 @@ static void set_penalty(const bicubic *function, double matrix[TERMS][TERMS])
 }
 
 /*
- * Add the matrix of a cell of the spline function to the normal equations of the whole fit, whose
- * lower triangle is stored.
+ * Add the 16 x 16 matrix that one cell of the spline function contributes to the matrix of the
+ * normal equations of the whole fit, whose lower triangle is stored.
  */
 static void add_cell(const bicubic *function, const int cell[2], double matrix[TERMS][TERMS],
                      pzs_envelope *equations)
@@ -212,8 +213,8 @@ static int open_equations(const bicubic *function, pzs_envelope *equations, uint
 }
 
 /*
- * Solve the normal equations for the coefficients of the spline function. Returns 0, or -1 if the
- * points determine no function.
+ * Solve the normal equations of the fit for the coefficients of the spline function. Returns 0, or
+ * -1 if the points determine no function.
  */
 static int solve(bicubic *function, size_t count, const double (*point)[3], uint32_t rows)
 {

@@ -780,12 +780,12 @@ typedef struct scene_dynamics {
                              laminate (units of the scene file) */
 } scene_dynamics;
 
-/* Settings of the control loop on the device. */
+/* Settings of the control loop that runs on the embedded device. */
 typedef struct scene_control {
     double rate; /* tick rate of the control loop (ticks per second); 0 if neither given nor needed
                     by a simulation */
-    bool moving_target; /* true: the target moves, and a reference governor compensates the lag of a
-                           controller that damps vibration */
+    bool moving_target; /* true: the target moves with time, and a reference governor compensates
+                           the lag of a controller that damps vibration */
     double clock;       /* clock frequency of the device's processor (Hz); 0 if not given */
 } scene_control;
 

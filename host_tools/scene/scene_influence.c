@@ -24,9 +24,11 @@ typedef struct influence_text {
     bool rows_are_actuators;
     double scale;
     number_table table;
-    int coordinate_column[AXES]; /* numbers of the columns of the table that hold the coordinates x,
-                                    y and z; -1 where there is none */
-    int *column; /* [columns] numbers of the table's columns that are no coordinates */
+    int coordinate_column[AXES]; /* numbers of the columns that hold the coordinates x, y and z of
+                                    the outputs in the table of a measured influence matrix; -1
+                                    where there is none */
+    int *column; /* [columns] numbers of the columns without coordinates in the table of a measured
+                    influence matrix */
     int columns;
     unsigned char *is_ignored; /* [outputs] 1 for an output of the influence matrix in the file that
                                   the scene file leaves out, else 0 */

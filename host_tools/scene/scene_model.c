@@ -141,8 +141,8 @@ static const char *first_given(const reader *reader, int node, const char *const
 }
 
 /*
- * Require all keys of a list in a material. Returns 0, or -1 after writing the error message of the
- * YAML tree, which names the first missing key and all keys of the list.
+ * Check that the scene file gives all keys of a list for a material. Returns 0, or -1 after writing
+ * the error message of the YAML tree, which names the first missing key and all keys of the list.
  */
 static int require(reader *reader, int node, const char *const *keys)
 {
