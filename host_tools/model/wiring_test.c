@@ -287,8 +287,8 @@ static double sufficient_height(const wiring_test *test, const double *direct, s
 }
 
 /*
- * Reason why the self-test cannot judge an amplifier: it makes no test pulse, moves no sensor, or
- * noise hides its response.
+ * Reason why the self-test of the wiring cannot judge an amplifier: no test pulse is applied to it,
+ * its test pulses change no sensor reading, or noise hides the change.
  */
 typedef enum doubt { DOUBT_NONE, DOUBT_UNTESTED, DOUBT_UNMOVED, DOUBT_HIDDEN, DOUBTS } doubt;
 

@@ -228,8 +228,9 @@ int quad_connect(quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw
         status = pair_sides(mesh, origin, list, topology);
         if (status == 0)
             status = orient_all(mesh, origin, topology, options->is_flipped);
-        quad_sides(mesh, list); /* the sides of all elements are listed again, because elements that
-                                   were turned over have new side numbers */
+        quad_sides(mesh, list); /* The sides of all elements are listed again, because the side
+                                   numbers of elements that were turned over (reversed in
+                                   orientation) have changed. */
         if (status == 0)
             status = pair_sides(mesh, origin, list, topology);
         if (status == 0)

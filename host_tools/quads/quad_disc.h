@@ -17,8 +17,8 @@ typedef struct quad_disc {
     double ring[QUAD_RINGS]; /* [rings] radii of circles on the disc that no element crosses,
                                 ascending, without the rim (m) */
     int rings;    /* number of circles on the disc, besides the rim, that no element crosses */
-    int elements; /* number of elements along a side of the middle block, even; every circle has
-                     four times as many */
+    int elements; /* number of elements along a side of the middle block of the disc, even; every
+                     circle on the disc has four times as many */
     int sectors;  /* number of equal angular sectors into which each ring of elements outside the
                      first circle is divided; a divisor of the number of elements along a circle */
 } quad_disc;

@@ -138,7 +138,7 @@ static electrode open_electrode(const shell *map, const scene_patches *patches, 
     return electrode;
 }
 
-/* Draw the area or the border of an electrode in a style. */
+/* Draw the border (is_border) or the area of an electrode on a map, with an SVG style class. */
 static void draw_pieces(electrode *electrode, bool is_border, const char *style)
 {
     static const double square[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};

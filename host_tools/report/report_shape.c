@@ -126,7 +126,7 @@ static const voltages *main_result(const shape_page *shape)
 
 /*
  * Write one sentence with the shape error and the number of voltages at a limit, for the result
- * that the page shows first.
+ * (optimal voltages for one pair of limits) that the page shows first.
  */
 static void write_verdict(const shape_page *shape)
 {

@@ -55,8 +55,8 @@ struct expr {
     scatter *scatter;             /* interpolated function through scattered points, or NULL */
     int axes, axis[SCATTER_AXES]; /* number of coordinates of the scattered points, and index of
                                      each in the order x, y, z, theta1, theta2 */
-    double spacing;               /* usual distance between neighbouring scattered points */
-    double *list; /* [rows] values of a function that is given as a list of values, or NULL */
+    double spacing; /* usual distance between neighbouring points of an interpolated function */
+    double *list;   /* [rows] values of a function that is given as a list of values, or NULL */
     int rows;
     instruction code[];
 };

@@ -29,7 +29,8 @@ struct polygon; /* The C struct `polygon`, a list of points, is declared in
  */
 typedef struct scene_outline {
     int polygons;
-    struct polygon *polygon; /* [polygons] counterclockwise polygons, no two of which overlap */
+    struct polygon *polygon; /* [polygons] counterclockwise polygons that an electrode covers, no
+                                two of which overlap */
     expr *inside; /* formula that is positive on the electrode; NULL: the electrode is given by
                      polygons */
     double low[2], high[2]; /* bounding box of the polygons of an electrode in the plane of the

@@ -255,8 +255,8 @@ typedef struct scene_where {
                           the scene file gives no limit */
     int node[2]; /* indices of the mesh lines of theta1 and of theta2 on which a point lies; on a
                     mesh from a file, node[0] is the number of the node nearest to the point */
-    char set[SCENE_NAME]; /* name of the set of nodes, edges or elements in the mesh file that is
-                             meant */
+    char set[SCENE_NAME]; /* name of the set of nodes, edges or elements in the mesh file to which
+                             an item of the scene file refers */
     double x[3]; /* coordinates x, y, z of a point in space, on a mesh from a file (length unit of
                     the scene file) */
     scene_at at;
