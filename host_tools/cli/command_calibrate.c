@@ -97,8 +97,8 @@ static void actuator_name(const run *run, size_t k, char name[SCENE_LABEL])
 /* ---- fit -------------------------------------------------------------- */
 
 /*
- * Find wiring faults with a measured matrix as the model, and compute the influence matrix. Returns
- * 0, or -1 with error filled.
+ * Find wiring faults with a measured influence matrix as the model, and compute the influence
+ * matrix from the measured voltages and shapes. Returns 0, or -1 with error filled.
  */
 static int fit_to_matrix(run *run, char *error)
 {
@@ -122,7 +122,7 @@ static int fit_to_matrix(run *run, char *error)
 
 /*
  * Fit factors of the structure's material constants, find wiring faults, and compute the influence
- * matrix. Returns 0, or -1 with error filled.
+ * matrix from the measured voltages and shapes. Returns 0, or -1 with error filled.
  */
 static int fit_to_structure(run *run, char *error)
 {
@@ -349,7 +349,10 @@ static void print_json(const run *run)
     json_close(&json, '}');
 }
 
-/* Coordinates [outputs][3] of the outputs, or NULL where the model has none. */
+/*
+ * Coordinates [outputs][3] of the points at which the measured shapes give the displacements
+ * (outputs), or NULL where the model has no coordinates.
+ */
 static double (*places(const run *run))[3]
 {
     return run->scene && run->scene->influence.given ? run->scene->influence.place

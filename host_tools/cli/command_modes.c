@@ -9,7 +9,7 @@
 
 enum { USUAL_MODES = 5 };
 
-/* Print the numbers of a list in YAML, and the end of the list. */
+/* Print numbers in YAML, separated by commas, and the bracket that ends their list. */
 static void print_list(FILE *file, const double *value, size_t count)
 {
     for (size_t i = 0; i < count; i++)
@@ -129,12 +129,15 @@ static void print_json(const identified_modes *found, const pokes *samples)
     json_close(&json, '}');
 }
 
-/* Largest part of the vibration that identified modes may leave without a warning. */
+/*
+ * Largest part of the measured vibration that may remain unexplained by the identified vibration
+ * modes without a warning.
+ */
 static const double usual_left = 0.1;
 
 /*
- * Warn of modes that do not explain the record, and of modes whose damping ratio is smaller than
- * its standard error.
+ * Warn where the identified vibration modes explain too little of the measured vibration, and of
+ * vibration modes whose damping ratio is smaller than its standard error.
  */
 static void warn_of_modes(const identified_modes *found)
 {

@@ -74,13 +74,15 @@ static void print_json(const identification *found, const pokes *samples)
 }
 
 /*
- * Shortest and longest duration of a sweep (s). A sweep of another duration has another number of
- * samples a second than was stated.
+ * Shortest and longest accepted duration of a sweep, a measurement in which the voltage of an
+ * actuator rises and falls (s). Outside this range, the number of samples a second that the user
+ * has stated must be wrong.
  */
 static const double shortest = 1e-4, longest = 1e8;
 
 /*
- * Check the duration of a sweep, on which the identified creep depends. Returns 0, or an exit code.
+ * Check the duration of a sweep, a measurement in which the voltage rises and falls; the identified
+ * creep of the actuator depends on this duration. Returns 0, or an exit code.
  */
 static int check_duration(const pokes *samples, double rate)
 {

@@ -147,7 +147,10 @@ static void add_points(arrays *arrays, const stress_field *field, const char *un
     add_array(arrays, "strain", "", rows, STRESS_COMPONENTS, strain);
 }
 
-/* Append the centres, stresses, strains and resultants of all elements. */
+/*
+ * Append the centres, stresses, strains and stress resultants of all elements to the arrays that
+ * are written to files.
+ */
 static void add_stress(arrays *arrays, const stress_field *field, char unit[WORDS_UNIT])
 {
     const scene_unit_names *units = &field->state.design->units;
@@ -192,8 +195,8 @@ int export_solve(const options *options, const analysis *analysis, const double 
 }
 
 /*
- * Append voltages, shapes and misfits of all results as matrices with one row for each result of
- * `pzs shape`.
+ * Append the voltages, shapes and misfits (shape minus target) of all results of `pzs shape` to the
+ * arrays that are written to files, as matrices with one row for each result.
  */
 static void add_results(arrays *arrays, const shape_run *run)
 {
@@ -221,8 +224,8 @@ static void add_results(arrays *arrays, const shape_run *run)
 }
 
 /*
- * Append the influence matrix and the voltage limits to the arrays.
- *   unit out  unit of the influence matrix, to which the array refers until it is written
+ * Append the influence matrix and the voltage limits to the arrays that are written to files.
+ *   unit out  unit of the influence matrix, a text to which the array refers until it is written
  */
 static void add_problem(arrays *arrays, const design *design, char unit[WORDS_UNIT])
 {

@@ -16,10 +16,10 @@ bool export_is_wanted(const options *options);
 /*
  * Write the arrays of a result to the files that the options name. Each function returns 0, or an
  * exit code after printing an error message.
- *   export_solve       displacement [free_dof], values of the output rows, and the stresses; NULL:
- *                      without stresses
- *   export_shape       the voltages of every result with their shape
- *   export_modes       natural frequencies and mode shapes
+ *   export_solve       displacement [free_dof], values of all outputs of the scene, and the
+ *                      stresses; NULL: without stresses
+ *   export_shape       the voltages of every result of `pzs shape` with their shape
+ *   export_modes       natural frequencies and mode shapes of vibration
  *   export_simulation  values of every tick of a simulation
  */
 int export_solve(const options *options, const analysis *analysis, const double *displacement,

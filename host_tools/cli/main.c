@@ -187,9 +187,9 @@ static int write_reports(const options *options, write_report *write, const void
 /* ---- solve ------------------------------------------------------------ */
 
 /*
- * Solution for the displacement of a scene: displacement vector [free_dof], the values of the
- * output rows computed from it, and the stresses recovered from it, or NULL where the user has not
- * asked for them.
+ * Solution for the displacement of a scene: displacement vector [free_dof], the values of all
+ * outputs of the scene computed from it, and the stresses recovered from it, or NULL where the user
+ * has not asked for them.
  */
 typedef struct solution {
     const analysis *analysis;
@@ -422,7 +422,8 @@ static int write_shape(const report_job *job, const void *result)
 }
 
 /*
- * Estimate the discretisation error of the shape error at the first optimum. Returns an exit code.
+ * Estimate the discretisation error of the shape error that the optimal voltages leave, under the
+ * first pair of voltage limits. Returns an exit code.
  */
 static int shape_error(shape_run *run, const options *options)
 {
@@ -434,8 +435,8 @@ static int shape_error(shape_run *run, const options *options)
 }
 
 /*
- * Compute the numbers for the plausibility rules on the target, from the shape without voltages and
- * the first optimum.
+ * Compute the numbers to which the plausibility warnings on the target refer, from the shape
+ * without voltages and from the optimal voltages within the first pair of voltage limits.
  */
 static plausible_optimum optimum_of(const shape_run *run)
 {
@@ -757,7 +758,7 @@ static int judge_loop(analysis *analysis, char *error)
 }
 
 /*
- * Largest displacement of the target over the thickness of the structure; 0 for a measured
+ * Largest displacement of the target shape over the thickness of the structure; 0 for a measured
  * influence matrix, of whose structure no thickness is known.
  */
 static double target_amplitude(const design *design)
@@ -770,7 +771,9 @@ static double target_amplitude(const design *design)
     return most / design->mesh.laminate.thickness;
 }
 
-/* Root mean square of the target over the target nodes. */
+/*
+ * Root mean square, over the target nodes, of the wanted displacements (length unit of the scene).
+ */
 static double target_rms(const design *design)
 {
     double squares = 0;
@@ -780,8 +783,8 @@ static double target_rms(const design *design)
 }
 
 /*
- * Add a warning where the voltages reach little of the target within their limits. Returns 0, or -1
- * with error filled.
+ * Add a warning where voltages within their limits can reproduce only a small part of the target
+ * shape. Returns 0, or -1 with error filled.
  */
 static int warn_of_target(analysis *analysis, char *error)
 {

@@ -272,7 +272,10 @@ static int take_word(options *options, const char *word)
     return 0;
 }
 
-/* Whether a prefix starts with pzs or PZS, which are reserved for the names of the library. */
+/*
+ * Whether the prefix that the user has chosen for the names in generated C tables is pzs or PZS,
+ * which the library uses for its own names.
+ */
 static int is_own_prefix(const char *prefix)
 {
     return strlen(prefix) == 3 && tolower((unsigned char)prefix[0]) == 'p' &&
@@ -299,8 +302,9 @@ static int parse(options *options, int argc, char **argv)
 }
 
 /*
- * Refuse options of calibrate that would be ignored: a second purpose, a number of modes without
- * modes, a scene that the purpose does not use. Returns 0, or an exit code.
+ * Refuse options of the command calibrate that would be ignored: both --hysteresis and --vibration,
+ * --number (of vibration modes) without --vibration, a scene with either of them, or --set without
+ * a scene. Returns 0, or an exit code.
  */
 static int check_calibrate(const options *options)
 {
@@ -320,8 +324,8 @@ static int check_calibrate(const options *options)
 }
 
 /*
- * Check that all required arguments are present and that the prefix is not reserved for the
- * library. Returns 0, or an exit code.
+ * Check that all required arguments of the command line are present, and that the user's prefix for
+ * the names in generated C tables is not reserved for the library. Returns 0, or an exit code.
  */
 static int check_words(const options *options)
 {

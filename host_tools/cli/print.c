@@ -149,9 +149,9 @@ static void json_head(json *json, const analysis *analysis)
 /* ---- check ------------------------------------------------------------ */
 
 /*
- * Compute the device memory for the constants (`pzs tables`) of one image of the firmware: control,
- * linear or nonlinear. The constants are written to a file that is discarded. Returns 0, or -1
- * where they cannot be made for the scene.
+ * Compute the device memory for the constants (`pzs tables`) of one type of firmware: controller
+ * alone, linear solver or nonlinear solver. The constants are written to a file that is discarded.
+ * Returns 0, or -1 where the scene does not permit this type of firmware.
  */
 static int image_size(const analysis *analysis, tables_image image, tables_size *size,
                       tables_memory *need)
@@ -556,8 +556,8 @@ static void print_reached(const shape_run *run)
 }
 
 /*
- * Print how many amplifiers have narrower voltage limits than the table of results states, and how
- * many are held at one voltage.
+ * Print how many amplifiers have narrower voltage limits than the printed table of results states,
+ * and how many are held at one voltage.
  */
 static void print_narrower(const voltages *result, int amplifiers)
 {
@@ -595,8 +595,9 @@ static void print_target_rows(const design *design, const voltages *result)
 }
 
 /*
- * Print the outputs at several nodes under the optimum within the first limits, and the names of
- * the outputs that only `pzs solve` computes.
+ * Print the displacements of the scene's outputs that have several nodes, under the optimal
+ * voltages within the first pair of voltage limits. Then print the names of the outputs that only
+ * `pzs solve` computes.
  */
 static void print_reached_nodes(const analysis *analysis, const voltages *best, double *value)
 {
@@ -617,7 +618,7 @@ static void print_reached_nodes(const analysis *analysis, const voltages *best, 
         putchar('\n');
 }
 
-/* Print which limits of sums and differences of voltages bind at an optimum. */
+/* Print which limits of sums and differences of voltages are active at the optimal voltages. */
 static void print_rows(const design *design, const voltages *best)
 {
     enum { MOST_NAMED = 8 };
@@ -741,8 +742,8 @@ static void json_voltages(json *json, const analysis *analysis, const voltages *
 }
 
 /*
- * Write the results of `pzs shape` as JSON: the optimum within the first limits at the top level,
- * then the voltages of every result.
+ * Write the results of `pzs shape` as JSON: at the top level the optimal voltages within the first
+ * pair of voltage limits, then the voltages of every result.
  */
 void print_shape_json(const shape_run *run)
 {

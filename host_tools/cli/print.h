@@ -20,7 +20,7 @@ typedef struct shape_run {
     int count, compared; /* number of results; index of the first result whose voltages the scene
                             gives for comparison */
     modes modes; /* results for each alternative shape of the target; empty where the target is no
-                    list of modes */
+                    list of alternative shapes */
 } shape_run;
 
 /*
@@ -50,8 +50,9 @@ void print_check_json(const analysis *analysis, const work_report *work);
 /*
  * Print the outputs of the scene under a displacement, then the forces of springs and the voltages
  * and charges of electrodes.
- *   displacement [free_dof]    in  displacement vector of the structure
- *   value        [output rows] in  values of all outputs
+ *   displacement [free_dof]     in  displacement vector of the structure
+ *   value        [output rows]  in  values of all outputs, one for each row of the matrix that maps
+ *                                   the displacement vector to the outputs
  */
 void print_solve(analysis *analysis, const double *displacement, const double *value,
                  const stress_field *stress);
@@ -77,8 +78,8 @@ void print_shape(const shape_run *run);
 void print_shape_json(const shape_run *run);
 
 /*
- * Print the errors of each alternative shape of a target that is a list of modes; otherwise print
- * nothing.
+ * Print the shape error of each alternative shape of a target that is a list of alternative shapes;
+ * otherwise print nothing.
  */
 void print_modes(const design *design, const modes *modes);
 void print_modes_json(json *json, const design *design, const modes *modes);

@@ -25,8 +25,8 @@ void print_matrix_modes(const design *design)
 }
 
 /*
- * Write the shares of the influence matrix that the measured modes explain as members of a JSON
- * object.
+ * Write, as members of a JSON object, which shares of the sum of squares of the influence matrix's
+ * entries the static responses of the measured vibration modes explain.
  */
 static void json_modes(json *json, const design *design)
 {

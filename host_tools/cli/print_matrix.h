@@ -6,14 +6,16 @@
 #include "../model/analysis.h"
 
 /*
- * Print the size, the rank and the singular values of the influence matrix of a scene, and the
- * shares of it that the measured modes explain.
+ * Print the size, the rank and the singular values of the measured influence matrix of a scene, and
+ * the shares of the sum of squares of its entries that the static responses of the measured
+ * vibration modes explain.
  */
 void print_matrix(const analysis *analysis);
 
 /*
- * Print the shares of a measured influence matrix that the measured modes of the scene explain;
- * nothing where the scene has no measured modes.
+ * Print which shares of the sum of squares of a measured influence matrix's entries the static
+ * responses of the scene's measured vibration modes explain; nothing where the scene has no
+ * measured vibration modes.
  */
 void print_matrix_modes(const design *design);
 

@@ -193,7 +193,10 @@ static void print_phases(const simulation *simulation)
          "  the answer");
 }
 
-/* Return the largest recorded value in one of `parts` equal parts of the simulated time. */
+/*
+ * Return the largest value of a recorded quantity in one of `parts` equal parts of the simulated
+ * time.
+ */
 static double largest(const simulate_record *record, const double *value, int part, int parts)
 {
     double most = 0;
@@ -240,8 +243,8 @@ static void print_count(const simulation *simulation, simulate_law law)
 }
 
 /*
- * Print that the self-test, which runs before the schedule of the simulation, has found nothing,
- * and which amplifiers and sensors it could not test.
+ * Print that the self-test of wiring, which runs before the schedule of the simulation, has found
+ * no faults, and which amplifiers and sensors it could not test.
  */
 static void print_selftest(const simulation *simulation)
 {

@@ -11,8 +11,8 @@
 /* ---- modes ------------------------------------------------------------ */
 
 /*
- * Largest static displacement of a node in one vibration mode under a unit of an input; NAN for a
- * rigid motion.
+ * Largest static displacement of a node in one vibration mode per unit of an input (1 V for a
+ * voltage); NAN for a rigid motion.
  */
 static double moved_by(const design *design, const vibration *vibration, int mode, int input)
 {
@@ -48,7 +48,9 @@ static void print_mode(const design *design, const vibration *vibration, int mod
     putchar('\n');
 }
 
-/* Print where the modes come from: the structure with its mass, or the scene of a measured matrix.
+/*
+ * Print the origin of the vibration modes: computed from the structure with its mass, or given by
+ * the scene together with a measured influence matrix.
  */
 static void print_source(const design *design, const vibration *vibration)
 {
@@ -65,7 +67,10 @@ static void print_source(const design *design, const vibration *vibration)
            design->dynamics.damping, from, vibration->solves);
 }
 
-/* Print the effective modal masses of all computed modes together, as shares of the mass. */
+/*
+ * Print the sums of the effective modal masses of all computed vibration modes, as shares of the
+ * mass of the structure.
+ */
 static void print_sum(const vibration *vibration)
 {
     printf("  %-21s", "together");

@@ -24,7 +24,7 @@ void print_vibration_summary(const certificate *certificate, bool is_quasi_stati
 
 /*
  * Print the first natural frequency and the stability of the control loop, or why they could not be
- * computed. Nothing is printed where the certificate is empty (before certificate_make).
+ * computed. Nothing is printed before certificate_make has computed the certificate of stability.
  */
 void print_certificate(const certificate *certificate);
 void print_certificate_json(json *json, const certificate *certificate);

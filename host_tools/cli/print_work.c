@@ -6,8 +6,8 @@
 #include "../model/tick_work.h"
 
 /*
- * Compute upper bounds of the instructions of a control tick with a list of blocks: of any tick,
- * and of the longest simulated one.
+ * Compute upper bounds of the processor instructions of a control tick that runs a list of blocks
+ * (stages of the control computation): for any tick, and for the longest simulated tick.
  */
 static void find_bounds(work_report *report, const analysis *analysis, const loop_blocks *blocks)
 {

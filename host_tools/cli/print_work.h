@@ -27,7 +27,7 @@ typedef struct work_report {
 
 /*
  * Compute the number of processor instructions of a control tick.
- *   analysis in  analysis whose influence matrix and stability certificate are computed
+ *   analysis in  analysis of a scene, with computed influence matrix and certificate of stability
  */
 void work_report_make(work_report *report, const analysis *analysis);
 

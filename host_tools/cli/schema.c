@@ -120,8 +120,8 @@ static bool is_required(const field *field, const form_case *one)
 }
 
 /*
- * Write to the schema which words are permitted as value of a key. The words are separated by '/'
- * in an entry of the list of a permitted combination of keys.
+ * Write to the JSON schema which words are permitted as value of a key of the scene file. In a
+ * permitted combination of keys, the entry of the key lists these words separated by '/'.
  */
 static void write_item_words(json *json, const case_item *item)
 {

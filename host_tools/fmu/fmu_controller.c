@@ -21,7 +21,10 @@ static int known_loads(const fmu *fmu)
     return loop_feeds(fmu->design) ? fmu->design->loads : 0;
 }
 
-/* Whether the controller has a supervisor, which takes commands and has a mode. */
+/*
+ * Whether the controller of the FMU has a supervisor, which takes commands and has an operating
+ * mode.
+ */
 static bool is_supervised(const fmu *fmu)
 {
     return loop_supervises(fmu->design, fmu->nominal->certificate.loop.is_made);

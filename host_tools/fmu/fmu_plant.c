@@ -128,13 +128,14 @@ static void add_variables(fmu *fmu, const plant *plant, const double *start)
 typedef struct plant_rows {
     int count, sensors, first_sensor; /* number of rows, number of sensors, and index of the first
                                          row that belongs to a sensor */
-    int *row;      /* [count] number of each selected output among all outputs of the structure */
+    int *row;      /* [count] number of each output that the FMU contains among all outputs of the
+                      structure */
     double *noise; /* [sensors] standard deviation of the noise of each sensor (unit of the reading)
                     */
-    double *influence; /* [count][inputs] influence matrix: static displacement of each selected
-                          output per unit of each input */
-    double *shape;     /* [count][modes] displacement of each selected output per unit of the
-                          coordinate of each vibration mode */
+    double *influence; /* [count][inputs] influence matrix: static displacement of each output that
+                          the FMU contains per unit of each input */
+    double *shape; /* [count][modes] displacement of each output that the FMU contains per unit of
+                      the coordinate of each vibration mode */
 } plant_rows;
 
 static void close_rows(plant_rows *rows)
@@ -145,7 +146,10 @@ static void close_rows(plant_rows *rows)
     free(rows->shape);
 }
 
-/* Append the rows for the sensors from which the scene estimates the shape. */
+/*
+ * Append the outputs of the sensors from which the scene estimates the shape to the outputs that
+ * the FMU of the plant contains.
+ */
 static void list_sensors(plant_rows *rows, const plant *plant)
 {
     const scene_estimate *estimate = &plant->analysis.design.estimate;
@@ -160,8 +164,8 @@ static void list_sensors(plant_rows *rows, const plant *plant)
 }
 
 /*
- * Copy the rows that the FMU needs from the influence matrix and the vibration mode shapes of the
- * plant.
+ * Copy the rows of those outputs that the FMU contains from the influence matrix and from the
+ * matrix of vibration mode shapes of the plant.
  */
 static void copy_rows(plant_rows *rows, const plant *plant)
 {

@@ -63,9 +63,10 @@ static int find_type(const type_list *list, const pzs_element_type *type,
 }
 
 /*
- * Copy those entries of the stiffness of the four strain modes whose two strains the mode keeps.
+ * Copy from the stiffness matrices of an element's four strain modes (constant, two linear,
+ * bilinear over the element) the entries of those strains that occur in each strain mode.
  *   full [4][55] in   packed lower triangles over all ten strains
- *   kept [88]    out  packed lower triangles over the strains that each mode keeps
+ *   kept [88]    out  packed lower triangles over the strains that occur in each strain mode
  */
 static void keep_entries(const double (*full)[LAMINATE_PACKED], double *kept)
 {

@@ -937,10 +937,12 @@ static double field_density(const laminate_ply *ply, const laminate_field *first
 }
 
 /*
- * With the element option lin33 the thickness strain of a ply differs from that of all plies
- * together by its own free thickening less the mean thickening of all plies. The energy of these
- * strains adds the integral of the normal stiffness times both free thickenings of the ply, less
- * the normal stiffness of all plies together times both mean thickenings.
+ * With the element option lin33 every ply thickens freely: its thickness strain differs from that
+ * of all plies together by its own free thickening less the mean free thickening of all plies. For
+ * two fields (voltage, electric field or temperature), the energy of these strains adds the
+ * integral over the ply of its normal stiffness times its free thickening under the first field
+ * times that under the second. It subtracts the normal stiffness of all plies together times the
+ * product of the mean free thickenings under the two fields.
  */
 double laminate_capacitance(const laminate *laminate, const scene_element *element,
                             const laminate_place *place, const laminate_field *first,

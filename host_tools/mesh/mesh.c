@@ -486,7 +486,8 @@ static int check_corners(const scene *scene, char *error)
 
 /*
  * Return the number of the mesh line at a position in the order 0, n-1, 1, n-2, ... of the n lines
- * of a closed direction; in this order neighbouring lines are at most two positions apart.
+ * along a closed direction of the surface (as around a cylinder); in this order neighbouring lines
+ * are at most two positions apart.
  */
 static int folded(int position, int lines)
 {

@@ -31,27 +31,29 @@ typedef struct mesh_springs {
     double *value;     /* [entries of all springs] elongation of the spring per unit of the dof, for
                           each entry of the sparse rows (1) */
     double *stiffness; /* [count] stiffness of each spring or stack (N/m) */
-    double envelope_without; /* number of entries that the factor of the stiffness matrix would have
-                                without springs */
+    double envelope_without; /* number of entries that the Cholesky factor of the stiffness matrix
+                                would have without springs */
 } mesh_springs;
 
 typedef struct mesh {
     const scene *scene; /* scene from which the mesh is built; only the construction of mesh and
                            design uses it */
     scene_element formulation; /* options that choose the formulation of the finite element */
-    scene_line line[2];        /* mesh lines of theta1 and theta2; the points belong to the scene */
-    bool is_from_file;         /* whether the scene file names a mesh file in place of mesh lines */
-    const bicubic *fitted;     /* height of a surface that is fitted to points; otherwise NULL */
-    bool is_polar;             /* whether the surface is a plane in polar coordinates */
-    bool is_angle[2];          /* whether theta1 and theta2 are angles (rad) instead of lengths */
+    scene_line line[2];     /* mesh lines, at constant theta1 and at constant theta2; the memory of
+                               their coordinates belongs to the scene */
+    bool is_from_file;      /* whether the scene file names a mesh file in place of mesh lines */
+    const bicubic *fitted;  /* height of a surface that is fitted to points; otherwise NULL */
+    bool is_polar;          /* whether the surface is a plane in polar coordinates */
+    bool is_angle[2];       /* whether theta1 and theta2 are angles (rad) instead of lengths */
     const quad_mesh *quads; /* general quadrilateral mesh from which this mesh was built; NULL for a
                                mesh along lines of curvature */
     bool accept_irregular;  /* true: elements that are too thin for an irregular mesh, so that their
                                bending is far too stiff, are reported; false: they are refused */
     quad_report quad_report;
     laminate laminate;
-    int lines[2]; /* number of node lines along theta1 and theta2, in which a closed direction has
-                     no last line; on a mesh from a file: number of nodes, and 1 */
+    int lines[2]; /* number of node lines along theta1 and theta2; along a closed direction the last
+                     line equals the first and is not counted. On a mesh from a file: number of
+                     nodes, and 1 */
     int nodes, elements, types, free_dof;
     unsigned dof_per_node;
     surface_point *point; /* [nodes] point of the surface at each node: position, local axes
@@ -72,9 +74,9 @@ typedef struct mesh {
                              turned */
     double (*turn)[3][3]; /* [turns] components, in the triad (local axes) of the node, of the unit
                              vectors (rows) along which its mean displacements act */
-    uint16_t *first_column; /* [free_dof] column of the first stored entry in each row of the factor
-                               of the stiffness matrix */
-    int prescribed_count;   /* number of free dof whose displacement is prescribed */
+    uint16_t *first_column;   /* [free_dof] column of the first stored entry in each row of the
+                                 stiffness matrix's Cholesky factor */
+    int prescribed_count;     /* number of free dof whose displacement is prescribed */
     uint16_t *prescribed_dof; /* [prescribed_count] numbers of the free dof with prescribed
                                  displacement, ascending */
     double *prescribed_value; /* [prescribed_count] prescribed displacements at full load (length
@@ -126,7 +128,8 @@ int mesh_hold_oblique(mesh *mesh, const double *values, int *node, char *error);
 
 /*
  * Convert three components at a node between its triad (local axes) and the axes along which its
- * mean displacements act. Both functions change only nodes at oblique supports.
+ * mean displacements act: mesh_turn_to_dof to these axes, mesh_turn_to_triad back. The components
+ * change only at oblique supports.
  *   mean [3] in/out  mean displacement, force, or weights of the mean displacements
  */
 void mesh_turn_to_dof(const mesh *mesh, int node, double mean[3]);
@@ -172,8 +175,8 @@ mesh_text mesh_node_text(const mesh *mesh, int node);
 mesh_text mesh_element_text(const mesh *mesh, int element);
 
 /*
- * Return the node of a place in the scene file that is a single node: the node of a point, or the
- * first node of a node set.
+ * Return the node of a point or of a node set that the scene file names; of a node set, the first
+ * node.
  */
 int mesh_point_node(const mesh *mesh, const scene_where *where);
 
@@ -190,8 +193,8 @@ typedef struct mesh_side {
 } mesh_side;
 
 /*
- * Return the number of element sides on an edge, or in an edge set of a mesh from a file; -1 for
- * any other place.
+ * Return the number of element sides on an edge of the mesh, or in an edge set of a mesh file; -1
+ * if `where` is no edge and no edge set.
  */
 int mesh_sides(const mesh *mesh, const scene_where *where);
 

@@ -90,9 +90,10 @@ static void coefficients(const shapes *shapes, int node, double coefficient[FIEL
 }
 
 /*
- * Return the capacitance between two potentials of the parts of the electric field that vary over
- * the element with a mean of 0.
- *   uncoupled [5][5] in  capacitances of the five fields without the strain mode 00
+ * Return the charge at one electric potential of a ply per volt of another (C/V) that is due to the
+ * parts of the electric field which vary over the element with a mean of 0.
+ *   uncoupled [5][5] in  capacitances of the five electric fields of the ply, for the parts of
+ *                        these fields that do not act on the constant strains (strain mode 00)
  */
 static double varying_part(const laminate_place *place, const shapes *shapes, int first, int second,
                            double uncoupled[FIELDS][FIELDS])

@@ -23,26 +23,28 @@ void potential_element_resultants(const laminate *laminate, const scene_element 
                                   double resultants[POTENTIAL_NODES][LAMINATE_STRAINS]);
 
 /*
- * Compute the charge at each of the eight potentials of a ply (row) per volt of each of the eight
- * potentials of the same or another ply (column) while the strains are zero (capacitance [8][8]
- * out, C/V). Two plies are coupled because they share the thickness strain and the shear strain of
- * the element.
+ * Compute the charge at each of the eight electric potentials of a ply in an element, at four
+ * corners on two faces (row), per volt of each of the eight potentials of the same or another ply
+ * (column) while the strains are zero (capacitance [8][8] out, C/V). Two plies are coupled because
+ * they share the thickness strain and the shear strain of the element.
  */
 void potential_element_capacitance(const laminate *laminate, const scene_element *element,
                                    const laminate_place *place, int ply, int other,
                                    double capacitance[POTENTIAL_NODES][POTENTIAL_NODES]);
 
 /*
- * Compute the charges at the eight potentials of a ply that a uniform field draws while the strains
- * are zero: a temperature, or the voltage of an electrode on another ply (charge [8] out, C).
+ * Compute the charges that a uniform field draws at the eight electric potentials of a ply in an
+ * element (four corners on two faces) while the strains are zero. The field is a temperature, or
+ * the voltage of an electrode on another ply (charge [8] out, C).
  */
 void potential_element_charges(const laminate *laminate, const scene_element *element,
                                const laminate_place *place, int ply, const laminate_field *uniform,
                                double charge[POTENTIAL_NODES]);
 
 /*
- * Compute the mean electric field of the eight potentials of a ply: the voltage across the ply (V),
- * and the field along the axes 1 and 2 of the shell at the inner and at the outer face (V/m).
+ * Compute the mean electric field in an element that the eight electric potentials of a ply (four
+ * corners on two faces) cause: the voltage across the ply (V), and the field along the axes 1 and 2
+ * of the shell at the inner and at the outer face (V/m).
  *   potential [8] in  potentials (V)
  */
 void potential_element_field(const laminate *laminate, const scene_element *element,

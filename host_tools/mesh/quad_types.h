@@ -11,8 +11,8 @@
 #include "element_types.h"
 
 /*
- * Summary of the doubtful elements of a general quadrilateral mesh: their numbers, and their worst
- * values.
+ * Numbers of those elements of a general quadrilateral mesh whose bending may be too stiff or whose
+ * shape is distorted, and the worst values of such elements.
  */
 typedef struct quad_report {
     int locking; /* number of elements that are too thin for the irregular mesh around them and were
@@ -46,7 +46,7 @@ int quad_check_edges(const scene *scene, const quad_mesh *quads, char *error);
  *   accept_irregular  in      true: elements that are too thin for an irregular mesh are reported;
  *                             false: they are refused
  *   element_type [elements] out  number of the type of each element
- *   report            out     doubtful elements
+ *   report            out     elements whose bending may be too stiff or whose shape is distorted
  * Returns 0, or -1 with error filled: an element is degenerate, nearly a triangle or inclined to
  * its directors, or elements are too thin for the irregular mesh around them.
  */

@@ -115,7 +115,10 @@ static double find_pivot(const tilt_system *equations, int from, int *row, int *
     return largest;
 }
 
-/* Eliminate column `step` of a linear system from all equations except equation number `step`. */
+/*
+ * Eliminate column `step` of the linear system for the warping correction of an element from all
+ * equations except equation number `step`.
+ */
 static void eliminate(tilt_system *equations, int step)
 {
     for (int i = 0; i < TILTS; i++) {
@@ -129,8 +132,8 @@ static void eliminate(tilt_system *equations, int step)
 }
 
 /*
- * Reduce the linear system by Gauss-Jordan elimination with complete pivoting (order [8] out: index
- * of the unknown in each column). Returns the rank.
+ * Reduce the linear system for the warping correction of an element by Gauss-Jordan elimination
+ * with complete pivoting (order [8] out: index of the unknown in each column). Returns the rank.
  */
 static int reduce(tilt_system *equations, int order[ROWS])
 {
@@ -154,9 +157,9 @@ static int reduce(tilt_system *equations, int order[ROWS])
 }
 
 /*
- * Solve the linear system for the factors [8]; unknowns beyond the rank are 0, and so are values
- * that are rounding error relative to the scales of the columns. Returns 0, or -1 if an equation
- * beyond the rank is not satisfied or a number is not finite.
+ * Solve the linear system for the factors [8] of an element's warping correction; unknowns beyond
+ * the rank are 0, and so are values that are rounding error relative to the scales of the columns.
+ * Returns 0, or -1 if an equation beyond the rank is not satisfied or a number is not finite.
  */
 static int solve(tilt_system *equations, double factors[ROWS])
 {
@@ -191,8 +194,9 @@ int warp_fill(pzs_element_type *type, double share)
         return -1;
     type->warp[0] = share;
     for (int k = 0; k < ROWS; k++)
-        type->warp[1 + k] = 0 - share * factors[k]; /* a factor changes its sign by subtraction from
-                                                       0, so that the result is 0 where the operator
-                                                       - would give -0 */
+        type->warp[1 + k] = 0 - share * factors[k]; /* each coefficient of the warping correction is
+                                                       minus a factor times the share, computed by
+                                                       subtraction from 0, so that it is 0 where the
+                                                       operator - would give -0 */
     return 0;
 }

@@ -81,8 +81,8 @@ int analysis_explain(const analysis *analysis, pzs_status status, char *error)
 }
 
 /*
- * Assemble and factor the stiffness matrix of the reference state, unless the model already
- * contains its factor.
+ * Assemble and factor the stiffness matrix of the structure in the reference state, unless it is
+ * already factored.
  */
 static pzs_status factor_reference_state(analysis *analysis)
 {

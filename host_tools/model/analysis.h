@@ -64,9 +64,10 @@ typedef struct analysis {
                           the initial value is that of the scene */
     double *influence; /* [outputs][inputs] influence matrix in the reference state, filled by
                           analysis_influence */
-    double *recovered; /* [entries of design.place_node] values of the outputs of strains and
-                          stresses in the last solution of analysis_solve or analysis_continue; NULL
-                          where the scene has no such outputs */
+    double *recovered; /* [entries of design.place_node, the list of the mesh nodes of all outputs]
+                          values of the outputs of strains and stresses in the last solution of
+                          analysis_solve or analysis_continue; NULL where the scene has no such
+                          outputs */
     pzs_status status; /* status that the last computation of a nonlinear equilibrium returned */
     struct {
         double assemble, factor, solve;
@@ -100,7 +101,7 @@ int analysis_prepare(analysis *analysis, const scene *scene, char *error);
  *   displacement [free_dof] out  displacement vector of the structure
  * With kinematics `auto` both the linear and the nonlinear displacement are computed. The linear
  * one is returned where the relative difference is within the scene's tolerance;
- * analysis->nonlinear tells which one was chosen. Where the nonlinear load steps end before the
+ * analysis->is_nonlinear tells which one was chosen. Where the nonlinear load steps end before the
  * full load, the last equilibrium is returned and `error` says so.
  * Returns 0, or -1 with error filled.
  */
@@ -140,7 +141,7 @@ double analysis_path_difference(analysis *analysis, const double *displacement);
 
 /*
  * Compute the displacement under the scene's loads and given voltages, linear or nonlinear as
- * analysis->nonlinear says.
+ * analysis->is_nonlinear says.
  *   voltage      [amplifiers] in   voltages (V)
  *   warm                      in   1: start the nonlinear solver from the last shape; 0: start from
  *       the reference state
@@ -163,8 +164,10 @@ pzs_status analysis_electrodes(analysis *analysis, const double *value);
 int analysis_ended_early(const analysis *analysis);
 
 /*
- * Value of the scene's output with index k at the i-th of its nodes.
- *   value [output rows] in  values of all output rows of the structure
+ * Value of the scene's output with index k at the i-th of the nodes or electrodes to which this
+ * output belongs.
+ *   value [output rows] in  values of all outputs, one for each row of the matrix that maps the
+ *                           displacement vector to the outputs
  */
 double analysis_output(const analysis *analysis, int k, int i, const double *value);
 /* Number of values (nodes or electrodes) of the scene's output with index k. */
@@ -194,9 +197,9 @@ double analysis_capacitance(const analysis *analysis, int k, int is_free);
 double analysis_stiffening(analysis *analysis);
 
 /*
- * Compute the influence of every input on every output in the reference state, and the voltage
- * problem of the design. Once they are computed, further calls do nothing. Returns 0, or -1 with
- * error filled.
+ * Compute the influence of every input on every output in the reference state, and from it the data
+ * of the least-squares problem for the optimal voltages. Once they are computed, further calls do
+ * nothing. Returns 0, or -1 with error filled.
  */
 int analysis_influence(analysis *analysis, char *error);
 

@@ -7,15 +7,18 @@
 #include "load_forces.h"
 
 /*
- * Return the address of the charge, per unit of an input, at the electrode or node with an electric
- * potential that has a given row in the table of electrodes.
+ * Return the address of the charge, per unit of an input, of an electrode or of a node with an
+ * electric potential; `row` is its row in the matrix of charges per unit of the inputs.
  */
 static double *entry_of(const design *design, double *dense, int row, int input)
 {
     return dense + (size_t)row * design->structure.input.count + (size_t)input;
 }
 
-/* Return the row of an electric potential in the table of electrodes. */
+/*
+ * Return the row that an electric potential of a bare face (without electrode) has in the matrix of
+ * the charges per unit of the inputs.
+ */
 static int row_of(const design *design, int potential)
 {
     return design->electrodes.count - design->bare.count + potential;
@@ -23,7 +26,7 @@ static int row_of(const design *design, int potential)
 
 /*
  * Compute the charges that a uniform field (voltage or temperature) draws at the eight electric
- * potentials of a layer in an element.
+ * potentials of a layer in an element, at its four corners on two faces.
  */
 static void charges_of(const design *design, int layer, int element, const laminate_field *uniform,
                        double charge[POTENTIAL_NODES])

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Charges at the potentials of bare faces (without electrodes), as rows of the table of electrodes.
- * In this table the potentials follow the electrodes of amplifiers and sensors.
+ * Charges at the electric potentials of bare faces (without electrodes), as rows of the matrix of
+ * the charges per unit of the inputs. In this matrix the rows of the potentials follow those of the
+ * electrodes of amplifiers and sensors.
  */
 #ifndef BARE_CHARGES_H
 #define BARE_CHARGES_H
@@ -9,8 +10,9 @@
 #include "design.h"
 
 /*
- * Add the charges that a unit of every potential (1 V) and of every temperature (1 K) causes at the
- * potentials of one element while the strains are zero.
+ * Add the charges that a unit of every electric potential (1 V) and of every temperature (1 K)
+ * causes at the electric potentials of the nodes of one element on bare faces (without electrodes),
+ * while the strains are zero.
  *   dense [electrodes][inputs] in/out  charge of each electrode or potential per unit of each input
  */
 void bare_charges_add(const design *design, int element, double *dense);

@@ -210,8 +210,8 @@ void bare_faces_free(bare_faces *bare)
 /* ---- effects ---------------------------------------------------------- */
 
 /*
- * Return the row of the tables of stress resultants and capacitances that belongs to a layer in an
- * element.
+ * Return the index in the arrays `resultants` and `capacitance` of bare_faces that belongs to a
+ * layer in an element.
  */
 static size_t row_of(const bare_faces *bare, int layer, int element)
 {

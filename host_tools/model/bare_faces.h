@@ -25,21 +25,23 @@ typedef struct bare_faces {
     const mesh *mesh;
     int layers;
     const scene_layer *layer; /* [layers] layers of the scene */
-    int first_input; /* index of the input of the structure that is the first potential; the
-                        potentials are the last inputs */
+    int first_input; /* index of the first of the structure's inputs that are electric potentials of
+                        bare faces (without electrodes); these are the last inputs */
     int count;       /* number of potentials; 0: the scene has no bare faces (without electrodes) */
     int *number;  /* [(layers + 1) nodes] number of the potential of each slot (node on an interface
                      between layers), or -1 where the potential is 0 */
     size_t *slot; /* [count] slot (node on an interface between layers) of each electric potential
                    */
     double (*resultants)[POTENTIAL_NODES][LAMINATE_STRAINS]; /* [types][layers] stress resultants
-                                                                that the eight electric potentials
-                                                                of a layer prescribe in each element
-                                                                type */
+                                                                per volt of each of the eight
+                                                                electric potentials of a layer (four
+                                                                corners on two faces) in each
+                                                                element type */
     double (*capacitance)[POTENTIAL_NODES][POTENTIAL_NODES]; /* [types][layers][layers] charge at
-                                                                the electric potentials of a layer
-                                                                per volt of those of another layer
-                                                                (C/V) */
+                                                                each of the eight electric
+                                                                potentials of a layer (four corners
+                                                                on two faces) per volt of each of
+                                                                those of another layer (C/V) */
 } bare_faces;
 
 /*
@@ -55,29 +57,32 @@ void bare_faces_free(bare_faces *bare);
 bool bare_faces_has(const bare_faces *bare, int layer, int element);
 
 /*
- * Compute the stress resultants that one volt of a potential prescribes in an element, times the
- * area of the element (h0 [10] out). Returns whether the potential acts in the element.
+ * Compute the stress resultants that one volt of an electric potential at a node of a bare face
+ * prescribes in an element, times the area of the element (h0 [10] out). Returns whether the
+ * potential acts in the element.
  */
 bool bare_faces_resultants(const bare_faces *bare, int potential, int element,
                            double h0[LAMINATE_STRAINS]);
 
 /*
- * List the numbers of the eight potentials of a layer in an element, in the order of
- * potential_element.h; -1 where the potential is 0 (number [8] out).
+ * List the numbers of the eight electric potentials of a layer in an element (four corners on two
+ * faces), in the order of potential_element.h; -1 where the potential is 0 (number [8] out).
  */
 void bare_faces_numbers(const bare_faces *bare, int layer, int element,
                         int number[POTENTIAL_NODES]);
 
 /*
- * Return the charge at each of the eight potentials of a layer in an element (row) per volt of each
- * of those of the same or another layer (column) while the strains are zero: an array [8][8] (C/V).
+ * Return the charge at each of the eight electric potentials of a layer in an element, at four
+ * corners on two faces (row), per volt of each of those of the same or another layer (column) while
+ * the strains are zero: an array [8][8] (C/V).
  */
 const double (*bare_faces_capacitance(const bare_faces *bare, int layer, int other,
                                       int element))[POTENTIAL_NODES];
 
 /*
- * Return the potential at a node of a face of a layer (V), 0 where the face has no potential there.
- *   value [inputs] in  input values, with the computed potentials
+ * Return the electric potential at a node on a face of a layer (V), 0 where the face has no
+ * potential there.
+ *   value [inputs] in  values of all inputs of the structure, with the computed potentials
  *   face           in  0: inner face of the layer; 1: outer face
  */
 double bare_faces_potential(const bare_faces *bare, const double *value, int layer, int face,

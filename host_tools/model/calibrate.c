@@ -184,8 +184,9 @@ static double unlikelihood(const spectrum *spectrum, double ratio)
 static double choose_ratio(const spectrum *spectrum, bool *is_separable)
 {
     enum { STEPS = 128 };
-    static const double significant = 3; /* difference of negative log-likelihoods that counts as
-                                            significant */
+    static const double significant = 3; /* smallest difference of negative log-likelihoods at which
+                                            one ratio of the variances of noise and model error
+                                            counts as significantly less likely than another */
     double mean = 0, least = HUGE_VAL, smallest = 0, chosen = 0;
     for (size_t index = 0; index < spectrum->pokes; index++)
         mean += spectrum->value[index] / (double)spectrum->pokes;
@@ -203,8 +204,9 @@ static double choose_ratio(const spectrum *spectrum, bool *is_separable)
 /* ---- result ----------------------------------------------------------- */
 
 /*
- * Compute the influence matrix from the residuals of the model in the basis of the eigenvectors,
- * and the root mean square of the residuals that remain.
+ * Compute the influence matrix from the differences between the measured shapes and those that the
+ * model predicts, transformed to the eigenvectors of V V' (V: voltages of all measured shapes).
+ * Also compute the root mean square of the differences that the influence matrix leaves.
  *   model [outputs][actuators] in  influence matrix of the model, or NULL
  */
 static void fill_influence(calibration *result, spectrum *spectrum, const pokes *pokes,
@@ -217,7 +219,8 @@ static void fill_influence(calibration *result, spectrum *spectrum, const pokes 
     for (size_t index = 0; index < count; index++)
         for (size_t k = 0; k < actuators; k++) {
             double along = 0; /* scalar product of the voltages of actuator k in all measured shapes
-                                 with eigenvector `index` of V V' */
+                                 with eigenvector `index` of V V', where V [measurements][actuators]
+                                 holds these voltages of all actuators */
             for (size_t poke = 0; poke < count; poke++)
                 along +=
                     pokes->voltage[poke * actuators + k] * spectrum->vector[poke * count + index];

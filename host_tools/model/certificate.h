@@ -24,8 +24,9 @@ enum {
 }; /* largest length of the text that describes a certificate of stability (characters) */
 
 /*
- * Largest distance from the best shape, relative to the norm of the target, at which a storm (a
- * simulation with fast jumps of the target) counts as settled.
+ * Largest distance from the best shape that the voltage limits allow (that of the smallest shape
+ * error), relative to the norm of the target, at which a storm (a simulation with fast jumps of the
+ * target) counts as settled.
  */
 #define CERTIFICATE_TOLERANCE 0.05
 
@@ -44,7 +45,8 @@ typedef struct certificate_target {
                        reference state */
     bool is_stable; /* true where small vibrations decay on every structure and every storm
                        (simulation with fast jumps of the target) settles */
-    double radius;  /* largest growth factor of small vibrations per tick, without limits */
+    double radius;  /* largest growth factor of small vibrations per tick under the control loop,
+                       with no voltage at its limits */
     int storms, failed; /* number of storms (simulations with fast jumps of the target); number of
                            those that did not settle */
     int older, newer;   /* ticks, 0 or 1, by which all readings may be older or newer than the scene
@@ -71,18 +73,22 @@ typedef struct certificate_loop {
                        storm (simulation with fast jumps of the target) settles */
     int modes;      /* number of vibration modes of the structure in these simulations */
     int observed;   /* number of vibration modes that the observer of the control tick estimates */
-    bool has_slow_mode; /* true where the first mode turns slowly enough in a tick to be observed */
+    bool has_slow_mode; /* true where the phase of the first vibration mode advances little enough
+                           in a tick for the observer of the control tick to estimate this vibration
+                           mode */
     double observed_from, observed_to; /* lowest and highest natural frequency of the vibration
                                           modes that the control tick observes (Hz) */
-    double radius; /* largest growth factor of small vibrations per tick, without limits */
+    double radius; /* largest growth factor of small vibrations per tick under the control loop,
+                      with no voltage at its limits */
     double at_gain, at_frequency; /* static response to voltages and natural frequencies, relative
                                      to the model, of the simulated structure on which small
                                      vibrations grow most */
     int storms, failed; /* number of storms (simulations with fast jumps of the target), and number
                            of storms that did not settle */
-    double worst; /* largest distance from the best shape at the end of a storm (a simulation with
-                     fast jumps of the target), relative to the norm of the target, or to a fiftieth
-                     of what the voltages reach where that is more */
+    double worst; /* largest distance, at the end of a storm (a simulation with fast jumps of the
+                     target), from the best shape that the voltage limits allow (that of the
+                     smallest shape error), relative to the norm of the target, or to a fiftieth of
+                     the norm of the shapes that voltages can reach where this is more */
     double worst_gain, worst_frequency,
         worst_step; /* static response to voltages and natural frequencies, relative to the model,
                        of the structure in the worst storm (simulation with fast target jumps), and
@@ -108,8 +114,9 @@ typedef struct certificate_loop {
                           that the member `older` could be larger */
     double margin_slow, margin_fast; /* lowest and highest natural frequencies, relative to the
                                         model, with which the loop is stable */
-    double rate_from, rate_to; /* range of stable tick rates around the scene's (1/s), with tables
-                                  made for each rate; 0: not computed */
+    double rate_from, rate_to; /* range of tick rates (1/s) around that of the scene at which the
+                                  control loop is stable, with constants of the controller made for
+                                  each rate; 0: not computed */
 } certificate_loop;
 
 typedef struct certificate {
@@ -130,16 +137,18 @@ typedef struct certificate {
     double rate;          /* tick rate of the scene (1/s); 0 where the scene file gives none */
     double radius; /* spectral radius of the loop at the scene's tick rate, the growth factor of
                       vibrations per tick; NAN without a rate */
-    double gain;   /* approximately the largest part of the way to the optimum that a stable control
-                      step can go: 2 x damping ratio x angular frequency of the first vibration
-                      mode x tick interval; NAN without a tick rate */
+    double gain; /* approximately the largest fraction of the change from the present to the optimal
+                    voltages that one tick of a stable control loop can make: 2 x damping ratio x
+                    angular frequency of the first vibration mode x tick interval; NAN without a
+                    tick rate */
     bool has_settings; /* true where `settings` were chosen by simulations with fast jumps of the
                           target */
     damper_settings settings; /* settings of the control tick that damps vibration, as the
                                  simulations have chosen them */
     certificate_loop loop;    /* certificate of the loop whose control tick damps vibration */
-    double stable_rate; /* highest tick rate (1/s) up to which every rate is stable; 0 where no
-                           stable rate was found, infinite where every rate is stable */
+    double stable_rate; /* highest tick rate (1/s) up to which the control loop is stable at every
+                           rate; 0 where no stable rate was found, infinite where every rate is
+                           stable */
 } certificate;
 
 void certificate_free(certificate *certificate);
