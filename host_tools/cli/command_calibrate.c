@@ -28,8 +28,8 @@ typedef struct run {
                                 gives a measured matrix, or without a scene */
     int faults;
     wiring_fault fault[WIRING_FAULTS];
-    double size;    /* size of the measured shapes relative to those that the scene predicts; 0
-                       without a scene */
+    double size; /* root mean square of the measured shapes relative to that of the shapes that the
+                    scene's model predicts; 0 without a scene */
     double *acting; /* [pokes][actuators] voltages that reach the electrodes in each poke (shape
                        measured under known voltages), with the found wiring faults taken into
                        account (V) */
@@ -258,8 +258,8 @@ static const char *length_unit(const run *run)
 }
 
 /*
- * Warn where the size of the measured shapes differs too much from that of the shapes that the
- * scene's model predicts.
+ * Warn where the root mean square of the measured shapes differs too much from that of the shapes
+ * that the scene's model predicts.
  */
 static void print_scale(const run *run)
 {

@@ -46,8 +46,8 @@ static int write_modes(const identified_modes *found, const pokes *samples, cons
 }
 
 /*
- * Return the largest standard error of the identified static responses of the vibration modes,
- * relative to the largest of these responses.
+ * Return the largest standard error of the identified static responses of the vibration modes to
+ * the voltages, relative to the largest of these responses.
  */
 static double response_error(const identified_modes *found, size_t actuators)
 {

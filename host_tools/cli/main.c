@@ -163,7 +163,10 @@ static int estimate_error(const options *options, const scene *scene, const mesh
 
 /* ---- reports ---------------------------------------------------------- */
 
-/* Function that writes one report of a result. Returns 0, or -1. */
+/*
+ * Function that writes one report (an HTML page or an SVG picture) of the results of a command.
+ * Returns 0, or -1.
+ */
 typedef int write_report(const report_job *job, const void *result);
 
 /* Write the HTML page and the SVG picture that the options request. Returns an exit code. */
@@ -845,9 +848,9 @@ static int judge_storms(analysis *analysis, char *error)
 
 /*
  * Compute everything that `pzs tables` writes as constants for a firmware. The constants for the
- * nonlinear solver contain the scene's equilibrium, and a voltage problem where the scene has a
- * target; those for the controller alone contain the influence matrix that the simulation of the
- * scene uses.
+ * nonlinear solver contain the scene's equilibrium, and the least-squares problem of the voltages
+ * where the scene has a target; those for the controller alone contain the influence matrix that
+ * the simulation of the scene uses.
  */
 static int prepare_tables(analysis *analysis, tables_image image, char *error)
 {

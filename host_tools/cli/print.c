@@ -45,7 +45,7 @@ static const char *metric_word(const design *design)
     return design->mesh.formulation.metric ? "exact metric" : "flat metric";
 }
 
-/* Print what the sensors of the scene's `estimate` section observe. */
+/* Print how well the sensors of the scene's `estimate` section determine the shape. */
 static void print_sensors(const analysis *analysis, const char *influence)
 {
     char text[SCENE_ERROR];
@@ -451,8 +451,8 @@ static void print_list(const scene_actuator *actuator, const double *voltage)
 }
 
 /*
- * Print the voltages of an actuator in the arrangement of its electrode grid: theta1 downwards,
- * theta2 to the right.
+ * Print the voltages of an actuator in the arrangement of its grid of electrodes: surface
+ * coordinate theta1 downwards, theta2 to the right.
  */
 static void print_grid(const scene_actuator *actuator, const double *voltage)
 {

@@ -79,7 +79,7 @@ int print_run(simulation *simulation, const simulate_sinks *sinks, char *error)
 
 /*
  * Print the time steps of a nonlinear motion: their number in a tick, and the mean numbers of
- * linear solves and of factorisations of the matrix in a time step.
+ * linear solves and of factorisations of the effective stiffness matrix in a time step.
  */
 static void print_steps(const plant *plant)
 {

@@ -15,7 +15,10 @@ static double turn(const double a[2], const double b[2], const double c[2])
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/* A polygon is the signed sum of the triangles between the origin and each of its sides. */
+/*
+ * The area and the first moments of a polygon are signed sums over the triangles between the origin
+ * and each of its sides.
+ */
 polygon_sums polygon_sums_of(const double (*point)[2], size_t count, const double origin[2])
 {
     polygon_sums sums = {0, {0, 0}};

@@ -342,7 +342,10 @@ static bool holds_words(const text_reader *reader)
     return true;
 }
 
-/* Refuse a line of names whose number differs slightly from the number of columns. */
+/*
+ * Refuse a line of column names that holds a few names more or fewer than the text table has
+ * columns.
+ */
 static int refuse_names(const text_reader *reader, size_t names, size_t columns)
 {
     char message[NUMBER_ERROR];

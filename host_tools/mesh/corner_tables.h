@@ -27,8 +27,8 @@ typedef struct corner_data {
 } corner_data;
 
 /*
- * Compute the corner tables of an element type, its members s, t, g_mean and g_diff; its other
- * members keep their values.
+ * Compute the corner tables of an element type (displacements of the corners to strains), its
+ * members s, t, g_mean and g_diff; its other members keep their values.
  */
 void corner_tables_fill(const corner_data *data, pzs_element_type *type);
 

@@ -12,7 +12,10 @@
 
 enum { N = LAMINATE_STRAINS, M33 = 4, D33 = 5, SHEAR = 8 };
 
-/* Voigt component (order 11 22 33 23 13 12) of each of the ten strains of an element. */
+/*
+ * Voigt component (order 11 22 33 23 13 12) of each of the ten strains of an element: 11, 22, 33
+ * and 12, each as mean and as difference of both faces, then 13 and 23.
+ */
 static const int voigt[N] = {0, 0, 1, 1, 2, 2, 5, 5, 4, 3};
 static const int is_difference[N] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 0};
 
@@ -354,14 +357,16 @@ static int relax_e33(double stiffness[N][N])
 /* Integrals over the thickness of the plies that are present in an element. */
 typedef struct ply_integrals {
     double stiffness[N][N]; /* [10][10] integral over the thickness of the stiffness of the ten
-                               strains of an element */
-    double plane[N][N]; /* [10][10] integral over the thickness of the stiffness of the ten strains,
-                           with the normal stress 33 at 0 at every height */
+                               strains of an element (means and differences of the faces) */
+    double plane[N][N]; /* [10][10] integral over the thickness of the stiffness of the ten strains
+                           of an element (means and differences of the faces), with the normal
+                           stress 33 at 0 at every height */
     double compliance;  /* integral over the thickness of 1/(stiffness of the strain 33): compliance
                            of the plies against the normal stress 33 (m/Pa) */
     double length;      /* thickness of all plies of the element together (m) */
-    double narrowing[N]; /* [10] integral over the thickness of (stiffness that couples each strain
-                            with the strain 33)/(stiffness of the strain 33) */
+    double narrowing[N]; /* [10] integral over the thickness of (stiffness that couples each of the
+                            ten strains of an element with the strain 33)/(stiffness of the strain
+                            33) */
 } ply_integrals;
 
 /*

@@ -62,7 +62,8 @@ typedef struct mesh {
     uint16_t (*element)[4]; /* [elements] numbers of the four corner nodes in the order (-,-) (+,-)
                                (+,+) (-,+) */
     uint16_t *element_type; /* [elements] index of the element type of each element */
-    pzs_element_type *type; /* [types] element types: corner tables and stiffness */
+    pzs_element_type *type; /* [types] element types: stiffness, and corner tables (displacements of
+                               the corners to strains) */
     laminate_place *place;  /* [types] plies, curvatures and lengths of each element type */
     double *stiffness; /* [types][packed] element stiffness matrices, lower triangles packed by rows
                         */
@@ -212,8 +213,8 @@ void mesh_node_areas(const mesh *mesh, double *area);
 
 /*
  * Add to each node its share of the length of the element sides that lie in a place of the scene
- * (mesh_length_shares), or of the area of the elements whose nodes all belong to the place
- * (mesh_area_shares).
+ * file, such as an edge, a region or a set (mesh_length_shares), or of the area of the elements
+ * whose nodes all belong to this place (mesh_area_shares).
  *   share  [nodes] in/out  length (m) or area (m2) of each node
  * mesh_length_shares returns the number of sides, or -1 if the place has no sides.
  */

@@ -140,7 +140,10 @@ typedef struct quad_build {
     quad_report *report;
 } quad_build;
 
-/* Fill the corner tables, the thickness and the skew of an element's type. */
+/*
+ * Fill the corner tables (displacements of the corners to strains), the thickness and the skew of
+ * an element's type.
+ */
 static void start_type(const quad_build *build, int element, const quad_geometry *geometry,
                        pzs_element_type *type)
 {
@@ -262,7 +265,10 @@ static int refuse_locking(const quad_build *build, const int *named, double lock
 
 /* ---- all elements ------------------------------------------------------- */
 
-/* Return the largest irregularity of the nodes of an element. */
+/*
+ * Return the largest irregularity of the four nodes of an element (distance of a node from the mean
+ * of its neighbours, relative to their distances).
+ */
 static double of_nodes(const quad_build *build, int element)
 {
     double largest = 0;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Element types of a general quadrilateral mesh, whose elements may have any shape and arrangement:
- * corner tables, stiffness, warp and skew, and the checks that such a mesh must pass.
+ * strains from the displacements of the corners, stiffness, warping correction and skew. Also the
+ * checks that such a mesh must pass.
  */
 #ifndef QUAD_TYPES_H
 #define QUAD_TYPES_H
@@ -26,9 +27,11 @@ typedef struct quad_report {
     int narrow;  /* number of elements with an obtuse corner: the area per unit of the natural
                     coordinates is below 0.3 of that at the centre */
     double thinness;     /* largest thinness (curvature times squared length over thickness) of the
-                            elements that are counted in `locking` or `coarse` */
-    double irregularity; /* largest irregularity (quad_regularity.h) of the elements that are
-                            counted in `locking` or `coarse` */
+                            elements that are counted in the members `locking` or `coarse` of this
+                            struct */
+    double irregularity; /* largest irregularity (skew of the element, or distance of a node from
+                            the mean of its neighbours relative to their distances) of the elements
+                            that are counted in the members `locking` or `coarse` of this struct */
     double jacobian; /* smallest area per unit of the natural coordinates at a corner relative to
                         the centre, over all elements */
 } quad_report;

@@ -34,7 +34,10 @@ int springs_rotation(const surface_point *point, const scene_direction *axis, do
  */
 int springs_item(const scene *scene, int actuator);
 
-/* Return the elongation of spring number `row` (m) under the displacements [free_dof]. */
+/*
+ * Return the elongation (m) of the spring with index `row` in the list of all springs, under the
+ * displacements [free_dof].
+ */
 double springs_elongation(const mesh_springs *springs, int row, const double *displacement);
 
 /*

@@ -556,8 +556,9 @@ double analysis_stiffening(analysis *analysis)
     double *value = calloc(design->structure.input.count + 1u, sizeof *value),
            *charge = calloc(tables->count + 1u, sizeof *charge);
     double work = (double)NAN, released = 0;
-    const pzs_model kept = analysis->model; /* linear solves overwrite data in the model, which are
-                                               restored from the copy `kept` afterwards */
+    const pzs_model kept = analysis->model; /* linear solves overwrite data in the library's model
+                                               of the structure, which are restored from the copy
+                                               `kept` afterwards */
     if (value && charge && !analysis->is_nonlinear && tables->count > 0 &&
         pzs_electrode_open_count(tables) > 0 && design->loads > 0) {
         work = work_of_loads(analysis, value);

@@ -33,7 +33,7 @@ typedef struct calibration {
                           matrix. Without a model it is NAN where the measured shapes are too few to
                           determine the noise */
     double noise; /* standard deviation of the noise of the measured shapes; NAN where there are too
-                     few pokes to separate the noise from errors of the matrix */
+                     few measurements to separate the noise from errors of the influence matrix */
     double spread; /* standard deviation by which the model's entries differ from the true influence
                       matrix; 0 without a model */
     int rank; /* number of linearly independent combinations of actuators that the voltages of the

@@ -165,9 +165,9 @@ static int differentiate(fit *fit, calibration_model *model, const scene *nomina
 }
 
 /*
- * Solve the normal equations by Cholesky's method. The prior standard deviation of the factors
- * makes the matrix positive definite.
- *   matrix   [order][order] in/out  overwritten by its factor
+ * Solve the normal equations of the fit of material factors by Cholesky's method. The prior
+ * standard deviation of the factors makes the matrix positive definite.
+ *   matrix   [order][order] in/out  overwritten by its Cholesky factor
  *   solution [order]        in      right-hand side
  *                           out     solution
  */

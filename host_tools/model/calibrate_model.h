@@ -27,8 +27,8 @@ typedef struct calibration_model {
     double before, after; /* root mean square difference between measured shapes and those predicted
                              by the scene before and after the fit, relative to the measured shapes
                            */
-    double size; /* size of the measured shapes relative to those predicted by the scene before the
-                    fit */
+    double size; /* root mean square of the measured shapes relative to that of the shapes that the
+                    scene predicts before the fit */
     int faults;
     wiring_fault fault[WIRING_FAULTS]; /* faults of electrodes and cables, in the order in which
                                           they were found */

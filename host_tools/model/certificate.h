@@ -126,8 +126,9 @@ typedef struct certificate {
     char reason[SCENE_ERROR]; /* reason why the vibration modes are unknown or the loop was not
                                  assessed, and advice to the user */
     vibration vibration;
-    bool is_assessed;      /* true where the scene has a target and amplifiers, so that the loop was
-                              assessed; the following members are valid only then */
+    bool is_assessed; /* true where the scene has a target and amplifiers, so that the stability of
+                         the control loop was assessed; the members of this struct after this one
+                         are valid only then */
     bool assumes_measured; /* true where the loop was assessed as if every target node were
                               measured, because some readings come from electrodes */
     int modes;      /* number of vibration modes of the structure with which the loop is assessed */
@@ -160,10 +161,13 @@ void certificate_free(certificate *certificate);
 int certificate_older(const certificate_loop *loop);
 int certificate_newer(const certificate_loop *loop);
 
-/* Whether the loop is known to be unstable at the scene's tick rate. */
+/* Whether the control loop is known to be unstable at the scene's tick rate. */
 bool certificate_refuses(const certificate *certificate);
 
-/* First natural frequency (Hz) that does not belong to a rigid motion; NAN where there is none. */
+/*
+ * First natural frequency of the structure (Hz) that does not belong to a rigid motion; NAN where
+ * there is none.
+ */
 double certificate_first(const certificate *certificate);
 
 /*
