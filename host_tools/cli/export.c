@@ -120,8 +120,8 @@ static void add_places(arrays *arrays, const design *design, const char *name, c
 }
 
 /*
- * Append the stress and the strain of each height of each layer of each element, NAN where the
- * layer is absent from the element.
+ * Append the stress and the strain at each evaluated height of each layer of each element to the
+ * arrays that are written to files; NAN where the layer is absent from the element.
  */
 static void add_points(arrays *arrays, const stress_field *field, const char *unit)
 {

@@ -107,7 +107,9 @@ static int check_sensors(analysis *analysis, char *error)
     return 0;
 }
 
-/* Function that runs a command on an analysed scene. Returns an exit code. */
+/*
+ * Function that runs a command of pzs on a scene whose analysis is prepared. Returns an exit code.
+ */
 typedef int command(const options *o, analysis *a);
 
 /*
@@ -687,7 +689,10 @@ static int run_modes(const options *options)
 
 /* ---- tables, check, list ---------------------------------------------- */
 
-/* Make a C identifier from the given prefix or from the name of the scene. */
+/*
+ * Make the prefix of the names in a generated C file, a C identifier: from the prefix that the
+ * options give, or else from the name of the scene.
+ */
 static void table_prefix(const options *options, const char *name, char prefix[SCENE_NAME])
 {
     snprintf(prefix, SCENE_NAME, "%s", options->prefix ? options->prefix : name);

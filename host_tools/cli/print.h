@@ -34,9 +34,9 @@ void print_head(const analysis *analysis, const char *influence);
 void print_estimate_json(json *json, const estimator *estimator);
 
 /*
- * Print heights and duration of the pulses of the self-test, which runs before the loop takes
- * control, and a warning of the amplifiers that it cannot judge; nothing where the scene has no
- * self-test.
+ * Print heights and duration of the voltage pulses of the self-test of amplifiers, cables and
+ * sensors, which runs before the control loop starts, and a warning of the amplifiers that it
+ * cannot judge; nothing where the scene has no self-test.
  */
 void print_selftest_plan(const analysis *analysis);
 

@@ -27,8 +27,8 @@ void print_simulation(const simulation *simulation, const simulate_record *recor
 void print_simulation_json(const simulation *simulation, const simulate_record *record);
 
 /*
- * Print the findings of a self-test that has stopped the simulation on standard output, as JSON;
- * nothing where no self-test has stopped it.
+ * Print, on standard output as JSON, the faults of amplifiers, cables and sensors that a self-test
+ * has found and that have stopped the simulation; nothing where no self-test has stopped it.
  */
 void print_refusal_json(const simulation *simulation);
 

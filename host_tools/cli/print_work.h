@@ -35,7 +35,8 @@ void print_work(const work_report *report, const design *design);
 void print_work_json(const work_report *report, json *json);
 
 /*
- * Check that the processor of the scene holds its tick rate. Returns 0, or -1 with error filled.
+ * Check that the processor of the scene computes a control tick within the tick period of the
+ * scene. Returns 0, or -1 with error filled.
  */
 int work_report_check(const work_report *report, const design *design, char *error);
 

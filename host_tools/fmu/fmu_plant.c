@@ -126,8 +126,8 @@ static void add_variables(fmu *fmu, const plant *plant, const double *start)
  * nodes and, if the scene estimates the shape from sensors, displacements at these sensors.
  */
 typedef struct plant_rows {
-    int count, sensors, first_sensor; /* number of rows, number of sensors, and index of the first
-                                         row that belongs to a sensor */
+    int count, sensors, first_sensor; /* number of outputs that the FMU contains, number of sensors,
+                                         and index of the first output that belongs to a sensor */
     int *row;      /* [count] number of each output that the FMU contains among all outputs of the
                       structure */
     double *noise; /* [sensors] standard deviation of the noise of each sensor (unit of the reading)

@@ -68,11 +68,11 @@ typedef struct mesh {
     double *stiffness; /* [types][packed] element stiffness matrices, lower triangles packed by rows
                         */
     uint16_t *node_dof; /* [nodes][dof_per_node] index of each dof of a node among the free dof, or
-                           PZS_CONSTRAINED */
+                           PZS_CONSTRAINED for a constrained dof */
     int turns; /* number of nodes at oblique supports, whose mean displacements act along other axes
                   than those of their triads (local axes) */
-    uint16_t *node_turn;  /* [nodes] index of each node in `turn`, or PZS_UNTURNED; NULL: no node is
-                             turned */
+    uint16_t *node_turn; /* [nodes] index of each node's rotated axes in `turn`, or PZS_UNTURNED for
+                            a node without rotated axes; NULL: no node has rotated axes */
     double (*turn)[3][3]; /* [turns] components, in the triad (local axes) of the node, of the unit
                              vectors (rows) along which its mean displacements act */
     uint16_t *first_column;   /* [free_dof] column of the first stored entry in each row of the
@@ -231,8 +231,8 @@ void mesh_cell(const mesh *mesh, int element, double theta1[2], double theta2[2]
 int mesh_half_bandwidth(const mesh *mesh);
 
 /*
- * Return the number of entries of the stiffness matrix's factor, which are those from the first
- * column of each row to the diagonal.
+ * Return the number of stored entries of the Cholesky factor of the stiffness matrix: in each row,
+ * those from the first stored column to the diagonal.
  */
 double mesh_envelope(const mesh *mesh);
 

@@ -30,7 +30,8 @@ void springs_direction(const surface_point *point, const scene_direction *direct
 int springs_rotation(const surface_point *point, const scene_direction *axis, double weight[7]);
 
 /*
- * Return the index, in the list of spring items, of the item that holds the stacks of an actuator.
+ * Return the index of the item that holds the stacks of an actuator, in the list of items: first
+ * the springs of the scene, then one item for each actuator.
  */
 int springs_item(const scene *scene, int actuator);
 

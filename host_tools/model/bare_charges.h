@@ -18,23 +18,24 @@
 void bare_charges_add(const design *design, int element, double *dense);
 
 /*
- * Add the charges that one volt of an electrode on a ply causes at the potentials of one element,
- * and those of the electrode per volt of each potential, while the strains are zero.
+ * Add the charges that one volt of an electrode on a ply causes at the electric potentials of one
+ * element (of its nodes on faces without electrodes), and those of the electrode per volt of each
+ * potential, while the strains are zero.
  *   ply    in     ply on which the electrode lies
  *   factor in     voltage across the ply per volt of the electrode, times the part of the element
  *       that the electrode covers
- *   row    in     row of the electrode
+ *   row    in     row of the electrode in `dense`
  *   dense [electrodes][inputs] in/out  charge of each electrode or potential per unit of each input
  */
 void bare_charges_add_electrode(const design *design, int element, int ply, double factor, int row,
                                 double *dense);
 
 /*
- * Add the charges that 1 K of a heater on a ply causes at the potentials of one element while the
- * strains are zero.
+ * Add the charges that 1 K of a heater on a ply causes at the electric potentials of one element
+ * (of its nodes on faces without electrodes) while the strains are zero.
  *   factor in  temperature of the ply per kelvin of the heater, times the part of the element that
  *       the heater covers
- *   input  in  input of the heater
+ *   input  in  index of the heater's temperature among the inputs of the structure
  *   dense [electrodes][inputs] in/out  charge of each electrode or potential per unit of each input
  */
 void bare_charges_add_heater(const design *design, int element, int ply, double factor, int input,

@@ -28,8 +28,8 @@ enum {
                                voltages act */
     VOLTAGE = NEXT + LOADS, /* variables for the voltages that the amplifiers are to output (V) */
     REALS = VOLTAGE + CONTROLLER_INPUTS, /* number of real variables of the FMU */
-    COMMAND = 0, /* variable for the command to the supervisor; only in an FMU of a supervised
-                    control loop */
+    COMMAND = 0, /* variable for the command to the supervisor, which starts and stops the control
+                    loop; only in an FMU with a supervisor */
     STATUS = CONTROLLER_SUPERVISED, /* variable for the status of the latest tick of the control
                                        loop, a value of pzs_status */
     ITERATIONS = STATUS + 1, /* variable for the number of iterations of the optimiser in the latest
@@ -129,5 +129,5 @@ fmi2Status fmu_model_step(void *memory, fmu_values *values)
     if (PZS_IS_ERROR(status) && status != PZS_E_LATCHED)
         return refuse(controller, status, values);
     return fmi2OK; /* After the supervisor has ended the control loop (latched stop), the park
-                      voltages are valid outputs. */
+                      voltages (safe voltages at which the amplifiers rest) are valid outputs. */
 }
