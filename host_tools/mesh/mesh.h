@@ -31,8 +31,8 @@ typedef struct mesh_springs {
     double *value;     /* [entries of all springs] elongation of the spring per unit of the dof, for
                           each entry of the sparse rows (1) */
     double *stiffness; /* [count] stiffness of each spring or stack (N/m) */
-    double envelope_without; /* number of entries that the Cholesky factor of the stiffness matrix
-                                would have without springs */
+    double envelope_without; /* number of entries that the factor L of the stiffness matrix (L D
+                                L^T) would have without springs */
 } mesh_springs;
 
 typedef struct mesh {
@@ -75,9 +75,9 @@ typedef struct mesh {
                             a node without rotated axes; NULL: no node has rotated axes */
     double (*turn)[3][3]; /* [turns] components, in the triad (local axes) of the node, of the unit
                              vectors (rows) along which its mean displacements act */
-    uint16_t *first_column;   /* [free_dof] column of the first stored entry in each row of the
-                                 stiffness matrix's Cholesky factor */
-    int prescribed_count;     /* number of free dof whose displacement is prescribed */
+    uint16_t *first_column; /* [free_dof] column of the first stored entry in each row of the factor
+                               L of the stiffness matrix (L D L^T) */
+    int prescribed_count;   /* number of free dof whose displacement is prescribed */
     uint16_t *prescribed_dof; /* [prescribed_count] numbers of the free dof with prescribed
                                  displacement, ascending */
     double *prescribed_value; /* [prescribed_count] prescribed displacements at full load (length
@@ -231,8 +231,8 @@ void mesh_cell(const mesh *mesh, int element, double theta1[2], double theta2[2]
 int mesh_half_bandwidth(const mesh *mesh);
 
 /*
- * Return the number of stored entries of the Cholesky factor of the stiffness matrix: in each row,
- * those from the first stored column to the diagonal.
+ * Return the number of stored entries of the factor L of the stiffness matrix (L D L^T): in each
+ * row, those from the first stored column to the diagonal.
  */
 double mesh_envelope(const mesh *mesh);
 
