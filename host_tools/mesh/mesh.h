@@ -39,12 +39,13 @@ typedef struct mesh {
     const scene *scene; /* scene from which the mesh is built; only the construction of mesh and
                            design uses it */
     scene_element formulation; /* options that choose the formulation of the finite element */
-    scene_line line[2];     /* mesh lines, at constant theta1 and at constant theta2; the memory of
-                               their coordinates belongs to the scene */
-    bool is_from_file;      /* whether the scene file names a mesh file in place of mesh lines */
-    const bicubic *fitted;  /* height of a surface that is fitted to points; otherwise NULL */
-    bool is_polar;          /* whether the surface is a plane in polar coordinates */
-    bool is_angle[2];       /* whether theta1 and theta2 are angles (rad) instead of lengths */
+    scene_line line[2];    /* mesh lines, at constant theta1 and at constant theta2; the memory of
+                              their coordinates belongs to the scene */
+    bool is_from_file;     /* whether the scene file names a mesh file in place of mesh lines */
+    const bicubic *fitted; /* height of a surface that is fitted to points; otherwise NULL */
+    bool is_polar;         /* whether the surface is a plane in polar coordinates */
+    bool is_angle[2]; /* whether the surface coordinates theta1 and theta2 are angles (rad) instead
+                         of lengths */
     const quad_mesh *quads; /* general quadrilateral mesh from which this mesh was built; NULL for a
                                mesh along lines of curvature */
     bool accept_irregular;  /* true: elements that are too thin for an irregular mesh, so that their

@@ -238,8 +238,9 @@ int analysis_outputs(const analysis *analysis, int k)
     const scene_output *output = &analysis->design.output[k];
     if (output->electric == ELECTRIC_VOLTAGE || output->electric == ELECTRIC_CHARGE)
         return output->count;
-    return places > 0 ? places : 1; /* an output without places, such as the total contact force or
-                                       the number of nodes in contact, has one value */
+    return places > 0 ? places : 1; /* an output that belongs to no single node, such as the total
+                                       contact force or the number of nodes in contact, has one
+                                       value */
 }
 
 int analysis_output_node(const analysis *analysis, int k, int i)

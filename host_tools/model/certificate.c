@@ -159,8 +159,8 @@ static const char *plural(int count)
 }
 
 /*
- * Append the first sentence on a loop with a vibration model: whether the loop is stable, and which
- * modes its control tick damps.
+ * Append the first sentence on a control loop with a vibration model: whether it is stable, and
+ * which vibration modes its control tick damps.
  */
 static void verdict_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
@@ -205,8 +205,8 @@ static void storm_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT]
 }
 
 /*
- * Append the sentences that say by how many ticks the readings may be older or newer than the scene
- * file states while the loop stays stable.
+ * Append the sentences that say by how many ticks the sensor readings may be older or newer than
+ * the scene file states while the control loop stays stable.
  */
 static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {
@@ -233,8 +233,8 @@ static void age_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 }
 
 /*
- * Append the sentences that say with which static response, natural frequencies and tick rates a
- * loop with a vibration model stays stable.
+ * Append the sentences that say with which static response and natural frequencies of the structure
+ * and at which tick rates a control loop with a vibration model stays stable.
  */
 static void margin_text(const certificate_loop *loop, char text[CERTIFICATE_TEXT])
 {

@@ -71,8 +71,9 @@ typedef struct certificate_loop {
     bool is_made;
     bool is_stable; /* true where small vibrations decay on every simulated structure and every
                        storm (simulation with fast jumps of the target) settles */
-    int modes;      /* number of vibration modes of the structure in these simulations */
-    int observed;   /* number of vibration modes that the observer of the control tick estimates */
+    int modes;    /* number of vibration modes of the structure in the simulations that certify the
+                     control loop */
+    int observed; /* number of vibration modes that the observer of the control tick estimates */
     bool has_slow_mode; /* true where the phase of the first vibration mode advances little enough
                            in a tick for the observer of the control tick to estimate this vibration
                            mode */
@@ -81,8 +82,8 @@ typedef struct certificate_loop {
     double radius; /* largest growth factor of small vibrations per tick under the control loop,
                       with no voltage at its limits */
     double at_gain, at_frequency; /* static response to voltages and natural frequencies, relative
-                                     to the model, of the simulated structure on which small
-                                     vibrations grow most */
+                                     to the controller's model, of the simulated structure on which
+                                     small vibrations grow most */
     int storms, failed; /* number of storms (simulations with fast jumps of the target), and number
                            of storms that did not settle */
     double worst; /* largest distance, at the end of a storm (a simulation with fast jumps of the
@@ -90,9 +91,9 @@ typedef struct certificate_loop {
                      smallest shape error), relative to the norm of the target, or to a fiftieth of
                      the norm of the shapes that voltages can reach where this is more */
     double worst_gain, worst_frequency,
-        worst_step; /* static response to voltages and natural frequencies, relative to the model,
-                       of the structure in the worst storm (simulation with fast target jumps), and
-                       its step limit relative to the scene's */
+        worst_step; /* static response to voltages and natural frequencies, relative to the
+                       controller's model, of the structure in the worst storm (simulation with fast
+                       target jumps), and its step limit relative to the scene's */
     double ticks; /* mean number of ticks until the shape has settled after fast jumps of the target
                    */
     double less_hysteresis; /* share by which the ceramic has less hysteresis than the scene file
@@ -109,11 +110,12 @@ typedef struct certificate_loop {
                                   target */
     bool has_margins;
     double margin_gain; /* largest static response of the structure to voltages, relative to the
-                           model, with which the loop is stable */
-    bool ends_at_most; /* true where the loop is stable with the oldest readings that were tried, so
-                          that the member `older` could be larger */
-    double margin_slow, margin_fast; /* lowest and highest natural frequencies, relative to the
-                                        model, with which the loop is stable */
+                           controller's model, with which the control loop is stable */
+    bool ends_at_most;  /* true where the control loop is stable with the oldest readings that were
+                           tried, so that the member `older` could be larger */
+    double margin_slow, margin_fast; /* lowest and highest natural frequencies of the structure,
+                                        relative to the controller's model, with which the control
+                                        loop is stable */
     double rate_from, rate_to; /* range of tick rates (1/s) around that of the scene at which the
                                   control loop is stable, with constants of the controller made for
                                   each rate; 0: not computed */

@@ -28,8 +28,8 @@ enum {
                                voltages act */
     VOLTAGE = NEXT + LOADS, /* variables for the voltages that the amplifiers are to output (V) */
     REALS = VOLTAGE + CONTROLLER_INPUTS, /* number of real variables of the FMU */
-    COMMAND = 0, /* variable for the command to the supervisor, which starts and stops the control
-                    loop; only in an FMU with a supervisor */
+    COMMAND = 0, /* variable for the command to the supervisor, which switches the control loop
+                    between its operating modes; only in an FMU with a supervisor */
     STATUS = CONTROLLER_SUPERVISED, /* variable for the status of the latest tick of the control
                                        loop, a value of pzs_status */
     ITERATIONS = STATUS + 1, /* variable for the number of iterations of the optimiser in the latest
