@@ -107,8 +107,8 @@ typedef struct gains {
                                each amplifier */
     double *loop; /* [modes][modes] loop matrix: entry (i, j) is the static coordinate of vibration
                      mode i under the voltages that the controller subtracts per unit of mode j */
-    bool assumes_measured; /* true where the loop is assessed as if every target node were measured
-                            */
+    bool assumes_measured; /* true where stability of the control loop is assessed as if every
+                              target node were measured */
 } gains;
 
 static size_t list_amplifiers(const design *design, size_t *amplifier)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
  * Computation of the tables with which the control tick of a scene damps vibration: choice of the
- * observed vibration modes, their shapes, and their readings.
+ * observed vibration modes, their shapes, and their sensor readings.
  */
 #include "damper.h"
 #include <math.h>

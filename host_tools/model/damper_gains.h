@@ -102,7 +102,8 @@ typedef struct damper_gains {
 
 /*
  * Compute the gains of the control tick that damps vibration. Returns 0, or -1 where memory runs
- * out or the iteration does not converge, for example because a number is not finite.
+ * out or the iteration for the Riccati equation of the vibration observer does not converge, for
+ * example because a number is not finite.
  */
 int damper_compute(damper_gains *gains, const damper_model *model, const damper_settings *settings);
 

@@ -22,9 +22,10 @@ typedef struct estimator {
     double condition; /* ratio of the largest to the smallest singular value among the combinations
                          of disturbances (loads and voltage errors) that the sensors distinguish
                          from noise */
-    double disturbed; /* expected root mean square of the weighted shape under the disturbances
-                         (loads and voltage errors), before estimation */
-    double remaining; /* expected root mean square of the weighted error of the estimated shape */
+    double disturbed; /* expected root mean square of the shape, weighted with the target weights,
+                         under the disturbances (loads and voltage errors), before estimation */
+    double remaining; /* expected root mean square of the error of the estimated shape, weighted
+                         with the target weights */
     double worst_disturbed; /* expected root mean square, under the disturbances (loads and voltage
                                errors), of the component of the weighted shape along the unit vector
                                along which the error of the estimate is largest */

@@ -40,10 +40,11 @@ static const double least_slope = 0.1;
 static const double likeness = 0.05;
 
 /*
- * Bounded least-squares problem. There is one row for each sample, one for each play operator and
- * one for each pair of neighbouring time constants of the creep. The unknowns are the slopes, the
- * weights of the play operators for positions above the middle of the voltage range, those for
- * positions below, the creep amplitude of each time constant, and a constant.
+ * Bounded least-squares problem that fits the hysteresis and creep model to a sweep. There is one
+ * row for each sample, one for each play operator (element with backlash) and one for each pair of
+ * neighbouring time constants of the creep. The unknowns are the slopes, the weights of the play
+ * operators for positions above the middle of the voltage range, those for positions below, the
+ * creep amplitude of each time constant, and a constant.
  */
 typedef struct fit {
     const sweep *sweep;

@@ -24,8 +24,8 @@ typedef struct mesh_estimate {
     double value;        /* value of the result of the analysis on the mesh of the scene */
     double extrapolated; /* value that the result would have with infinitely many elements, by
                             extrapolation */
-    double uncertainty;  /* half width of the interval around `extrapolated` in which the exact
-                            result is expected */
+    double uncertainty;  /* half width of the interval around the extrapolated value in which the
+                            exact result is expected */
     double order; /* observed order of convergence. NAN where no order can be observed, because
                      there are only two meshes or the results do not converge monotonically */
 } mesh_estimate;

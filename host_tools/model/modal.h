@@ -33,7 +33,10 @@ bool modal_open(modal *modal, const design *design, const vibration *vibration, 
 bool modal_open_at(modal *modal, const design *design, const vibration *vibration,
                    pzs_solver *solver, size_t inputs);
 
-/* Copy a modal description. Returns whether memory sufficed; call modal_close in either case. */
+/*
+ * Copy the modal description of a structure. Returns whether memory sufficed; call modal_close in
+ * either case.
+ */
 bool modal_copy(modal *to, const modal *from);
 void modal_close(modal *modal);
 

@@ -36,8 +36,8 @@ static const struct rule {
     const char *name;
     subject_type of;
     measure *measure;
-    double low, high; /* range in which the measured number causes no warning; the lowest and the
-                         highest value belong to the range */
+    double low, high; /* range in which the number that the plausibility rule measures causes no
+                         warning; the lowest and the highest value belong to the range */
     const char *unit, *cure;
 } rules[] = {
     {"displacement", SUBJECT_RESULT, measure_displacement, 0, 1, "times the thickness",
