@@ -11,7 +11,7 @@
 
 #define TOGETHER                                                                                   \
     64u /* largest number of rows of the influence matrix whose products are added to the Hessian  \
-           at once */
+           together */
 
 void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k)
 {

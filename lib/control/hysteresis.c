@@ -567,7 +567,10 @@ static size_t effect_bytes(const void *tables, const pzs_problem *problem)
     return PZS_EFFECT_BLOCK_BYTES(problem->inputs, hysteresis->plays, hysteresis->creeps);
 }
 
-/* Set the pointers of the hysteresis block to its tables and its arrays. */
+/*
+ * Set the pointers of the hysteresis block, a stage of the control loop, to its tables and its
+ * arrays.
+ */
 static void place(pzs_compensator *compensator, const pzs_hysteresis *tables)
 {
     const size_t inputs = tables->inputs;
@@ -599,9 +602,10 @@ static pzs_status effect_init(void *self, const void *tables, pzs_loop_signals *
         return status;
     if (!signals->has_inverse)
         return PZS_E_STAGE;
-    if (control->state.problem->limit_rows != NULL) /* limit rows (limits of weighted sums) hold for
-                                                       voltages, but the controller computes effects
-                                                       (voltages without hysteresis) */
+    if (control->state.problem->limit_rows != NULL) /* hysteresis compensation replaces voltages by
+                                                       effects (voltages without hysteresis), to
+                                                       which limit rows (limits of weighted sums of
+                                                       voltages) do not apply */
         return PZS_E_ARGUMENT;
     memset(compensator, 0, sizeof *compensator);
     place(compensator, tables);

@@ -15,8 +15,8 @@
 #include "../core/numbers.h"
 
 /*
- * Margin by which the optimiser narrows a limit row (limit of a weighted sum of voltages), as a
- * multiple of the rounding error of the sum. The margin also covers the rounding errors of rows
+ * Distance by which the optimiser narrows a limit row (limit of a weighted sum of voltages), as a
+ * multiple of the rounding error of the sum. The distance also covers the rounding errors of rows
  * that are linear combinations of other rows.
  */
 #define MARGIN 16
@@ -87,8 +87,8 @@ static bool is_row_usable(const pzs_problem *problem, uint32_t k)
 }
 
 /*
- * Whether the safe voltages of the limit rows (limits of sums of voltages) are inside all voltage
- * limits and limit rows.
+ * Whether the safe voltages, which the tables store with the limit rows (limits of weighted sums of
+ * voltages), are inside all voltage limits and limit rows.
  */
 static bool is_safe(const pzs_problem *problem)
 {
@@ -225,8 +225,8 @@ static uint32_t first_outside(const pzs_control *control)
 }
 
 /*
- * Move all voltages along the straight line to `goal` [inputs], as far as the step limits allow.
- * Returns whether the voltages have arrived at `goal`.
+ * Move the present voltages of all inputs along the straight line to the voltages `goal` [inputs],
+ * as far as the step limits allow. Returns whether the voltages have arrived at `goal`.
  */
 static bool move_towards(pzs_control *control, const pzs_real *goal)
 {

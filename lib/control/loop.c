@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * The control loop: a list of blocks, which are initialised in one workspace and run in every tick
- * in the order of the list, followed by a last check of all voltages.
+ * The control loop: a list of blocks, the stages of computation of a tick. They are initialised in
+ * one workspace and run in every tick in the order of the list, followed by a last check of all
+ * voltages.
  *
  * The workspace holds, each part aligned to 8 bytes: two arrays of voltages that are published in
- * turn, three copies of the voltages of the last tick, and the blocks.
+ * turn, three copies of the voltages of the last tick, and the memory of the blocks.
  */
 #include <string.h>
 #include "pzs_loop.h"
@@ -33,8 +34,8 @@ static bool is_complete(const pzs_block *block)
 }
 
 /*
- * Whether two blocks must not be in the same list, because they are of the same type, or of a phase
- * of the tick in which a list may have one block only.
+ * Whether two blocks (stages of computation) must not be in the same control loop, because they are
+ * of the same type, or of a phase of the tick in which a loop may have one block only.
  */
 static bool excludes(const pzs_block_type *one, const pzs_block_type *other)
 {
@@ -44,8 +45,9 @@ static bool excludes(const pzs_block_type *one, const pzs_block_type *other)
 }
 
 /*
- * Check block k of the list of a loop: the block must be complete, must be allowed together with
- * the blocks before it, and must follow them in the order of the phases of a tick.
+ * Check block k of the list of a control loop, a stage of its computation: the block must be
+ * complete, must be allowed together with the blocks before it, and must follow them in the order
+ * of the phases of a tick.
  */
 static pzs_status check_block(const pzs_block *blocks, size_t k)
 {
@@ -58,8 +60,8 @@ static pzs_status check_block(const pzs_block *blocks, size_t k)
 }
 
 /*
- * Return the index of the control-step block in a list of `count` blocks, or `count` if the list
- * has none.
+ * Return the index of the control step, the block that computes the voltages, in a list of `count`
+ * blocks of a control loop, or `count` if the list has none.
  */
 static size_t find_step(const pzs_block *blocks, size_t count)
 {
@@ -113,7 +115,10 @@ static size_t bytes_of(const pzs_block *block, const pzs_problem *problem)
     return PZS_ALIGNED(block->type->block_bytes(block->tables, problem));
 }
 
-/* Return the address of the memory of block k in the workspace of the loop. */
+/*
+ * Return the address of the memory of block k (a stage of computation) in the workspace of the
+ * control loop.
+ */
 static void *memory_of(const pzs_loop_core *core, const pzs_problem *problem, size_t k)
 {
     uint8_t *memory = core->memory + PZS_LOOP_BYTES(core->count, problem->inputs) -
@@ -142,8 +147,8 @@ static pzs_real *frame_of(const pzs_loop_core *core, const pzs_problem *problem,
 }
 
 /*
- * Return the data of the last check before the amplifiers, with the array that the check is to fill
- * with the next voltages.
+ * Return the data that the last check of the voltages before the amplifiers needs, with the array
+ * that the check is to fill with the next voltages.
  */
 static output_gate gate_of(const pzs_loop *loop, const pzs_loop_core *core)
 {
@@ -194,8 +199,8 @@ static void start_gate(pzs_loop *loop)
 }
 
 /*
- * Initialise all blocks except the control-step block, from the last to the first, because each
- * block must know how many readings the block after it needs.
+ * Initialise all blocks (stages of computation) of a control loop except the control step, from the
+ * last to the first, because each block must know how many readings the block after it needs.
  */
 static pzs_status init_others(pzs_loop *loop)
 {
@@ -336,8 +341,8 @@ static void restore_voltages(const pzs_loop *loop, const pzs_loop_core *core)
 }
 
 /*
- * Choose the constant table whose checksum the loop checks next: the next table of the same block,
- * or the first table of the next block.
+ * Choose the constant table whose checksum the loop checks next: the next table of the same block
+ * (stage of computation), or the first table of the next block.
  */
 static void go_on(pzs_loop *loop, bool is_same_block)
 {
@@ -348,10 +353,11 @@ static void go_on(pzs_loop *loop, bool is_same_block)
 }
 
 /*
- * Check the next slice of the constant tables of all blocks except the control-step block, one
- * table after the other. A table with a wrong checksum is read a second time. Returns whether the
- * tables are intact, as far as is known; if they are not, info.block is the type of the block.
- *   part [PZS_TABLE_PARTS] work array
+ * Check the next slice of the constant tables of all blocks (stages of computation) except the
+ * control step, one table after the other. A table with a wrong checksum is read a second time.
+ * Returns whether the tables are intact, as far as is known; if they are not, info.block is the
+ * type of the block.
+ *   part [PZS_TABLE_PARTS]  work array
  */
 static bool scrub_block(pzs_loop *loop, const pzs_loop_core *core,
                         pzs_table_part part[PZS_TABLE_PARTS])
@@ -395,7 +401,8 @@ static bool scrub_tables(pzs_loop *loop, const pzs_loop_core *core, const pzs_pr
 }
 
 /*
- * Whether the status that a block has returned takes precedence over the status of the tick so far.
+ * Whether the status that a block (stage of computation) has returned takes precedence over the
+ * status that the earlier blocks of this tick have left.
  */
 static bool takes_precedence(pzs_status status, const pzs_block_type *type, pzs_status result)
 {
@@ -406,10 +413,10 @@ static bool takes_precedence(pzs_status status, const pzs_block_type *type, pzs_
 }
 
 /*
- * Run all blocks of a tick. After an error, also one that was found before the first block, only
- * the supervisor runs. As long as a block of PZS_PHASE_COMMISSION, which tests the hardware before
- * the loop takes control, returns a warning or an error, no block after it runs. Returns the status
- * that takes precedence, and stores its block and its index.
+ * Run all blocks (stages of computation) of a tick. After an error, also one that was found before
+ * the first block, only the supervisor runs. As long as a block of PZS_PHASE_COMMISSION, which
+ * tests the hardware before the loop takes control, returns a warning or an error, no block after
+ * it runs. Returns the status that takes precedence, and stores its block and its index.
  */
 static pzs_status run(pzs_loop *loop, const pzs_loop_core *core, pzs_loop_signals *signals,
                       pzs_status result)
@@ -460,7 +467,10 @@ static pzs_status give_out(pzs_loop *loop, const pzs_loop_core *core, pzs_status
     return PZS_IS_ERROR(status) ? status : finish(loop, passed, NULL, where);
 }
 
-/* Whether the list of blocks ends with a supervisor. */
+/*
+ * Whether the list of blocks (stages of computation) of a control loop ends with a supervisor,
+ * which switches between operating modes.
+ */
 static bool is_supervised(const pzs_loop_core *core)
 {
     return core->blocks[core->count - 1u].type->phase == PZS_PHASE_SUPERVISE;

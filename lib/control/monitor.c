@@ -23,12 +23,13 @@
 #include "../core/numbers.h"
 
 /*
- * Factor of the deviation that changes of the target explain, in the threshold above which the
- * divergence monitor counts a tick as implausible.
+ * Factor of the deviation of the measured from the predicted shape that changes of the target
+ * explain, in the amplitude of the deviation above which the divergence monitor counts a tick as
+ * implausible.
  */
 #define MARGIN 4
 /*
- * Factor of the RMS noise of the measured shape, in the threshold above which the divergence
+ * Factor of the RMS noise of the measured shape, in the amplitude above which the divergence
  * monitor counts a tick as implausible.
  */
 #define NOISE_MARGIN 6
@@ -38,11 +39,14 @@
  */
 #define PEAK_FADING PZS_R(0.9)
 /*
- * Fraction of the way to its present value that a low-passed value of the divergence monitor goes
- * in one tick, and decay rate of its sums over the last changes of the shape.
+ * Fraction by which the low-passed values of the divergence monitor approach their present values
+ * in one tick, and by which its sums over the last changes of the shape decay in one tick.
  */
 #define SLOW PZS_R(0.02)
-/* Smallest plausible ratio of measured to predicted changes of the shape. */
+/*
+ * Smallest ratio of measured to predicted changes of the shape at which the structure counts as
+ * responding to its voltages.
+ */
 #define LEAST_ANSWER PZS_R(0.1)
 /*
  * The divergence monitor judges the response of the structure only if the predicted changes of the
@@ -96,10 +100,10 @@ static uint32_t count_fixed(const pzs_loop_signals *signals)
 }
 
 /*
- * Store the shapes of a tick, with which the next tick is compared. The divergence monitor starts
- * anew in this way in its first tick and when an input is fixed at a voltage or released: the
- * predicted shape then jumps without a motion of the structure, and with it the disturbance
- * (measured minus predicted shape).
+ * Store the measured, predicted and target shapes of a tick, with which those of the next tick are
+ * compared. The divergence monitor starts anew in this way in its first tick and when an input is
+ * fixed at a voltage or released: the predicted shape then jumps without a motion of the structure,
+ * and with it the disturbance (measured minus predicted shape).
  */
 static void store_shapes(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {
@@ -113,9 +117,9 @@ static void store_shapes(pzs_monitor_state *monitor, const pzs_loop_signals *sig
 }
 
 /*
- * Start the divergence monitor with the shapes of this tick.
- *   has_modes in  true: a vibration block computes the amplitude of the deviation, so only the
- *                 target is stored
+ * Start the divergence monitor with the measured, predicted and target shapes of this tick.
+ *   has_modes in  true: a vibration block computes the amplitude by which the measured shape
+ *                 deviates from the model, so only the target is stored
  */
 static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, bool has_modes)
 {
@@ -140,9 +144,10 @@ static void start(pzs_monitor_state *monitor, const pzs_loop_signals *signals, b
 }
 
 /*
- * Compare the shapes of this tick with those of the last one. info.predicted is the shape that the
- * voltages of this tick will make; the disturbance (measured minus predicted shape) belongs to the
- * shape that was predicted one tick earlier, whose change monitor->move holds.
+ * Compare the measured, predicted and target shapes of this tick with those of the last one.
+ * info.predicted is the shape that the voltages of this tick will make; the disturbance (measured
+ * minus predicted shape) belongs to the shape that was predicted one tick earlier, whose change
+ * monitor->move holds.
  */
 static squares compare(pzs_monitor_state *monitor, const pzs_loop_signals *signals)
 {

@@ -21,12 +21,15 @@ void pzs_monitor_init(pzs_monitor_state *monitor, pzs_real *memory, uint32_t out
 void pzs_monitor_place(pzs_monitor_state *monitor, pzs_real *memory, uint32_t outputs);
 
 /*
- * Return the amplitude of the deviation from the model above which the divergence monitor counts a
- * tick as implausible (m).
+ * Return the amplitude of the deviation of the structure from the model above which the divergence
+ * monitor counts a tick as implausible (m).
  */
 pzs_real pzs_monitor_threshold(const pzs_monitor_state *monitor, const pzs_supervision *tables);
 
-/* Compare one tick with the model. Returns whether the tick is implausible. */
+/*
+ * Compare the measured shape in one tick with the shape that the model predicts. Returns whether
+ * the difference is implausible.
+ */
 bool pzs_monitor_tick(pzs_monitor_state *monitor, const pzs_supervision *tables,
                       const pzs_loop_signals *signals);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Functions that all parts of the voltage optimiser use: the length of loops over the inputs, and
- * the check of the work limit.
+ * Functions that all parts of the voltage optimiser use: the length of loops over the inputs
+ * (voltages), and the check of the largest work (multiply-adds) that a control step may take.
  */
 #ifndef PZS_LIB_OPTIMISER_H
 #define PZS_LIB_OPTIMISER_H
@@ -9,9 +9,10 @@
 #include "pzs_control.h"
 
 /*
- * Return the number of entries that a loop over the inputs visits: the number of inputs, or, on
- * vector processors, this number rounded up to a multiple of PZS_TILE. The mask tells the compiler
- * that the loop has no remainder. The entries beyond the inputs are zero.
+ * Return the number of entries that a loop over the inputs (voltages) visits: the number of inputs,
+ * or, where PZS_TILE (matrix rows processed together) is above 4 for vector processors, this number
+ * rounded up to a multiple of PZS_TILE. The bit mask tells the compiler that the loop has no
+ * remainder. The entries beyond the inputs are zero.
  */
 static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 {
@@ -19,8 +20,9 @@ static inline size_t optimiser_span(const pzs_optimiser *optimiser)
 }
 
 /*
- * Return whether the dual method handles the active set. A number PZS_DUAL_INPUTS above
- * PZS_INPUT_LIMIT makes this constant, so that the method is not linked.
+ * Return whether the dual method of the voltage optimiser, which problems of many inputs use, finds
+ * the active set, the voltages at their limits. Where PZS_DUAL_INPUTS, the number of inputs from
+ * which it is used, is above PZS_INPUT_LIMIT, this is a constant, so that the method is not linked.
  */
 static inline bool optimiser_is_dual(const pzs_optimiser *optimiser)
 {

@@ -36,7 +36,10 @@ static inline bool is_allowed(const pzs_problem *problem, uint32_t i, pzs_real v
            number_absolute(voltage - last) <= problem->step_limit[i];
 }
 
-/* Return the voltage of input i that replaces a voltage that is not allowed (V). */
+/*
+ * Return the voltage that replaces a voltage of input i that is not finite or is outside its
+ * voltage limits or step limit (V).
+ */
 static pzs_real corrected(const output_gate *gate, uint32_t i, pzs_real voltage, pzs_real last)
 {
     const pzs_problem *problem = gate->problem;
@@ -55,8 +58,8 @@ static pzs_real corrected(const output_gate *gate, uint32_t i, pzs_real voltage,
 
 /*
  * Where voltages violate a limit row (limit of a weighted sum of voltages), scale them back towards
- * the last voltages, and fill the array gate->frame again. Returns the checksum, continued with the
- * limits of the limit rows.
+ * the voltages of the last tick, and fill gate->frame, the array of checked voltages, again.
+ * Returns the checksum, continued with the limits of the limit rows.
  */
 static uint32_t keep_rows(const output_gate *gate, pzs_real *voltage, uint32_t sum, int32_t *where)
 {

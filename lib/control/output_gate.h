@@ -11,9 +11,9 @@
 
 typedef struct output_gate {
     const pzs_problem *problem;
-    pzs_real *const *held; /* [3][inputs] three copies of the voltage at which an input is held (V);
-                              NaN: not held */
-    pzs_real *last[3];     /* [inputs] three copies of the voltages of the last tick (V) */
+    pzs_real *const *held;    /* [3][inputs] three copies of the voltage at which the program or the
+                                 fault detector holds an input (V); NaN: not held */
+    pzs_real *last[3];        /* [inputs] three copies of the voltages of the last tick (V) */
     volatile pzs_real *frame; /* [inputs] array to fill with the voltages of this tick, which are
                                  not yet published (V) */
 } output_gate;
@@ -22,7 +22,8 @@ typedef struct output_gate {
 uint32_t pzs_output_limit_sum(const pzs_problem *problem);
 
 /*
- * Clamp voltages to what may be applied, and fill the array gate->frame with them.
+ * Correct voltages that may not be applied to the amplifiers, and fill the array gate->frame with
+ * all voltages.
  *   voltage [inputs] in/out  voltages of the controller (V)
  *   limit_sum        in      checksum of the limits when the tables were last known to be intact
  *   where            out     first corrected input, or -1

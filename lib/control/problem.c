@@ -1,14 +1,19 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Checksum of a voltage problem and order of its arrays in the checksum (control.h, problem.h). */
+/*
+ * Checksum of a voltage problem, the tables from which the controller computes voltages, and order
+ * of its arrays in the checksum (control.h, problem.h).
+ */
 #include "control.h"
 #include "problem.h"
 #include "../core/guard.h"
 
-#define SLICE 4096u /* number of reals that are checked together */
+#define SLICE                                                                                      \
+    4096u /* number of reals of an array that enter the checksum and are searched for NaN at a     \
+             time */
 
 /*
- * Set of the parts of a voltage problem whose numbers must be finite, one bit for each part:
- * influence matrix, Hessian, output weights, reference voltages, regularisation.
+ * Arrays and numbers of a voltage problem that must be finite, one bit for the place of each in the
+ * checksum: influence matrix, Hessian, output weights, reference voltages, regularisation.
  */
 #define FINITE_PARTS (1u << 2 | 1u << 3 | 1u << 4 | 1u << 8 | 1u << 9)
 

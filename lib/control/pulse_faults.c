@@ -43,34 +43,38 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-/* A reading that is larger than this counts as missing, so that no sum of squares overflows. */
+/*
+ * A sensor reading that is larger than this counts as missing, so that no sum of squares overflows.
+ */
 #define READING_LIMIT PZS_R(1e12)
 /*
- * Regularisation in the least-squares estimate of the voltages that electrodes have lost, relative
- * to the mean diagonal entry of its matrix.
+ * Regularisation in the least-squares estimate of the voltages that electrodes seem not to have
+ * received, relative to the mean diagonal entry of the matrix of the least-squares problem.
  */
 #define RIDGE PZS_R(1e-4)
 /*
- * Smallest part of the difference between an earlier standstill of the target and the present
- * window that the loss of a suspected electrode explains. LEAST_MOVING_SHARE holds for a window in
- * which the target has moved, because vibration and damping add to the difference.
+ * Smallest part that the loss of a suspected electrode (voltage that it seems not to have received)
+ * explains of the difference between the readings at an earlier standstill of the target and the
+ * present ones. LEAST_MOVING_SHARE holds for readings during a motion of the target, because
+ * vibration and damping add to the difference.
  */
 #define LEAST_SHARE PZS_R(0.2)
 #define LEAST_MOVING_SHARE PZS_R(0.3)
 /*
- * Smallest and largest voltage that an electrode must seem to have lost to be suspected, relative
- * to the voltage or to the voltage change that it would lose if it were dead, stuck or reversed.
+ * Smallest and largest voltage that an electrode must seem not to have received to be suspected of
+ * a fault, relative to the voltage or voltage change that it would not receive if it were dead,
+ * stuck or reversed.
  */
 #define LEAST_LOSS PZS_R(0.5)
 #define LARGEST_LOSS PZS_R(4)
 /*
- * Smallest voltage that an electrode must seem to have lost to be suspected, relative to the height
- * of its test pulse.
+ * Smallest voltage that an electrode must seem not to have received to be suspected of a fault,
+ * relative to the height of its test pulse.
  */
 #define NOTICED PZS_R(0.05)
 /*
- * Largest part of their voltage changes that all electrodes may seem to have lost together. A
- * structure whose gain differs from the model causes such a loss.
+ * Largest part of the voltage changes that all electrodes together may seem not to have received. A
+ * structure whose gain differs from the model causes such an apparent loss.
  */
 #define COMMON_LOSS PZS_R(0.5)
 /*
@@ -93,31 +97,34 @@
 #define SILENT_PULSES 2u
 #define REVERSED PZS_R(0.3)
 /*
- * Largest jump of the readings during a test pulse that proves a fault, measured by the late
- * weights (test_pulse.h) and relative to the modelled response of the suspected electrode. A single
- * jump of a load that is not noticed changes the gain by less than 2.4 times this number.
+ * Largest jump of the readings during a test pulse at which the pulse still proves a fault of an
+ * electrode. The jump is measured by the late weights, which respond to sudden steps
+ * (test_pulse.h), relative to the modelled response of the suspected electrode. A jump of a load
+ * that is not noticed changes the gain by less than 2.4 times this number.
  */
 #define JUMPED PZS_R(0.1)
 /*
- * Largest jump of the readings during a test pulse that proves a fault, relative to the modelled
- * response of the reference electrode, a healthy one, whose gain may be less accurate.
+ * Largest jump of the readings during a test pulse at which the pulse still proves a fault of an
+ * electrode, relative to the modelled response of the reference electrode, a healthy one, whose
+ * gain may be less accurate.
  */
 #define REFERENCE_JUMPED PZS_R(0.2)
 /*
- * Largest energy of the part of a measured response to a test pulse that has another shape than the
- * modelled response, relative to the energy of the modelled response. A larger part means that
- * something else has disturbed the test pulse.
+ * Largest sum of squares of the part of a measured response to a test pulse that has another shape
+ * than the modelled response, relative to the sum of squares of the modelled response. A larger
+ * part means that something else has disturbed the test pulse.
  */
 #define DISTURBED PZS_R(0.25)
 /*
- * Smallest part of the modelled response to the reference electrode that is independent of the
- * response to the suspected electrode, relative to its energy.
+ * Smallest part of the modelled response to the reference electrode (a healthy one) that is
+ * independent of the modelled response to the suspected electrode, as a fraction of its sum of
+ * squares.
  */
 #define DEPENDENT PZS_R(0.05)
 /*
- * The evaluation of a test pulse expects that the gain of all other electrodes (response divided by
- * modelled response) is 1. This is the weight of the expectation, relative to the energy of the
- * modelled response to the pulse.
+ * The evaluation of a test pulse expects that the gain (measured divided by modelled response) of
+ * all electrodes without a pulse is 1. This is the weight of the expectation, relative to the sum
+ * of squares of the modelled response to the pulse.
  */
 #define EXPECTED PZS_R(0.05)
 /*
@@ -141,16 +148,20 @@
  */
 #define MISSING_LIMIT 8u
 /*
- * The target counts as unmoved while the sum over the outputs of its squared weighted change is
- * below a fixed part (1/STILL) of the same sum for the shape of the weakest test pulse.
+ * The target shape counts as unmoved while the sum over the outputs of its squared weighted change
+ * is below a fixed part (1/STILL) of the same sum for the smallest shape that the test pulse of an
+ * electrode causes.
  */
 #define STILL PZS_R(64)
 
-/* Phases of the detector: windows in which readings are averaged, and test pulses. */
+/*
+ * Phases of the fault detector: averages readings until an electrode is suspected; applies test
+ * pulses.
+ */
 enum { WAITING = 0, PULSING };
 /*
- * Columns of the fit of a test pulse: modelled responses to the suspected electrode, to the
- * reference electrode, and to all other electrodes.
+ * Columns of the least-squares fit of the response to a test pulse: modelled responses to the
+ * suspected electrode, to the reference electrode (a healthy one), and to all other electrodes.
  */
 enum { SUSPECT = 0, REFERENCE, OTHERS, COLUMNS };
 
@@ -160,14 +171,18 @@ static pzs_real square(pzs_real number)
 }
 
 /*
- * Where neither electrode responds, as with strong hysteresis, the pulses are repeated with this
- * multiple of their heights.
+ * Where neither the suspected electrode nor the healthy one with which it is compared responds to
+ * test pulses, as with strong hysteresis, the pulses are repeated with this multiple of their
+ * heights.
  */
 #define GROWTH PZS_R(4)
 
 /* ---- memory ------------------------------------------------------------- */
 
-/* Reserve the next `count` real numbers of the memory and return their address. */
+/*
+ * Reserve the next `count` real numbers of the memory of the fault detector and return their
+ * address.
+ */
 static pzs_real *take_reals(pzs_real **next, size_t count)
 {
     pzs_real *const taken = *next;
@@ -234,7 +249,9 @@ static void place(pzs_pulse_detector *detector, const pzs_loop_signals *signals)
         state->phase = WAITING;
 }
 
-/* Go to the first tick of a phase of the detector. */
+/*
+ * Let the fault detector go to the first tick of a phase: averaging of readings, or a test pulse.
+ */
 static void begin(pzs_pulse_detector_state *state, uint32_t phase)
 {
     state->phase = (uint8_t)phase;
@@ -278,8 +295,9 @@ static void take_readings(pzs_pulse_detector_state *state, const pzs_real *readi
 }
 
 /*
- * Return the duration of the present window, in which readings are averaged, or of the present test
- * pulse (ticks). Before the pulses of a proof a shorter window lets vibration decay.
+ * Return the duration of the present window (time over which readings are averaged), or of the
+ * present test pulse (ticks). Before the test pulses of a suspected electrode a shorter window lets
+ * vibration decay.
  */
 static uint32_t window_ticks(const pzs_pulse_detector_state *state)
 {
@@ -289,11 +307,15 @@ static uint32_t window_ticks(const pzs_pulse_detector_state *state)
     return ticks;
 }
 
-/* Weights of a tick in the sums over a window or a test pulse (1). */
+/*
+ * Weights of the voltages and readings of a tick in the sums of the fault detector over a window
+ * (time over which readings are averaged) or a test pulse (1).
+ */
 typedef struct weights {
-    pzs_real mean; /* weight in a mean value that vibration hardly changes, or even weight of a test
-                      pulse */
-    pzs_real late; /* late weight of a test pulse */
+    pzs_real mean; /* weight of a tick in a mean value that vibration hardly changes, or, during a
+                      test pulse, in the response to the pulse */
+    pzs_real late; /* weight of a tick in the sum that measures a sudden step of the readings during
+                      a test pulse */
 } weights;
 
 static weights weights_of(const pzs_pulse_detector_state *state, uint32_t tick)
@@ -306,7 +328,8 @@ static weights weights_of(const pzs_pulse_detector_state *state, uint32_t tick)
 }
 
 /*
- * Add the present voltages [inputs] to their weighted sums over the present window or test pulse.
+ * Add the present voltages [inputs] to their weighted sums over the present test pulse, or over the
+ * present window, a time over which the fault detector averages.
  */
 static void add_voltages(pzs_pulse_detector_state *state, const pzs_real *voltage)
 {
@@ -324,7 +347,8 @@ static void add_voltages(pzs_pulse_detector_state *state, const pzs_real *voltag
 }
 
 /*
- * Add the present readings to their weighted sums over the present window or test pulse.
+ * Add the present readings to their weighted sums over the present test pulse, or over the present
+ * window, a time over which the fault detector averages.
  *   tick in  tick of the window or pulse whose voltages the readings show
  */
 static void add_readings(pzs_pulse_detector_state *state, uint32_t tick)
@@ -359,7 +383,8 @@ static bool measure(pzs_pulse_detector_state *state, const pzs_real *voltage)
 }
 
 /*
- * Whether enough sensors gave usable readings in the present window or test pulse.
+ * Whether enough sensors gave usable readings in the present test pulse, or in the present window,
+ * a time over which the fault detector averages readings.
  */
 static bool has_enough(const pzs_pulse_detector_state *state)
 {
@@ -369,7 +394,10 @@ static bool has_enough(const pzs_pulse_detector_state *state)
     return MISSING_LIMIT * missing <= state->tables->sensors;
 }
 
-/* Whether the target [outputs] has moved since it was stored; then the new target is stored. */
+/*
+ * Whether the target shape [outputs] has moved since the fault detector stored it; if so, the new
+ * target is stored.
+ */
 static bool has_target_moved(pzs_pulse_detector_state *state, const pzs_real *wanted)
 {
     const pzs_problem *problem = state->control->state.problem;
@@ -400,8 +428,9 @@ static void set_voltage(pzs_control *control, uint32_t j, pzs_real voltage)
 }
 
 /*
- * Return the height of the test pulse of input j (V), negative near the upper voltage limit. Large
- * pulses are limited by half the voltage range and by the step limit.
+ * Return the height of the test pulse of input j (V), negative near the upper voltage limit. The
+ * height of a pulse that is repeated with a larger height is limited by half the voltage range and
+ * by the step limit.
  */
 static pzs_real height_of(const pzs_pulse_detector_state *state, uint32_t j, pzs_real start)
 {
@@ -416,8 +445,8 @@ static pzs_real height_of(const pzs_pulse_detector_state *state, uint32_t j, pzs
 }
 
 /*
- * Begin the test pulses of the suspected electrode and of the reference electrode at their present
- * voltages.
+ * Begin the test pulses of the suspected electrode and of the reference electrode (a healthy one)
+ * at their present voltages.
  */
 static void begin_pulses(pzs_pulse_detector_state *state)
 {
@@ -452,7 +481,10 @@ static void release_electrode(pzs_pulse_detector_state *state, uint32_t number)
     pzs_control_set_held(control, j, (pzs_real)NAN);
 }
 
-/* Let the control step choose the voltages of both electrodes under test again. */
+/*
+ * Let the control step choose the voltages of the suspected electrode and of the healthy one that
+ * was tested with it again.
+ */
 static void release_electrodes(pzs_pulse_detector_state *state)
 {
     if (state->has_taken)
@@ -477,7 +509,10 @@ static bool is_overridden(const pzs_pulse_detector_state *state)
     return false;
 }
 
-/* Set the voltages of both electrodes under test for the next tick, inside their voltage limits. */
+/*
+ * Set the voltages of both electrodes under test (the suspected one and a healthy one) for the next
+ * tick of their test pulses, inside their voltage limits.
+ */
 static void set_test_voltages(pzs_pulse_detector_state *state)
 {
     const pzs_problem *problem = state->control->state.problem;
@@ -495,8 +530,8 @@ static void set_test_voltages(pzs_pulse_detector_state *state)
 /* ---- suspicion ------------------------------------------------------------ */
 
 /*
- * Turn the sums over a window into mean voltages and mean readings, which replace first_voltage and
- * first_reading.
+ * Turn the weighted sums over a window, a time over which the fault detector averages, into mean
+ * voltages and mean readings, which replace first_voltage and first_reading.
  */
 static void find_means(pzs_pulse_detector_state *state)
 {
@@ -507,9 +542,9 @@ static void find_means(pzs_pulse_detector_state *state)
 }
 
 /*
- * Compute the difference between the means of the last window and those of an earlier standstill of
- * the target: the changes of the voltages, and the changes of the readings that these do not
- * explain.
+ * Compute the difference between mean voltages and readings of the fault detector's last window
+ * (averaging time) and those of an earlier standstill of the target: the changes of the voltages,
+ * and the changes of the readings that these do not explain.
  */
 static void compare_means(pzs_pulse_detector_state *state)
 {
@@ -525,10 +560,10 @@ static void compare_means(pzs_pulse_detector_state *state)
 }
 
 /*
- * Estimate, by regularised least squares, the voltages that all electrodes have lost between an
- * earlier standstill of the target and the last window, from the changes of the readings that the
- * model does not explain. Returns the energy of the changes that no lost voltage explains, divided
- * by the regularisation (V2).
+ * Estimate, by regularised least squares, the voltages that all electrodes seem not to have
+ * received between an earlier standstill of the target and the last window (averaging time), from
+ * the changes of the readings that the model does not explain. Returns the sum of squares of the
+ * changes that no lost voltage explains, divided by the regularisation (V2).
  */
 static pzs_real find_losses(pzs_pulse_detector_state *state)
 {
@@ -546,8 +581,9 @@ static pzs_real find_losses(pzs_pulse_detector_state *state)
 }
 
 /*
- * Sums over the electrodes that are not held, from which the part that all electrodes have lost
- * together is computed. A lost voltage is one that an electrode seems not to have received.
+ * Sums over the electrodes that are not held, from which the part of the lost voltages is computed
+ * that all electrodes have in common. A lost voltage is one that an electrode seems not to have
+ * received.
  */
 typedef struct loss_sums {
     pzs_real losses, moves, both; /* sums over electrodes of squared lost voltages, of squared
@@ -568,8 +604,8 @@ static loss_sums sum_losses(const pzs_pulse_detector_state *state)
 }
 
 /*
- * Whether the voltage `loss` that an electrode seems to have lost has about the size and the sign
- * of a fault in which the electrode loses the voltage `whole` (V).
+ * Whether the voltage `loss` that an electrode seems not to have received has about the size and
+ * the sign of a fault in which the electrode does not receive the voltage `whole` (V).
  */
 static bool is_loss_of(pzs_real loss, pzs_real whole)
 {
@@ -578,10 +614,12 @@ static bool is_loss_of(pzs_real loss, pzs_real whole)
 }
 
 /*
- * Return the part of the difference from an earlier standstill of the target that the lost voltage
- * of electrode j explains (0 to 1), or 0 where the loss is not that of a faulty electrode. sums in
- * sums over all electrodes that are not held rest in  energy of the readings that no lost voltage
- * explains (V2)
+ * Return the part of the change of the readings since an earlier standstill of the target that the
+ * lost voltage of electrode j explains (0 to 1), or 0 where the loss is not that of a faulty
+ * electrode. A lost voltage is one that an electrode seems not to have received.
+ *   sums in  sums over all electrodes that are not held
+ *   rest in  sum of squares of the change that no lost voltage explains, over the regularisation
+ *            (V2)
  */
 static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, const loss_sums *sums,
                          pzs_real rest)
@@ -601,10 +639,12 @@ static pzs_real share_of(const pzs_pulse_detector_state *state, uint32_t j, cons
 }
 
 /*
- * Return the electrode whose lost voltage explains the largest part of the difference from an
- * earlier standstill of the target, or NO_INPUT if no electrode is suspected.
- *   rest  in  energy of the readings that no lost voltage explains (V2)
- *   least in  smallest part of the difference that makes an electrode suspected (1)
+ * Return the electrode whose lost voltage (which it seems not to have received) explains the
+ * largest part of the change of the readings since an earlier standstill of the target, or NO_INPUT
+ * if no electrode is suspected.
+ *   rest  in  sum of squares of the change that no lost voltage explains, over the regularisation
+ *             (V2)
+ *   least in  smallest part of the change that makes an electrode suspected (1)
  */
 static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real rest, pzs_real least)
 {
@@ -624,8 +664,8 @@ static uint32_t find_suspect(const pzs_pulse_detector_state *state, pzs_real res
 }
 
 /*
- * Return the squared sine of the angle between the modelled responses to electrode j and to the
- * suspected electrode (0 to 1).
+ * Return the squared sine of the angle between the sensor readings that the model predicts for
+ * electrode j and for the suspected electrode (0 to 1).
  */
 static pzs_real distinctness(const pzs_pulse_detector_state *state, uint32_t j)
 {
@@ -639,10 +679,12 @@ static pzs_real distinctness(const pzs_pulse_detector_state *state, uint32_t j)
 }
 
 /*
- * Return the electrode whose gain is compared with that of the suspected electrode. The responses
- * of both should differ in shape and be of similar size, because the errors of a much larger one
- * would hide the smaller one. Electrodes that seem to have followed their voltages are preferred.
- * Returns NO_INPUT if there is none. but in  electrode that is not chosen; NO_INPUT: none
+ * Return the electrode whose gain (measured divided by modelled response to a test pulse) is
+ * compared with that of the suspected electrode. The responses of both should differ in shape and
+ * be of similar size, because the errors of a much larger one would hide the smaller one.
+ * Electrodes that seem to have followed their voltages are preferred. Returns NO_INPUT if there is
+ * none.
+ *   but in  electrode that is not chosen; NO_INPUT: none
  */
 static uint32_t find_reference(const pzs_pulse_detector_state *state, uint32_t but)
 {
@@ -681,8 +723,8 @@ static bool has_moved(const pzs_pulse_detector_state *state)
 }
 
 /*
- * Store the mean voltages and readings of the last window, in which the target stood still, for
- * comparison with those of later windows.
+ * Store the mean voltages and readings of the fault detector's last window (averaging time), in
+ * which the target stood still, for comparison with those of later windows.
  */
 static void set_base(pzs_pulse_detector_state *state)
 {
@@ -696,7 +738,10 @@ static void set_base(pzs_pulse_detector_state *state)
 
 /* ---- proof ---------------------------------------------------------------- */
 
-/* End the proof, and return both electrodes under test to the control step. */
+/*
+ * End the test of a suspected electrode: the control step again chooses its voltage and that of the
+ * healthy electrode that was tested with it.
+ */
 static void end_proof(pzs_pulse_detector_state *state)
 {
     release_electrodes(state);
@@ -719,8 +764,8 @@ static void clear_suspect(pzs_pulse_detector_state *state)
 }
 
 /*
- * Suspect an electrode, if there is a reference electrode, with which its response to a test pulse
- * can be compared.
+ * Suspect an electrode of a fault, if there is a healthy electrode with which its response to a
+ * test pulse can be compared.
  */
 static void begin_suspicion(pzs_pulse_detector *detector, uint32_t suspect)
 {
@@ -738,20 +783,25 @@ static void begin_suspicion(pzs_pulse_detector *detector, uint32_t suspect)
     detector->info.tests++;
 }
 
-/* Least-squares fit of the response to a test pulse by three modelled responses. */
+/*
+ * Least-squares fit of the measured response to a test pulse by three modelled responses: to the
+ * suspected electrode, to the healthy reference electrode, and to all other electrodes.
+ */
 typedef struct pulse_fit {
-    pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of the products of the modelled responses;
-                                          after the factorisation its L D L^T factors (1) */
-    pzs_real response[COLUMNS]; /* products of the measured with the modelled responses; after the
-                                   solution the gains (1) */
-    pzs_real own;               /* energy of the modelled response to the suspected electrode (1) */
-    pzs_real energy;            /* energy of the measured response (1) */
+    pzs_real matrix[COLUMNS][COLUMNS]; /* lower triangle of the scalar products of the three
+                                          modelled responses with each other; after the
+                                          factorisation the L D L^T factors of this matrix (1) */
+    pzs_real response[COLUMNS]; /* scalar products of the measured with each modelled response;
+                                   after the solution the gains (measured over modelled response)
+                                   (1) */
+    pzs_real own;    /* sum of squares of the modelled response to the suspected electrode (1) */
+    pzs_real energy; /* sum of squares of the measured response (1) */
 } pulse_fit;
 
 /*
- * Set column[COLUMNS] to the modelled responses of sensor i to the test pulses of the suspected
- * electrode and of the reference electrode, and to the voltages of all others, times the scale of
- * the sensor (1).
+ * Set column[COLUMNS] to the responses of sensor i that the model predicts to the test pulse of the
+ * suspected electrode, to that of the reference electrode (a healthy one), and to the voltages of
+ * all others, times the scale of the sensor (1).
  */
 static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
                             pzs_real column[COLUMNS])
@@ -764,9 +814,10 @@ static void model_responses(const pzs_pulse_detector_state *state, uint32_t i,
 }
 
 /*
- * Compute the products of the measured and of the modelled responses to the test pulse. The gain of
- * all other electrodes is expected to be 1, so that it stays there if they have moved in the shape
- * of the electrodes under test.
+ * Compute the scalar products of the measured and of the modelled responses to the test pulse. The
+ * gain (measured divided by modelled response) of all electrodes without a pulse is expected to be
+ * 1, so that the fit leaves it there even if they have moved in the shape of the electrodes under
+ * test.
  */
 static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
 {
@@ -797,8 +848,8 @@ static pulse_fit compare_pulse(pzs_pulse_detector_state *state)
 }
 
 /*
- * Replace the matrix of a fit by its L D L^T factors. Returns whether the modelled responses to
- * both electrodes under test are independent of each other.
+ * Replace the matrix of the least-squares fit of a test pulse by its L D L^T factors. Returns
+ * whether the modelled responses to both electrodes under test are independent of each other.
  */
 static bool factor_fit(pulse_fit *fit)
 {
@@ -817,8 +868,9 @@ static bool factor_fit(pulse_fit *fit)
 }
 
 /*
- * Solve for the gains of the first `count` modelled responses.
- *   response [count] in/out  products of the measured with the modelled responses; gains
+ * Solve for the gains (measured divided by modelled response) of the first `count` modelled
+ * responses in the least-squares fit of a test pulse.
+ *   response [count] in/out  scalar products of the measured with the modelled responses; gains
  */
 static void solve_fit(const pulse_fit *fit, pzs_real *response, uint32_t count)
 {
@@ -832,18 +884,22 @@ static void solve_fit(const pulse_fit *fit, pzs_real *response, uint32_t count)
     }
 }
 
-/* Result of one test pulse. */
+/*
+ * Result of one test pulse of the suspected electrode and of the reference electrode, a healthy
+ * one.
+ */
 typedef struct pulse_response {
     pzs_real gain[2];   /* measured divided by modelled response, of the suspected electrode and of
                            the reference electrode (1) */
-    pzs_real jumped[2]; /* jump of the readings in the shape of each of both electrodes, measured by
-                           the late weights (1) */
-    bool is_measured;   /* false: the pulse was disturbed */
+    pzs_real jumped[2]; /* jump of the readings during the test pulse in the shape of each of both
+                           electrodes, relative to the modelled response (1) */
+    bool is_measured;   /* false: a load or a motion has disturbed the test pulse, or readings were
+                           missing */
 } pulse_response;
 
 /*
  * Compute by how much the readings have jumped during the test pulse, in the shapes of both
- * electrodes under test, beside what the voltages explain with the gains of the pulse.
+ * electrodes under test, apart from what the voltages explain with the measured gains.
  */
 static void find_jumps(pzs_pulse_detector_state *state, const pulse_fit *fit,
                        pulse_response *result)
@@ -868,7 +924,10 @@ static void find_jumps(pzs_pulse_detector_state *state, const pulse_fit *fit,
     solve_fit(fit, result->jumped, 2);
 }
 
-/* Evaluate the pulses of the suspected electrode and of the reference electrode. */
+/*
+ * Compute the gains of the suspected electrode and of the reference electrode (a healthy one) from
+ * the readings during their test pulses.
+ */
 static pulse_response evaluate_pulse(pzs_pulse_detector_state *state)
 {
     pulse_fit fit = compare_pulse(state);
@@ -887,8 +946,8 @@ static pulse_response evaluate_pulse(pzs_pulse_detector_state *state)
 }
 
 /*
- * Hold the suspected electrode, which is faulty, at its present voltage, for which the model goes
- * on to predict the shape.
+ * Hold the suspected electrode, whose fault is proved, at its present voltage, for which the model
+ * goes on to predict the shape.
  */
 static void hold_electrode(pzs_pulse_detector *detector, pzs_electrode_fault fault)
 {
@@ -904,8 +963,9 @@ static void hold_electrode(pzs_pulse_detector *detector, pzs_electrode_fault fau
 }
 
 /*
- * Return the fault of the suspected electrode, from its gain and from the voltage that it seemed to
- * have lost before.
+ * Return whether the suspected electrode is dead, stuck or reversed, from its gain (measured
+ * divided by modelled response) and from the voltage that it seemed not to have received before its
+ * test.
  */
 static pzs_electrode_fault fault_of(const pzs_pulse_detector_state *state,
                                     const pulse_response *response)
@@ -917,7 +977,10 @@ static pzs_electrode_fault fault_of(const pzs_pulse_detector_state *state,
     return dead < stuck ? PZS_FAULT_DEAD : PZS_FAULT_STUCK;
 }
 
-/* Choose another reference electrode after the present one has not responded. */
+/*
+ * Choose another reference electrode, with which the suspected one is compared, after the present
+ * one has not responded to its test pulse.
+ */
 static void change_reference(pzs_pulse_detector_state *state)
 {
     const uint32_t failed = state->reference;
@@ -928,9 +991,9 @@ static void change_reference(pzs_pulse_detector_state *state)
 }
 
 /*
- * Continue the proof after a measured test pulse of both electrodes. Only if the gain of the
- * reference electrode is large does a small gain of the suspected electrode mean anything. Returns
- * the input that was found faulty, or NO_INPUT.
+ * Decide what a measured test pulse proves about the suspected electrode. Only if the gain
+ * (measured divided by modelled response) of the reference electrode is large does a small gain of
+ * the suspected electrode mean anything. Returns the input that was found faulty, or NO_INPUT.
  */
 static uint32_t judge_response(pzs_pulse_detector *detector, const pulse_response *response)
 {
@@ -999,7 +1062,9 @@ static void update_states(pzs_pulse_detector_state *state)
     }
 }
 
-/* Continue the proof that a motion of the target has interrupted. */
+/*
+ * Begin the test pulses of a suspected electrode anew that a motion of the target has interrupted.
+ */
 static void resume_proof(pzs_pulse_detector_state *state)
 {
     if (is_held(state->control, state->suspect) || is_held(state->control, state->reference))
@@ -1009,8 +1074,9 @@ static void resume_proof(pzs_pulse_detector_state *state)
 }
 
 /*
- * Evaluate the means of a window, and choose an electrode to be tested. Its pulses begin at once if
- * the target stood still in the window. A window before the pulses of a proof is not evaluated.
+ * Evaluate the mean readings of a window (averaging time), and choose an electrode to be tested.
+ * Its test pulses begin at once if the target stood still in the window. After a window that only
+ * lets vibration decay before test pulses, the pulses begin.
  */
 static void end_window(pzs_pulse_detector *detector)
 {
@@ -1040,8 +1106,9 @@ static void end_window(pzs_pulse_detector *detector)
         return;
     if (state->suspect != NO_INPUT)
         begin_pulses(state);
-    else if (has_moved(state) || !number_is_finite(rest)) /* renews sums that damaged memory made
-                                                             infinite or NaN */
+    else if (has_moved(state) || !number_is_finite(rest)) /* stores new means where damaged memory
+                                                             has made those of the earlier
+                                                             standstill infinite or NaN */
         set_base(state);
 }
 
@@ -1063,8 +1130,8 @@ static uint32_t run_phase(pzs_pulse_detector *detector, const pzs_real *voltage)
 }
 
 /*
- * Interrupt the test pulses of a proof, which begin anew when the target has stood still for a
- * while.
+ * Interrupt the test pulses of a suspected electrode, which begin anew when the target has stood
+ * still for a while.
  */
 static void interrupt(pzs_pulse_detector_state *state)
 {
@@ -1081,8 +1148,8 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Compute and factor the matrix of the least-squares estimate of the voltages that electrodes have
- * lost. Returns whether the matrix is regular.
+ * Compute and factor the matrix of the least-squares estimate of the voltages that electrodes seem
+ * not to have received. Returns whether the matrix is regular.
  */
 static bool factor_matrix(pzs_pulse_detector_state *state)
 {
@@ -1109,9 +1176,9 @@ static bool factor_matrix(pzs_pulse_detector_state *state)
 }
 
 /*
- * Find the electrodes that cannot be tested, because they have no test pulse or move no sensor. Of
- * all other electrodes, find the smallest sum of the squared weighted output changes that a full
- * test pulse causes.
+ * Find the electrodes that cannot be tested for faults, because they have no test pulse or move no
+ * sensor. Of all other electrodes, find the smallest sum of the squared weighted output changes
+ * that a full test pulse causes.
  */
 static void find_unobservable(pzs_pulse_detector *detector)
 {
@@ -1134,8 +1201,8 @@ static void find_unobservable(pzs_pulse_detector *detector)
 }
 
 /*
- * Initialise the fault detector as a block of the control loop. Its memory holds the detector,
- * followed by its arrays.
+ * Initialise the fault detector as a block (stage of computation) of the control loop. Its memory
+ * holds the detector, followed by its arrays.
  */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
@@ -1144,8 +1211,9 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     const pzs_status status = pzs_selftest_check(tables, signals, &signals->where);
     if (status != PZS_OK)
         return status;
-    if (problem->limit_rows != NULL) /* the test pulse of a single input could violate a limit row
-                                        (limit of a weighted sum of voltages) */
+    if (problem->limit_rows != NULL) /* the test pulse of a single input, which the fault detector
+                                        applies, could violate a limit row (limit of a weighted sum
+                                        of voltages) */
         return PZS_E_ARGUMENT;
     memset(detector, 0, block_bytes(tables, problem));
     detector->state.suspect = NO_INPUT;

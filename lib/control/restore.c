@@ -63,8 +63,8 @@ void pzs_control_set_constants(pzs_control *control)
 }
 
 /*
- * Set voltage limits in force and step limits: those of the tables, or the held voltage of an input
- * that is held.
+ * Set the present voltage limits and step limits of the controller: those of the tables, or, for an
+ * input that is held, the held voltage as both voltage limits.
  */
 void pzs_control_restore_limits(pzs_control *control)
 {
@@ -83,9 +83,9 @@ void pzs_control_restore_limits(pzs_control *control)
 /* ---- Hessian ----------------------------------------------------------- */
 
 /*
- * Return the first entry of row k of the Hessian that differs from its source, or the number of
- * inputs if none does. The source is the row in the tables, or without such a table the mirrored
- * entries across the diagonal.
+ * Return the column of the first entry in row k of the Hessian that differs from its source, or the
+ * number of inputs if none does. The source is the row in the tables, or, if the tables contain no
+ * Hessian, the mirrored entries across the diagonal.
  */
 static uint32_t find_difference(const pzs_control *control, const pzs_real *table, uint32_t k)
 {
@@ -122,8 +122,9 @@ static void repair_rows(pzs_control *control, const pzs_real *table, uint32_t k,
 }
 
 /*
- * Compare row k of the Hessian with its source, which is the table of the problem or, without a
- * table, the mirrored entries across the diagonal. Returns whether the row had to be repaired.
+ * Compare row k of the Hessian with its source: the Hessian in the tables of the voltage problem
+ * or, if they contain none, the mirrored entries across the diagonal. Returns whether the row had
+ * to be repaired.
  */
 static bool scrub_row(pzs_control *control, const pzs_real *table, uint32_t k)
 {
@@ -138,8 +139,9 @@ static bool scrub_row(pzs_control *control, const pzs_real *table, uint32_t k)
 }
 
 /*
- * Return the number of inputs in the active set, after each mark of the free set has been set to
- * exactly 0 or 1.
+ * Return the number of inputs in the active set, those whose voltage is kept at a bound. First set
+ * the number that marks each input as free (1) or active (0), which damaged memory may have
+ * changed, to exactly 0 or 1.
  */
 static uint32_t count_active(pzs_optimiser *optimiser)
 {
@@ -152,9 +154,10 @@ static uint32_t count_active(pzs_optimiser *optimiser)
 }
 
 /*
- * Set the padding of matrix rows and vectors at the start of the workspace to zero: the entries
- * beyond the number of inputs, in every `stride`-th row of `width` entries from row `first` on. The
- * padding must be zero, because sums and maxima are taken over whole rows.
+ * Set the padding of matrix rows and vectors of the controller, which lie at the start of its
+ * workspace, to zero: the entries beyond the number of inputs, in every `stride`-th row of `width`
+ * entries from row `first` on. The padding must be zero, because sums and maxima are taken over
+ * whole rows.
  */
 static void clear_padding(pzs_control *control, uint32_t first, uint32_t stride)
 {
@@ -179,7 +182,7 @@ static void reset_tableaux(pzs_control *control)
  * Compare the next row of the Hessian with its source, and set the padding of a part of all matrix
  * rows and vectors to zero, so that all of it is zero after as many ticks as there are inputs.
  * After a repair, the padding of all rows is set at once. After the last row of the Hessian or a
- * repair, the constants that follow from the whole Hessian are set.
+ * repair, compute the numbers of the optimiser again that depend on the whole Hessian.
  */
 static void scrub_next_row(pzs_control *control, const pzs_real *table)
 {
@@ -213,9 +216,9 @@ void pzs_control_restore(pzs_control *control, const pzs_problem *problem,
     control->state.influence = influence != NULL ? influence : problem->influence;
     control->state.stage = CONTROL_READY;
     pzs_control_place(control, work);
-    pzs_control_damp(control, 1, NULL, NULL); /* damping is switched off at the start of each tick;
-                                                 if the loop has a vibration damper, that block
-                                                 switches it on again */
+    pzs_control_damp(control, 1, NULL, NULL); /* damping of vibration is switched off at the start
+                                                 of each tick; if the loop has a vibration damper,
+                                                 that block switches it on again */
     guard_repair_bool(&optimiser->is_verified);
     guard_repair_bool(&optimiser->is_rebuilding);
     guard_repair_bool(&optimiser->is_predicted);

@@ -114,9 +114,11 @@ typedef struct rows_run {
     const pzs_problem *problem;
     const pzs_limit_rows *rows;
     pzs_row_solver *solver;
-    pzs_optimiser *tableau; /* response matrix (tableau), active set, bounds and multipliers of the
-                               inputs together with the limit rows */
-    pzs_optimiser *optimiser; /* voltages, bounds and gradients of the inputs alone */
+    pzs_optimiser *tableau;   /* response matrix (tableau), active set, bounds and multipliers that
+                                 the optimiser uses for the inputs together with the limit rows
+                                 (limits of sums of voltages) */
+    pzs_optimiser *optimiser; /* voltages, bounds and gradients that the optimiser uses for the
+                                 inputs alone, without limit rows */
     uint32_t inputs, count; /* `inputs`: number of inputs; `count`: number of inputs plus number of
                                limit rows (limits of sums of voltages) */
 } rows_run;
@@ -160,8 +162,8 @@ static uint64_t end_work(const rows_run *run)
 }
 
 /*
- * Return the number of multiply-adds that the work limit of the optimiser leaves before the end of
- * the present round of iterations.
+ * Return the number of multiply-adds that the work limit of the optimiser leaves for the present
+ * round of iterations, after what the end of the round takes.
  */
 static uint64_t remaining_work(const rows_run *run)
 {
@@ -258,8 +260,8 @@ static uint32_t next_pivot(const rows_run *run)
 }
 
 /*
- * Estimate the rounding error of the pivots of the dual method from the largest diagonal entry of
- * the response matrix (tableau).
+ * Estimate the rounding error of the pivots of the response matrix (tableau) in the dual method,
+ * which finds the active set, from the largest diagonal entry of this matrix.
  */
 static void measure_pivots(const rows_run *run)
 {
@@ -532,8 +534,8 @@ static void project_rows(const rows_run *run)
 }
 
 /*
- * Whether an active voltage or limited sum of voltages is away from its bound by more than a
- * sixteenth of its margin for rounding errors.
+ * Whether any voltage or limited sum of voltages that the optimiser keeps at a bound is away from
+ * this bound by more than a sixteenth of its margin for rounding errors.
  */
 static bool is_away_from_bound(const rows_run *run)
 {
@@ -625,7 +627,10 @@ static void shorten_round(const rows_run *run)
         return_inside(run);
 }
 
-/* Restore the voltages and gradients at the start of the round of iterations. */
+/*
+ * Restore the voltages and gradients that the optimiser had at the start of the round of
+ * iterations.
+ */
 static void undo_round(const rows_run *run)
 {
     pzs_optimiser *optimiser = run->optimiser;
@@ -702,8 +707,9 @@ static void run_round(const rows_run *run)
     optimiser->iterations++;
     predict_step(run);
     /*
-     * The dual method leaves the work of two products of the whole response matrix to the end of
-     * the round; remaining_work has already left what the end of the round takes.
+     * The iterations of the dual method leave unused the work of two products of the whole response
+     * matrix, which follow in the same round; remaining_work has already subtracted what the end of
+     * the round takes.
      */
     tableau->work_limit = tableau->work + remaining_work(run) + 2u * PZS_PRODUCT_WORK(run->count);
     const bool is_complete = pzs_dual_iterate(tableau, optimiser->rounding_bound / 2);

@@ -12,8 +12,9 @@ uint32_t pzs_scrub_crc(const pzs_table_part *part, uint32_t parts)
 }
 
 /*
- * Compare the checksum after the last slice of the tables, and start again at the first slice.
- * Returns whether this checksum or the one before it was right.
+ * Compare the checksum computed from all slices of the tables with the expected checksum, and start
+ * again at the first slice. Returns whether this checksum or that of the previous time through the
+ * tables was right.
  */
 static bool compare_checksum(pzs_scrub *scrub, uint32_t crc)
 {

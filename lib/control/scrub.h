@@ -13,7 +13,10 @@
  */
 #define SCRUB_BYTES 64u
 
-/* Describe an array of `count` reals, which may be absent (NULL), as a part of a checksum. */
+/*
+ * Describe an array of `count` reals, which may be absent (NULL), as one of the arrays that the
+ * checksum of a table covers.
+ */
 static inline pzs_table_part scrub_reals(const pzs_real *value, size_t count)
 {
     const pzs_table_part part = {value, value != NULL ? count * sizeof *value : 0};
@@ -24,10 +27,11 @@ static inline pzs_table_part scrub_reals(const pzs_real *value, size_t count)
 uint32_t pzs_scrub_crc(const pzs_table_part *part, uint32_t parts);
 
 /*
- * Read the next slice of tables that consist of several parts.
- *   crc in  checksum of all parts in this order
- * Returns false if the checksum was wrong twice in succession: the tables are damaged. A single
- * wrong checksum may come from damage of *scrub itself.
+ * Continue the checksum of constant tables, which consist of several arrays, with the next slice of
+ * their bytes.
+ *   crc in  expected checksum of all arrays in this order
+ * Returns false if the computed checksum was wrong twice in succession: the tables are damaged. A
+ * single wrong checksum may come from damage of *scrub itself.
  */
 bool pzs_scrub_slice(pzs_scrub *scrub, const pzs_table_part *part, uint32_t parts, uint32_t crc);
 

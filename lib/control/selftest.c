@@ -57,7 +57,10 @@
 #define LARGEST_GAIN PZS_R(2)
 /* Least noise of a sensor, relative to its largest plausible noise. */
 #define LEAST_NOISE PZS_R(0.01)
-/* Number of repetitions in which the self-test excludes silent amplifiers from the mean gain. */
+/*
+ * Number of times that the self-test computes the mean gain of the amplifiers again, each time
+ * without the amplifiers that it shows to be silent.
+ */
 #define GAIN_ROUNDS 3
 /*
  * SWAP_GAIN: two amplifiers, or two sensors, count as swapped if exchanging them divides their
@@ -77,13 +80,14 @@
 /*
  * CONDITIONING_WINDOWS: number of pulse durations at the start of the self-test in which all
  * amplifiers move together. WINDOWS_BEFORE: number of pulse durations before the first pulse of a
- * single amplifier; in the last of them no amplifier moves.
+ * single amplifier; in the last of these durations no amplifier moves.
  */
 #define CONDITIONING_WINDOWS 2u
 #define WINDOWS_BEFORE 3u
 /*
- * Number of ticks of a search for the amplifier or sensor whose measured response differs most from
- * the model: mean gain, amplifiers, sensors, finding.
+ * Number of ticks that the self-test takes to search for the amplifier or sensor whose measured
+ * response differs most from the model: one tick each for the mean gain, the amplifiers, the
+ * sensors and the report of the fault.
  */
 #define SEARCH_TICKS 4u
 
@@ -389,8 +393,9 @@ typedef struct selftest_axis {
                                  about the sensors if it is true; [entries] findings about the
                                  sensors if `is_row` is false, or about the amplifiers if it is true
                                */
-    bool has_gains; /* true: before the comparison, each entry of a modelled row (one sensor, all
-                       amplifiers) is multiplied by the measured gain of its amplifier */
+    bool has_gains; /* true: before the comparison of measured and modelled responses, each entry of
+                       a modelled row (one sensor, all amplifiers) is multiplied by the measured
+                       gain of its amplifier */
 } selftest_axis;
 
 static selftest_axis columns_of(const pzs_selftest *selftest)
@@ -531,9 +536,10 @@ static void mark_sensors(pzs_selftest *selftest)
 }
 
 /*
- * Raise state.null of each sensor, if it is smaller, to the squared response that the noise of the
- * sensor causes. The noise is the measured one, or a small part of the largest plausible noise,
- * because rounding errors of readings without noise are no response.
+ * Raise state.null, the squared response to noise and vibration, of each sensor, if it is smaller,
+ * to the squared response that the noise of the sensor causes. The noise is the measured one, or a
+ * small part of the largest plausible noise, because rounding errors of readings without noise are
+ * no response.
  */
 static void find_noise_responses(pzs_selftest_state *state)
 {
@@ -624,8 +630,8 @@ static bool is_gain_plausible(const pzs_selftest *selftest)
 }
 
 /*
- * Make the first tick of the evaluation of the self-test: find the sensors that are noisy or give
- * no readings, and the amplifiers that were tested.
+ * Make the first tick in which the self-test evaluates the responses: find the sensors that are
+ * noisy or give no readings, and the amplifiers that were tested.
  */
 static void begin_evaluation(pzs_selftest *selftest)
 {
@@ -760,8 +766,9 @@ static bool is_other_line(const pzs_selftest *selftest, const selftest_axis *axi
 }
 
 /*
- * Set the finding about an amplifier or sensor whose measured response differs from the model.
- *   nearest in  index of the one whose modelled response is nearest to the measured response
+ * Set the finding (state) of an amplifier or sensor whose measured response differs from the model.
+ *   nearest in  index of the amplifier (or sensor) whose modelled response is nearest to the
+ *               measured response
  */
 static void set_finding(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line,
                         uint32_t nearest, pzs_real gain)
@@ -915,10 +922,10 @@ static void note_similar(const pzs_selftest *selftest, const selftest_axis *axis
 }
 
 /*
- * Return how much the measured responses of two amplifiers, or of two sensors, differ from two
- * modelled responses. Rows of two sensors whose modelled entries contain the gains of the
- * amplifiers are compared as one vector, the second row behind the first: where two sensors see
- * nearly the same shape, an exchange shows in the sizes of the rows alone.
+ * Return how much the measured responses of two amplifiers, or of two sensors, differ from the
+ * modelled responses of two amplifiers or sensors. Rows of two sensors whose modelled entries
+ * contain the gains of the amplifiers are compared as one vector, the second row behind the first:
+ * where two sensors see nearly the same shape, an exchange shows in the sizes of the rows alone.
  */
 static pzs_real pair_error(const selftest_axis *axis, const line_sums *one, const line_sums *other)
 {
@@ -1138,7 +1145,10 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
     return PZS_OK;
 }
 
-/* Make one tick of the self-test: set voltages and use readings, then evaluate the responses. */
+/*
+ * Make one tick of the self-test of amplifiers and sensors: set voltages and use readings, then
+ * evaluate the responses.
+ */
 static void run(pzs_selftest *selftest, const pzs_real *readings)
 {
     pzs_selftest_core *core = &selftest->state.core[0];

@@ -15,8 +15,8 @@
 #define SENSOR_STUCK_TICKS 8u
 
 /*
- * The measurements of one tick and what the sensor check remembers of earlier ticks. All arrays
- * have one entry for each sensor.
+ * The measurements of one tick, the values expected for them, and what the check for missing and
+ * stuck sensors remembers of earlier ticks. All arrays have one entry for each sensor.
  */
 typedef struct sensor_check {
     uint32_t count;
@@ -24,13 +24,14 @@ typedef struct sensor_check {
     pzs_real *last;           /* measurements of the last tick (unit of each sensor) */
     pzs_real *difference; /* measured minus expected value; a rejected measurement keeps its last
                              difference (unit of each sensor) */
-    uint8_t *repeats;     /* number of ticks in which a measurement repeated although it should have
-                             moved */
+    uint8_t *repeats; /* for each sensor, number of ticks in which its measurement repeated although
+                         its expected value moved */
 } sensor_check;
 
 /*
- * Update all differences from the measurements of a tick. Returns the number of rejected
- * measurements; *where receives the index of the first one, and stays unchanged if there is none.
+ * Update the differences between the measurements of a tick and the values that the model predicts.
+ * Returns the number of rejected (missing or stuck) measurements; *where receives the index of the
+ * first one, and stays unchanged if there is none.
  */
 uint32_t pzs_sensor_check(const sensor_check *sensors, const pzs_real *measured, int32_t *where);
 

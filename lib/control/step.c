@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* The control step pzs_tick as a block of the loop. */
+/*
+ * The control step pzs_tick, which computes the voltages, as a block (stage of computation) of the
+ * control loop.
+ */
 #include "pzs_loop.h"
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
@@ -9,8 +12,8 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Initialise the step block. Its memory holds the controller, followed by the workspace of the
- * controller.
+ * Initialise the block (stage of computation) of the control loop that makes the control step. Its
+ * memory holds the controller, followed by the workspace of the controller.
  */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {

@@ -48,7 +48,10 @@ static bool are_in_range(const pzs_supervision *tables)
            number_is_finite(tables->noise + tables->load);
 }
 
-/* Return the first input whose park voltage is outside its voltage limits, or -1. */
+/*
+ * Return the first input whose park voltage, the safe voltage at which its amplifier rests, is
+ * outside its voltage limits, or -1.
+ */
 static int32_t first_outside(const pzs_supervision *tables, const pzs_problem *problem)
 {
     uint32_t i = 0;
@@ -58,7 +61,10 @@ static int32_t first_outside(const pzs_supervision *tables, const pzs_problem *p
     return i < problem->inputs ? (int32_t)i : -1;
 }
 
-/* Whether the park voltages violate no limit of a weighted sum of voltages. */
+/*
+ * Whether the park voltages, the safe voltages at which the amplifiers rest, violate no limit of a
+ * weighted sum of voltages.
+ */
 static bool obeys_rows(const pzs_supervision *tables, const pzs_problem *problem)
 {
     const pzs_limit_rows *rows = problem->limit_rows;
@@ -84,7 +90,10 @@ static pzs_status check(const pzs_supervision *tables, const pzs_problem *proble
 
 /* ---- transitions -------------------------------------------------------- */
 
-/* Entry of the transition table for an event that does not change the operating mode. */
+/*
+ * Entry of the supervisor's table of transitions for an event that does not change the operating
+ * mode.
+ */
 #define STAY PZS_MODES
 
 /*
@@ -122,8 +131,8 @@ static bool is_in_control(uint32_t mode)
 /* ---- ramps -------------------------------------------------------------- */
 
 /*
- * Largest number of ticks of a ramp that is counted; a ramp that would take more ticks is treated
- * as one that never ends.
+ * Largest number of ticks that a ramp of the voltages may take; a ramp that would take more ticks
+ * is treated as one that never ends.
  */
 #define MOST_TICKS 4e9f
 
@@ -146,8 +155,8 @@ static uint32_t ticks_of(pzs_real way, pzs_real step_limit)
 }
 
 /*
- * Return the number of ticks that the voltage of input i needs from the start to the end of a ramp,
- * or `most` if that is larger.
+ * Return the number of ticks that the voltage of input i needs from the start to the end of a ramp
+ * of the voltages, or `most` if that is larger.
  */
 static uint32_t longer_duration(uint32_t most, const pzs_problem *problem, uint32_t i,
                                 pzs_real from, pzs_real to)
@@ -186,8 +195,9 @@ uint32_t pzs_supervisor_longest_ramp(const pzs_supervision *tables, const pzs_pr
 }
 
 /*
- * Return the voltage of input i at the end of the present ramp (V): its reference voltage or its
- * park voltage, as the last command demands.
+ * Return the voltage of input i at the end of the present ramp (V): its reference voltage, at which
+ * control begins, or its park voltage, the safe voltage at which the amplifier rests, as the last
+ * command demands.
  */
 static pzs_real target_of(const pzs_supervisor *supervisor, uint32_t i)
 {
@@ -198,7 +208,8 @@ static pzs_real target_of(const pzs_supervisor *supervisor, uint32_t i)
 }
 
 /*
- * Start a ramp from the voltages of the last tick to the reference voltages or the park voltages.
+ * Start a ramp from the voltages of the last tick to the reference voltages, at which control
+ * begins, or to the park voltages, the safe voltages at which the amplifiers rest.
  *   given [inputs] in  voltages of the last tick (V)
  */
 static void start_ramp(pzs_supervisor *supervisor, const pzs_real *given)
@@ -211,7 +222,7 @@ static void start_ramp(pzs_supervisor *supervisor, const pzs_real *given)
 }
 
 /*
- * Whether the voltage of every input is already at the end of the ramp.
+ * Whether the voltage of every input is already at the end of the present ramp of the voltages.
  *   given [inputs] in  voltages of the last tick (V)
  */
 static bool has_arrived(const pzs_supervisor *supervisor, const pzs_real *given)
@@ -224,8 +235,8 @@ static bool has_arrived(const pzs_supervisor *supervisor, const pzs_real *given)
 }
 
 /*
- * Set the voltages of the next tick of a ramp. After the end of the ramp the voltages stay
- * constant.
+ * Set the voltages of the next tick of a ramp of the voltages. After the end of the ramp the
+ * voltages stay constant.
  */
 static void follow_ramp(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {
@@ -327,7 +338,7 @@ static void judge_readings(pzs_supervisor *supervisor, const pzs_loop_signals *s
 
 /*
  * Change the operating mode of the supervisor after a time-out of the readings, an alarm of the
- * divergence monitor or an error of another block.
+ * divergence monitor or an error of another block (stage of computation) of the control loop.
  */
 static void judge_health(pzs_supervisor *supervisor, const pzs_loop_signals *signals)
 {

@@ -16,8 +16,8 @@
 #include "pzs_loop.h"
 
 /*
- * Return the position of a tick within a duration of `ticks` ticks, as a number from -1 (start) to
- * 1 (end).
+ * Return the place of a tick within a test pulse of `ticks` ticks, as a number from -1 (start) to 1
+ * (end).
  */
 static inline pzs_real test_pulse_place(uint32_t tick, uint32_t ticks)
 {
@@ -32,14 +32,21 @@ static inline pzs_real test_pulse_at(pzs_real place)
     return squared * squared;
 }
 
-/* Return the even weight of a reading at a place from -1 to 1 within a test pulse. */
+/*
+ * Return the even weight of a reading at a place from -1 (start) to 1 (end) within a test pulse.
+ * The sum of the readings times the even weights measures the response to the pulse.
+ */
 static inline pzs_real test_pulse_even(pzs_real place)
 {
     const pzs_real rest = 1 - place * place;
     return rest * (rest * rest) * (1 - 9 * (place * place));
 }
 
-/* Return the odd weight of a reading at a place from -1 to 1 within a test pulse. */
+/*
+ * Return the odd weight of a reading at a place from -1 (start) to 1 (end) within a test pulse. It
+ * is proportional to the derivative of the even weight and serves to measure the amplitude of a
+ * vibration.
+ */
 static inline pzs_real test_pulse_odd(pzs_real place)
 {
     const pzs_real rest = 1 - place * place;
@@ -47,8 +54,9 @@ static inline pzs_real test_pulse_odd(pzs_real place)
 }
 
 /*
- * Return the late weight of a reading at a place from -1 to 1 within a test pulse: the weights are
- * antisymmetric in time, and a step in the middle contributes a twelfth of the number of ticks.
+ * Return the late weight of a reading at a place from -1 (start) to 1 (end) within a test pulse,
+ * which measures a sudden step of the readings: the weights are antisymmetric in time, and a step
+ * in the middle contributes a twelfth of the number of ticks.
  */
 static inline pzs_real test_pulse_late(pzs_real place)
 {

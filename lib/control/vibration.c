@@ -144,8 +144,9 @@ static size_t sensor_width(const pzs_damper *damper)
 }
 
 /*
- * Return the index of the row that belongs to a tick in a ring buffer of the last ticks. Age 0 is
- * the present tick; age `delay` is the tick in which the present readings were taken.
+ * Return the index of the row that belongs to a tick in the ring buffer of the static modal
+ * coordinates and readings of the last ticks. Age 0 is the present tick; age `delay` is the tick in
+ * which the present readings were taken.
  */
 static size_t row_of(const pzs_damper *damper, uint32_t age)
 {
@@ -165,7 +166,7 @@ static pzs_real *expected_of(const pzs_damper *damper, uint32_t age)
 
 /*
  * Compute the modal coordinates and the readings of static equilibrium under the present voltages,
- * and store them in the newest row of the ring buffer.
+ * and store them in the newest row of the ring buffer that holds those of the last ticks.
  */
 static void record_voltages(pzs_damper *damper)
 {
@@ -184,10 +185,10 @@ static void record_voltages(pzs_damper *damper)
 }
 
 /*
- * Predict the state of all vibration modes one tick ahead. The width is the number of modes rounded
- * up to a multiple of 4.
- *   state       [3][width] in/out  position, velocity and static position under loads of each mode
- *   equilibrium [width]    in      static modal coordinates under the voltages of this tick
+ * Predict the state of all vibration modes one tick ahead. The width is the number of vibration
+ * modes rounded up to a multiple of 4.
+ *   state [3][width]    in/out  position, velocity and static position under loads of each mode
+ *   equilibrium [width] in      static modal coordinates under the voltages of this tick
  */
 static void predict(const pzs_damper *damper, pzs_real *state, const pzs_real *equilibrium)
 {
@@ -206,21 +207,21 @@ static void predict(const pzs_damper *damper, pzs_real *state, const pzs_real *e
 
 /*
  * Copy the static modal coordinates and static readings of the previous tick into the newest row of
- * the ring buffer, because the voltages have not changed.
+ * the ring buffer of the last ticks, because the voltages have not changed.
  */
 static void repeat_voltages(pzs_damper *damper)
 {
     const pzs_vibration *tables = damper->state.tables;
     if (tables->delay == 0)
-        return; /* without delay of the sensors, the ring buffer of the last ticks has one row and
-                   no previous row */
+        return; /* without delay of the sensors, the ring buffer of the static modal coordinates and
+                   readings of the last ticks has one row and no previous row */
     memcpy(equilibrium_of(damper, 0), equilibrium_of(damper, 1), tables->modes * sizeof(pzs_real));
     memcpy(expected_of(damper, 0), expected_of(damper, 1), tables->sensors * sizeof(pzs_real));
 }
 
 /*
- * Advance the ring buffer by one tick: its newest row receives the static modal coordinates and
- * readings under the present voltages.
+ * Advance the ring buffer of static modal coordinates and readings by one tick: its newest row
+ * receives those under the present voltages.
  *   is_same in  true: the voltages are those of the previous tick
  */
 static void advance(pzs_damper *damper, bool is_same)
@@ -412,8 +413,9 @@ static void add_vector(pzs_real *restrict sum, const pzs_real *restrict vector, 
 
 /*
  * Compute the static shape under the present voltages and loads, if the sensors measure the shape
- * itself: predicted shape, plus the shape that the modes take under loads, plus the low-passed
- * residual.
+ * itself: predicted shape, plus the shape of the vibration modes in static equilibrium under the
+ * loads, plus the low-passed residuals, the part of the readings that the vibration modes do not
+ * explain.
  *   shape [outputs] out  static shape (m)
  */
 static void measured_shape(pzs_damper *damper, pzs_real *shape)
@@ -430,8 +432,9 @@ static void measured_shape(pzs_damper *damper, pzs_real *shape)
 
 /*
  * Compute the static shape under the present voltages and loads from few sensors: predicted shape,
- * plus the shape that the modes take under loads, plus the gain matrix of the estimator times the
- * residual readings.
+ * plus the shape of the vibration modes in static equilibrium under the loads, plus the gain matrix
+ * of the shape estimator times the residuals, the part of the readings that the vibration modes do
+ * not explain.
  *   shape [outputs] out  static shape (m)
  */
 static void estimated_shape(pzs_damper *damper, pzs_real *shape)
@@ -588,8 +591,8 @@ static void *work_of(pzs_damper *damper)
 }
 
 /*
- * Initialise the vibration damper as a block of the control loop. Its memory holds the damper, then
- * the workspace of the damper, then the static shape.
+ * Initialise the vibration damper as a block (stage of computation) of the control loop. Its memory
+ * holds the damper, then the workspace of the damper, then the static shape.
  */
 static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *signals)
 {
