@@ -11,7 +11,10 @@
 
 #define PCLMUL __attribute__((target("pclmul,sse2")))
 
-/* A polynomial of 128 coefficients, the highest one in the lowest bit. */
+/*
+ * A polynomial over the field of two elements with 128 coefficients (one bit each), the highest one
+ * in the lowest bit.
+ */
 typedef long long polynomial __attribute__((vector_size(16)));
 
 bool pzs_guard_has_fold(void)
@@ -40,11 +43,13 @@ PCLMUL static inline polynomial move(polynomial value, polynomial factor)
 PCLMUL void pzs_wide_fold(uint8_t rest[CRC_REST], uint32_t crc, const uint8_t *data, size_t bytes)
 {
     const polynomial over_block = {0x154442bd4, 0x1c6e41596}; /* factor by which the computation of
-                                                                 a CRC-32 moves data over CRC_BLOCK
-                                                                 bytes */
+                                                                 a CRC-32 multiplies data, a
+                                                                 polynomial, to move them over
+                                                                 CRC_BLOCK bytes */
     const polynomial over_rest = {0x1751997d0, 0x0ccaa009e}; /* factor by which the computation of a
-                                                                CRC-32 moves data over CRC_REST
-                                                                bytes */
+                                                                CRC-32 multiplies data, a
+                                                                polynomial, to move them over
+                                                                CRC_REST bytes */
     const polynomial start = {(long long)crc, 0};
     polynomial part[4];
     for (unsigned k = 0; k < 4u; k++)

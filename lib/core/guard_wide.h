@@ -8,12 +8,17 @@
 
 #include "pzs_base.h"
 
-#define CRC_BLOCK 64u /* number of bytes that one step of the wide CRC-32 processes */
-#define CRC_REST 16u  /* number of bytes to which the wide CRC-32 reduces an array */
+#define CRC_BLOCK                                                                                  \
+    64u /* number of bytes that one step of the CRC-32 with polynomial products processes */
+#define CRC_REST                                                                                   \
+    16u /* number of bytes to which the CRC-32 with polynomial products reduces a long array */
 
 #if PZS_WIDE
 
-/* Return whether this processor can execute pzs_wide_fold. */
+/*
+ * Return whether this processor has the instructions for products of polynomials with which
+ * pzs_wide_fold computes the CRC-32 of long arrays.
+ */
 bool pzs_guard_has_fold(void);
 
 /*

@@ -26,8 +26,8 @@
 #define GROUP 16u
 
 /*
- * The macro MOVE copies `count` numbers between memory and local variables: one by one, or with
- * memcpy where the processor has wide vector registers.
+ * The macro MOVE copies `count` matrix entries between memory and local variables: one by one, or
+ * with memcpy where the processor has wide vector registers.
  */
 #if PZS_TILE == 4
 #define MOVE(to, from, count) UNROLLED for (int m = 0; m < (count); m++)(to)[m] = (from)[m]
@@ -137,8 +137,8 @@ pzs_real *pzs_linalg_entry(const pzs_envelope *matrix, uint32_t i, uint32_t j)
 }
 
 /*
- * Copy the entries of one column of a panel: PZS_TILE entries, or fewer in the last panel, where
- * the matrix has no more rows.
+ * Copy the entries of one column of a panel (PZS_TILE matrix rows): PZS_TILE entries, or fewer in
+ * the last panel, where the matrix has no more rows.
  */
 static void copy_rows(pzs_real *restrict to, const pzs_real *restrict from, uint32_t rows)
 {
@@ -152,8 +152,9 @@ static void copy_rows(pzs_real *restrict to, const pzs_real *restrict from, uint
 /* ---- scale and norm --------------------------------------------------- */
 
 /*
- * Return the power of two s for which s * diagonal * s lies between 1/2 and 2. `diagonal` must be
- * positive and finite. The loops take at most 540 iterations, 2 or 3 for usual numbers.
+ * Return the power of two s that scales a diagonal entry of a matrix, so that s * diagonal * s lies
+ * between 1/2 and 2. `diagonal` must be positive and finite. The loops take at most 540 iterations,
+ * 2 or 3 for usual numbers.
  */
 static pzs_real unit_scale(pzs_real diagonal)
 {
@@ -444,8 +445,9 @@ pzs_real pzs_linalg_inner(const pzs_real *left, const pzs_real *right, uint32_t 
 }
 
 /*
- * First half of the forward substitution L x = b for the rows of one panel: subtract the products
- * with the known entries of x left of the diagonal tile, for all rows of the panel together.
+ * First half of the forward substitution L x = b for the rows of one panel (PZS_TILE rows of the
+ * factor L): subtract the products with the known entries of x left of the diagonal tile, for all
+ * rows of the panel together.
  *   vector [rows of the matrix] in/out  known entries of x, then entries of b
  */
 static void forward_known(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)
@@ -467,9 +469,9 @@ static void forward_known(const pzs_envelope *matrix, uint32_t panel, pzs_real *
 }
 
 /*
- * Second half of the forward substitution L x = b for the rows of one panel: solve with the
- * triangle of the diagonal tile. It is separate from the first half, which thus uses whole vector
- * registers.
+ * Second half of the forward substitution L x = b for the rows of one panel (PZS_TILE rows of the
+ * factor L): solve with the triangle of the diagonal tile. It is separate from the first half,
+ * which thus uses whole vector registers.
  *   vector [rows of the matrix] in/out  known entries of x, then entries of b
  */
 static void forward_triangle(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)
@@ -489,8 +491,9 @@ static void forward_triangle(const pzs_envelope *matrix, uint32_t panel, pzs_rea
 }
 
 /*
- * Backward substitution L^T x = b for one panel: finish the rows of the panel, the last one first,
- * and subtract their products from all entries to the left of its diagonal tile.
+ * Backward substitution L^T x = b for one panel (PZS_TILE rows of the factor L): finish the rows of
+ * the panel, the last one first, and subtract their products from all entries to the left of its
+ * diagonal tile.
  *   vector [rows of the matrix] in/out  entries of b, then known entries of x
  */
 static void backward(const pzs_envelope *matrix, uint32_t panel, pzs_real *vector)
@@ -516,8 +519,8 @@ static void backward(const pzs_envelope *matrix, uint32_t panel, pzs_real *vecto
 }
 
 /*
- * Each panel (PZS_TILE rows) of the factors is applied to all right-hand sides before the next
- * panel, while the panel is in the cache.
+ * Each panel (PZS_TILE rows) of the triangular factors of the matrix is applied to all right-hand
+ * sides before the next panel, while the panel is in the cache.
  */
 void pzs_linalg_solve_many(const pzs_envelope *matrix, pzs_real *vector, uint32_t count,
                            size_t stride)
@@ -555,8 +558,9 @@ static pzs_real norm1(const pzs_real *vector, uint32_t count)
 }
 
 /*
- * Replace each entry of `vector` by its sign (1 for zero). `sign` holds the signs of the last call
- * and receives the new ones. Returns the number of signs that have changed.
+ * Replace each entry of `vector` by its sign (1 for zero), for Hager's estimate of a condition
+ * number. `sign` holds the signs of the last call and receives the new ones. Returns the number of
+ * signs that have changed.
  */
 static uint32_t take_signs(pzs_real *vector, pzs_real *sign, uint32_t count)
 {
@@ -594,10 +598,11 @@ static void fill_alternating(pzs_real *vector, uint32_t count)
 }
 
 /*
- * Hager's method maximises |A^-1 x| in the 1-norm over the unit ball, whose corners are the unit
- * vectors. The gradient at x, A^-1 sign(A^-1 x), shows the corner of the largest increase. Every
- * vector x gives a lower bound, and five corners are enough in practice. The solve for the first x
- * is combined with the solve for the vector of alternating signs.
+ * Hager's method estimates the 1-norm of the inverse of the matrix A: it maximises |A^-1 x| in the
+ * 1-norm over the unit ball, whose corners are the unit vectors. The gradient at x, A^-1 sign(A^-1
+ * x), shows the corner of the largest increase. Every vector x gives a lower bound, and five
+ * corners are enough in practice. The solve for the first x is combined with the solve for the
+ * vector of alternating signs.
  */
 pzs_real pzs_linalg_condition(const pzs_envelope *matrix, pzs_real norm_a, pzs_real *work)
 {

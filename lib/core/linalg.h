@@ -66,12 +66,14 @@ void pzs_linalg_apply_scale(pzs_envelope *matrix, const pzs_real *scale);
 pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum);
 
 typedef struct linalg_inertia {
-    uint32_t negative;      /* number of negative pivots of the factorisation */
-    int32_t first_negative; /* row of the first negative pivot; -1: no pivot is negative */
-    int32_t zero; /* row of the first pivot that is below its bound or not finite, which makes the
-                     factors unusable; -1: no such pivot */
-    pzs_real growth; /* largest absolute value of a pivot divided by the largest absolute value of a
-                        diagonal entry before the factorisation */
+    uint32_t negative;      /* number of negative pivots in the factorisation L D L^T of a matrix */
+    int32_t first_negative; /* row of the first negative pivot of the factorisation L D L^T; -1: no
+                               pivot is negative */
+    int32_t zero; /* row of the first pivot of the factorisation L D L^T that is below its bound or
+                     not finite, which makes the factors unusable; -1: no such pivot */
+    pzs_real growth; /* largest absolute value of a pivot in the factorisation L D L^T divided by
+                        the largest absolute value of a diagonal entry of the matrix before the
+                        factorisation */
 } linalg_inertia;
 
 /*

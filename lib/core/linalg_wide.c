@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Innermost loop of the factorisation for hosts with the vector unit AVX2 (linalg_wide.h). */
+/*
+ * Innermost loop of the factorisation A = L D L^T of symmetric matrices, for hosts with the vector
+ * unit AVX2 (linalg_wide.h).
+ */
 #include "linalg_wide.h"
 #include "unrolled.h"
 
@@ -26,8 +29,9 @@ static inline const pzs_real *before(const pzs_real *at, uint32_t count)
 }
 
 /*
- * Subtract, from a strip of PZS_TILE columns in one panel of matrix rows, the products with all
- * columns of W = L D before the strip except the last `rest` of these columns.
+ * Step of the factorisation A = L D L^T with W = L D: subtract, from a strip of PZS_TILE columns in
+ * one panel (PZS_TILE rows), the products with all columns of W before the strip except the last
+ * `rest` of these columns.
  */
 AVX2 static void subtract_one(const wide_strip *strip, uint32_t rest, const pzs_real *lower)
 {
@@ -48,8 +52,9 @@ AVX2 static void subtract_one(const wide_strip *strip, uint32_t rest, const pzs_
 }
 
 /*
- * Subtract, from a strip of PZS_TILE columns in two panels of matrix rows, the products with the
- * last `count` columns of W = L D before the strip.
+ * Step of the factorisation A = L D L^T with W = L D: subtract, from a strip of PZS_TILE columns in
+ * two panels (PZS_TILE rows each), the products with the last `count` columns of W before the
+ * strip.
  */
 AVX2 static void subtract_two(const wide_strip strip[2], uint32_t count, const pzs_real *lower)
 {
@@ -84,8 +89,8 @@ AVX2 static void subtract_two(const wide_strip strip[2], uint32_t count, const p
 }
 
 /*
- * Subtract, from each column of a strip of PZS_TILE columns, the products with the columns of the
- * strip that come before it.
+ * Step of the factorisation L D L^T of a matrix: subtract, from each column of a strip of PZS_TILE
+ * columns, the products with the columns of the strip that come before it.
  */
 AVX2 static void subtract_own(const wide_strip *strip, const pzs_real *lower)
 {

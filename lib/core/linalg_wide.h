@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
 /*
- * Innermost loop of the factorisation for hosts with the vector unit AVX2 (option PZS_WIDE). Two
- * panels, groups of PZS_TILE matrix rows, are processed together: the eight sums of vectors that
- * this takes fit into the registers and do not wait for each other. Each entry is computed by the
- * operations of the portable loop in their order, so that the bits of the factors are the same.
+ * Innermost loop of the factorisation L D L^T of symmetric matrices, for hosts with the vector unit
+ * AVX2 (option PZS_WIDE). Two panels, groups of PZS_TILE matrix rows, are processed together: the
+ * eight sums of vectors that this takes fit into the registers and do not wait for each other. Each
+ * entry is computed by the operations of the portable loop in their order, so that the bits of the
+ * factors are the same.
  */
 #ifndef PZS_LIB_LINALG_WIDE_H
 #define PZS_LIB_LINALG_WIDE_H
@@ -17,12 +18,16 @@
 typedef struct wide_strip {
     pzs_real *entry; /* [PZS_TILE][PZS_TILE] columns of the matrix A = L D L^T, which become columns
                         of W = L D */
-    uint32_t count;  /* number of columns of W before the strip whose products are subtracted */
+    uint32_t count; /* number of columns of W before the strip (PZS_TILE neighbouring columns) whose
+                       products are subtracted from it; W = L D, where A = L D L^T is factored */
 } wide_strip;
 
 #if PZS_WIDE
 
-/* Return whether this processor can execute pzs_linalg_wide. */
+/*
+ * Return whether this processor has the AVX2 instructions that pzs_linalg_wide, the innermost loop
+ * of the factorisation of a matrix, executes.
+ */
 bool pzs_linalg_has_wide(void);
 
 /*

@@ -19,7 +19,7 @@
 #define FEW PZS_BY_BITS(3, 2)
 #define MANY PZS_BY_BITS(7, PZS_BY_TILE(3, 7, 7))
 #define SOME PZS_BY_TILE(PZS_BY_BITS(3, 2), 4, 4)
-#define LANES 8u /* number of independent partial sums of a scalar product */
+#define LANES 8u /* number of partial sums of a scalar product that are computed side by side */
 
 #if !PZS_VFP
 

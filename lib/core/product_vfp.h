@@ -69,8 +69,8 @@
         "s28", "s29", "s30", "cc", "memory"
 
 /*
- * Return the number of matrix columns to process next when `left` columns are left: at most
- * GROUP_LIMIT, and nearly as many as in the following groups.
+ * Return how many matrix columns the next assembler loop of a product processes when `left` columns
+ * are left: at most GROUP_LIMIT, and nearly as many as in the following loops.
  */
 static size_t group_columns(size_t left)
 {
@@ -80,7 +80,7 @@ static size_t group_columns(size_t left)
 
 /*
  * Assembler loop over matrix rows that computes product[i] = from[i] + row i times vector. The
- * operands are the parameters of multiply_group.
+ * operands are the parameters of the function multiply_group, which contains it.
  */
 #define MULTIPLY_ROWS(chain, vector_registers, row_registers)                                      \
     __asm__ volatile(                                                                              \
@@ -144,7 +144,7 @@ static void multiply(pzs_real *product, const pzs_real *from, size_t step, const
 
 /*
  * Assembler loop over matrix rows that adds vector[i] times row i to product. The operands are the
- * parameters of sum_group.
+ * parameters of the function sum_group, which contains it.
  */
 #define SUM_ROWS(spread, product_registers, row_registers)                                         \
     __asm__ volatile("vldmia %[product], {" product_registers "}\n"                                \

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Products for hosts with the vector unit AVX2 (product_wide.h). */
+/* Products of matrices and vectors for hosts with the vector unit AVX2 (product_wide.h). */
 #include "product_wide.h"
 #include <string.h>
 #include "unrolled.h"
@@ -16,7 +16,7 @@
 typedef pzs_real wide_vector __attribute__((vector_size(IN_VECTOR * sizeof(pzs_real)),
                                             aligned(sizeof(pzs_real)), may_alias));
 
-/* The WIDE_BLOCK entries of a row of a block, in one register of a processor with AVX-512. */
+/* WIDE_BLOCK neighbouring entries of a matrix row, in one register of a processor with AVX-512. */
 typedef pzs_real widest_vector __attribute__((vector_size(WIDE_BLOCK * sizeof(pzs_real)),
                                               aligned(sizeof(pzs_real)), may_alias));
 
@@ -126,7 +126,8 @@ AVX2 void pzs_wide_dot(pzs_real sum[8], const pzs_real *left, const pzs_real *ri
 }
 
 /*
- * Copy WIDE_BLOCK entries of a vector, and the entries multiplied by a factor.
+ * Copy WIDE_BLOCK entries of a vector to one array, and the entries multiplied by a factor to
+ * another.
  *   copy, scaled [WIDE_BLOCK] out  entries, multiplied entries
  */
 AVX2 static inline void copy_group(pzs_real *restrict copy, pzs_real *restrict scaled,
@@ -159,8 +160,8 @@ AVX2 void pzs_wide_group(pzs_real *restrict groups, pzs_real *restrict scaled,
 }
 
 /*
- * Subtract, from four rows of a block of WIDE_BLOCK columns, the products of the entries of `count`
- * vectors (parameters of pzs_wide_update_rows).
+ * In the update of a symmetric matrix by products of vectors (pzs_wide_update_rows): subtract the
+ * products of the entries of `count` vectors from four rows of a block of WIDE_BLOCK columns.
  */
 AVX2 static void update_four_rows(pzs_real *block, size_t stride, const pzs_real *column,
                                   const pzs_real *row, size_t count)
@@ -188,10 +189,11 @@ AVX2 static void update_four_rows(pzs_real *block, size_t stride, const pzs_real
 }
 
 /*
- * Subtract, from a block of WIDE_BLOCK rows and columns, the products of the entries of `count`
- * vectors (parameters of pzs_wide_update_rows). The block to the right of the next one is fetched
- * into the cache. The empty assembler statement keeps the compiler from
- * replacing a multiplication and a subtraction by one instruction that rounds only once.
+ * In the update of a symmetric matrix by products of vectors (pzs_wide_update_rows): subtract the
+ * products of the entries of `count` vectors from a block of WIDE_BLOCK rows and columns. The block
+ * to the right of the next one is fetched into the cache. The empty assembler statement keeps the
+ * compiler from replacing a multiplication and a subtraction by one instruction that rounds only
+ * once.
  */
 AVX512 static void update_eight_rows(pzs_real *block, size_t stride, const pzs_real *column,
                                      const pzs_real *row, size_t count)
@@ -217,8 +219,8 @@ AVX512 static void update_eight_rows(pzs_real *block, size_t stride, const pzs_r
 }
 
 /*
- * Subtract, from a block of WIDE_BLOCK rows and columns, the products of the entries of `count`
- * vectors (parameters of pzs_wide_update_rows).
+ * In the update of a symmetric matrix by products of vectors (pzs_wide_update_rows): subtract the
+ * products of the entries of `count` vectors from a block of WIDE_BLOCK rows and columns.
  */
 static void update_block(pzs_real *block, size_t stride, const pzs_real *column,
                          const pzs_real *row, size_t count)
@@ -240,8 +242,9 @@ static void copy_block(pzs_real *to, size_t to_stride, const pzs_real *from, siz
 }
 
 /*
- * Update a block of at most WIDE_BLOCK rows and columns at the end of the matrix, in a copy with
- * zeros beyond the end (parameters of pzs_wide_update_rows).
+ * In the update of a symmetric matrix by products of vectors (pzs_wide_update_rows): update a block
+ * of at most WIDE_BLOCK rows and columns at the end of the matrix, in a copy with zeros beyond the
+ * end.
  */
 static void update_last_block(pzs_real *block, size_t stride, size_t rows, size_t columns,
                               const pzs_real *column, const pzs_real *row, size_t count)

@@ -8,7 +8,9 @@
 
 #include "pzs_model.h"
 
-/* Return the checksum of the arrays of electrode tables, as stored in their member crc. */
+/*
+ * Return the checksum of the arrays in the tables of the electrodes, as stored in their member crc.
+ */
 uint32_t pzs_electrode_crc(const pzs_electrodes *tables, uint32_t inputs);
 
 /*
@@ -24,8 +26,8 @@ pzs_status pzs_electrode_check(const pzs_electrodes *tables, const pzs_structure
 uint32_t pzs_electrode_open(const pzs_electrodes *tables, uint32_t open);
 
 /*
- * Return the index of the input that stands for the voltage of open electrode number `open` (0 to
- * the number of open electrodes - 1).
+ * Return the index of the input of the model that stands for the voltage of open electrode number
+ * `open` (0 to the number of open electrodes - 1).
  */
 uint16_t pzs_electrode_open_input(const pzs_electrodes *tables, uint32_t open);
 

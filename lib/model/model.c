@@ -11,8 +11,8 @@
 #include <string.h>
 
 /*
- * Largest number of refinement iterations of a solve. Conjugate gradients that are preconditioned
- * by the factors need 1 to 8.
+ * Largest number of iterations that refine the solution of the stiffness equations. Conjugate
+ * gradients that are preconditioned by the factors of the stiffness matrix need 1 to 8.
  */
 enum { REFINEMENT_LIMIT = 16 };
 
@@ -30,8 +30,8 @@ static bool rows_complete(const pzs_rows *rows)
 }
 
 /*
- * Whether all arrays of a structure are present and its counts agree. Otherwise a damaged count
- * could lead the checksum beyond the tables.
+ * Whether all arrays in the tables of a structure are present and its counts agree. Otherwise a
+ * damaged count could lead the checksum beyond the tables.
  */
 static bool structure_complete(const pzs_structure *structure)
 {
@@ -88,7 +88,10 @@ static bool element_in_envelope(const pzs_structure *structure, const uint16_t n
     return true;
 }
 
-/* Whether the index of the rotated axes of every node is below the number of such axes. */
+/*
+ * Whether each node's index of its rotated axes, which a node at an oblique support has, is below
+ * the number of such axes in the tables.
+ */
 static bool turns_in_range(const pzs_structure *structure)
 {
     for (uint32_t node = 0; structure->turns > 0 && node < structure->nodes; node++)
@@ -228,10 +231,11 @@ pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element)
 }
 
 /*
- * Place of one degree of freedom of an element in the stiffness matrix in envelope storage. The
- * entry in the row of this degree of freedom and in the column of another one has the index base +
- * step of the other one, because successive columns of a panel are PZS_TILE reals apart. The
- * unsigned `base` may wrap round where column 0 is outside the panel; the sum is correct.
+ * Place of one degree of freedom of an element in the stiffness matrix, which is stored in envelope
+ * form, in panels of PZS_TILE rows. The entry in the row of this degree of freedom and in the
+ * column of another one has the index base + step of the other one, because successive columns of a
+ * panel are PZS_TILE reals apart. The unsigned `base` may wrap round where column 0 is outside the
+ * panel; the sum is correct.
  */
 typedef struct add_place {
     uint16_t dof;
@@ -413,10 +417,10 @@ pzs_status pzs_assemble(pzs_model *model, const pzs_real *stiffness_factor,
 /* ---- factor ----------------------------------------------------------- */
 
 /*
- * Largest condition number that pzs_factor accepts. The relative error of a solve is about the
- * condition number times the machine epsilon. Where solutions are refined, the factors are only a
- * preconditioner, which in single precision works up to condition numbers of 5e9. No well-supported
- * structure reaches 1e14.
+ * Largest condition number of the stiffness matrix that pzs_factor accepts. The relative error of a
+ * solve is about the condition number times the machine epsilon. Where solutions are refined, the
+ * factors are only a preconditioner, which in single precision works up to condition numbers of
+ * 5e9. No well-supported structure reaches 1e14.
  */
 static pzs_real condition_limit(const pzs_model *model)
 {
@@ -568,7 +572,7 @@ void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real value, pzs
 }
 
 /*
- * Compute the residual of the linear equations (force minus stiffness matrix times displacement)
+ * Compute the residual of the stiffness equations (force minus stiffness matrix times displacement)
  * from the strains of the elements, and the energy norm of the error of the displacement relative
  * to the energy norm of the displacement, and write both into the info of the model.
  *   residual, correction [free_dof] out  work arrays

@@ -11,16 +11,22 @@
 #include "pzs_model.h"
 
 /*
- * Stages of a model. STAGE_READY: initialised. STAGE_ASSEMBLED, STAGE_FACTORED: the matrix holds
- * the stiffness of the undeformed state, or its factors. STAGE_AT_SHAPE: the matrix holds the
- * factors of the tangent stiffness at a deformed shape.
+ * Stages of a linear model. STAGE_READY: initialised. STAGE_ASSEMBLED, STAGE_FACTORED: its matrix
+ * holds the stiffness of the undeformed state, or the factors of this stiffness. STAGE_AT_SHAPE:
+ * its matrix holds the factors of the tangent stiffness at a deformed shape.
  */
 enum { STAGE_READY = 1, STAGE_ASSEMBLED = 2, STAGE_FACTORED = 3, STAGE_AT_SHAPE = 4 };
 
-/* Return the checksum of the counts and arrays of a structure, as stored in its member crc. */
+/*
+ * Return the checksum of the counts and arrays in the tables of a structure, as stored in their
+ * member crc.
+ */
 uint32_t pzs_structure_crc(const pzs_structure *structure);
 
-/* Return whether the sparse rows of a structure have no more entries than their sizes allow. */
+/*
+ * Return whether the sparse rows in the tables of a structure (such as outputs and force vectors)
+ * have no more entries than their sizes allow.
+ */
 bool pzs_structure_rows_fit(const pzs_structure *structure);
 
 /*
@@ -45,7 +51,7 @@ void pzs_model_add_matrix(pzs_model *model, const uint16_t *node, unsigned count
                           const pzs_real *entry);
 
 /*
- * Gather the entries of a vector at the degrees of freedom of some nodes.
+ * Gather the entries of a vector over the free degrees of freedom that belong to some nodes.
  *   vector   [free_dof]           in   vector over the free degrees of freedom
  *   gathered [count dof_per_node] out  its entries; zero at constrained degrees of freedom
  */
@@ -54,7 +60,7 @@ void pzs_model_gather(const pzs_model *model, const uint16_t *node, unsigned cou
 
 /*
  * Add a vector over the degrees of freedom of some nodes, times a factor, to a vector over the free
- * degrees of freedom. Entries at constrained degrees of freedom are dropped.
+ * degrees of freedom of the structure. Entries at constrained degrees of freedom are dropped.
  *   gathered [count dof_per_node] in      entries to add, node by node
  *   vector   [free_dof]           in/out  sum
  */
@@ -79,7 +85,10 @@ pzs_real pzs_model_scaled_norm2(const pzs_model *model, const pzs_real *force);
  */
 void pzs_model_add_input(const pzs_model *model, uint32_t j, pzs_real value, pzs_real *force);
 
-/* Return the output with index `row` of a displacement [free_dof]. */
+/*
+ * Return the value of the output with index `row` (such as the displacement of a point) under a
+ * displacement [free_dof].
+ */
 pzs_real pzs_model_observe_row(const pzs_structure *structure, const pzs_real *displacement,
                                uint32_t row);
 

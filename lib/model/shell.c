@@ -10,10 +10,10 @@
 #include <string.h>
 
 /*
- * Base vectors at a corner of an element, from which strains are measured: mean and difference over
- * the thickness of the two faces in both directions, director beta, and the seventh degree
- * of freedom q. In the undeformed state they come directly from the tables, with beta = e3 and q =
- * 0.
+ * Base vectors at a corner of a shell element, from which strains are measured: mean and difference
+ * over the thickness of the two faces in both directions, director beta, and seventh degree of
+ * freedom q, the excess of u3 at the middle surface over the faces. In the undeformed state they
+ * come directly from the tables, with beta = e3 and q = 0.
  */
 typedef struct shape {
     const pzs_real (*mean)[3];
@@ -342,8 +342,8 @@ void pzs_shell_prescribed_force(const pzs_element_type *type, unsigned dof_per_n
 #if PZS_NONLINEAR
 
 /*
- * Convert the base vectors at a deformed corner of an element from the struct shell_corner to the
- * struct shape.
+ * Convert the base vectors at a deformed corner of an element from the struct shell_corner, which
+ * holds them, to the struct shape, which points to them.
  */
 static shape shape_of(const shell_corner *corner)
 {
@@ -352,8 +352,8 @@ static shape shape_of(const shell_corner *corner)
 }
 
 /*
- * Return the base vectors at one corner of an element after a displacement whose derivatives are
- * `part` times the given derivatives.
+ * Return the base vectors at one corner of a shell element after the part `part` of a displacement
+ * whose derivatives there are given.
  */
 static shell_corner deformed_corner(const pzs_element_type *type, const shell_corner *derivative,
                                     pzs_real part, int at_corner)

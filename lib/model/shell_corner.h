@@ -15,7 +15,8 @@
 enum { E11M, E11D, E22M, E22D, E33M, E33D, E12M, E12D, E13, E23 };
 
 /*
- * neighbour[r][a]: corner next to corner r in direction a, which is 0 for theta1 and 1 for theta2.
+ * neighbour[r][a]: corner next to corner r of an element in direction a, which is 0 for the surface
+ * coordinate theta1 and 1 for theta2.
  */
 static const uint8_t neighbour[4][2] = {{1, 3}, {0, 2}, {3, 1}, {2, 0}};
 

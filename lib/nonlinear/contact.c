@@ -37,7 +37,10 @@
  */
 #define ACTIVE_SET_INCREMENT ((pzs_real)0.2)
 
-/* Tolerance of the squared length of a unit vector. */
+/*
+ * Largest accepted difference of the squared length of the axis of a contact body, a unit vector,
+ * from 1.
+ */
 #define UNIT_TOLERANCE ((pzs_real)1e-5)
 
 enum {
@@ -223,8 +226,8 @@ static void find_facing(pzs_contact *contact, const pzs_solver *solver)
 }
 
 /*
- * Whether a node can come into contact: the contact face of the shell points towards the body
- * there, and the node has a free degree of freedom.
+ * Whether a node of the shell can come into contact: the contact face of the shell points towards
+ * the body there, and the node has a free degree of freedom.
  */
 static bool can_touch(const pzs_contact *contact, const pzs_solver *solver, uint16_t node)
 {
@@ -250,8 +253,8 @@ static bool is_active(const pzs_contact *contact, const pzs_solver *solver, uint
 }
 
 /*
- * Return the node with the smallest gap to the contact body among those that can come into contact,
- * or -1.
+ * Return the node of the shell with the smallest gap to the contact body among those that can come
+ * into contact, or -1.
  */
 static int32_t nearest_node(const pzs_contact *contact, const pzs_solver *solver)
 {
@@ -293,10 +296,10 @@ static void start_active_set(pzs_contact *contact, const pzs_solver *solver)
 }
 
 /*
- * Update the active set of a contact (the nodes held on the body) by gaps and pressures. If the set
- * becomes empty although the supports do not hold the shell, the node nearest to the body stays in
- * contact, because the tangent matrix would be singular without it; such a state never counts as
- * converged.
+ * Update the active set of a contact (the nodes held on the body) by the gaps and contact pressures
+ * of the nodes. If the set becomes empty although the supports do not hold the shell, the node
+ * nearest to the body stays in contact, because the tangent matrix would be singular without it;
+ * such a state never counts as converged.
  */
 static void update_active_set(pzs_contact *contact, const pzs_solver *solver)
 {
@@ -424,9 +427,9 @@ static void after_solve(pzs_solver_option *option, pzs_solver *solver, const pzs
 }
 
 /*
- * Add the contact forces that one unit of the input that moves the body causes. The motion of the
- * body closes the gap by its component along the normal, and turns the normal by the second
- * derivatives of the gap times the motion.
+ * Add the contact forces per unit of the input that moves the contact body. The motion of the body
+ * closes the gap by its component along the normal, and turns the normal by the second derivatives
+ * of the gap times the motion.
  */
 static void add_unit_force(pzs_solver_option *option, pzs_solver *solver, uint32_t input,
                            pzs_real *out)

@@ -13,8 +13,8 @@
 #if PZS_NONLINEAR
 
 /*
- * Number of bisections in the search along a side of an element; it finds positions to within 1/512
- * of the length of the side.
+ * Number of bisections in the search for the smallest gap to the contact body along a side of an
+ * element; it finds positions to within 1/512 of the length of the side.
  */
 enum { SIDE_BISECTIONS = 8 };
 /*
@@ -50,8 +50,8 @@ static pzs_real body_motion(const pzs_contact *contact, const pzs_solver *solver
 }
 
 /*
- * Compute the positions of `count` nodes relative to the moved contact body, for the face of the
- * shell at a given height above its middle.
+ * Compute the positions of `count` nodes of the shell relative to the moved contact body, for the
+ * face of the shell at a given height above its middle.
  *   displacement [free_dof] in   displacement (m and 1)
  *   value        [inputs]   in   input values
  *   position     [count][3] out  positions (m)
@@ -170,8 +170,8 @@ static pzs_real curvature_along(const body_point *at, const pzs_real direction[3
  */
 typedef struct penetration {
     pzs_penetration how;
-    bool is_behind; /* whether the point lies on a part of the shell that faces away from the body,
-                       while another part of the shell is in contact */
+    bool is_behind; /* whether the penetrated point lies on a part of the shell that faces away from
+                       the contact body, while another part of the shell is in contact */
     uint16_t node;
     pzs_real spot[3], depth;
 } penetration;
@@ -184,15 +184,21 @@ typedef struct penetration {
 typedef struct facet_search {
     pzs_contact *contact;
     pzs_real corner[2][4][3];
-    bool follows_motion; /* true: the search follows the motion of the points of the facet during
-                            the load step; false: it checks their present positions */
-    bool is_supported;   /* whether at least one corner of the facet is in contact with the body */
+    bool follows_motion; /* true: the search for penetration follows the motion of the points of the
+                            facet (element) during the load step; false: it checks their present
+                            positions */
+    bool is_supported;   /* whether at least one corner of the facet (element of the shell) is in
+                            contact with the body */
     penetration found;
     pzs_real slope[2]; /* derivatives of the gap to the contact body with respect to the two
-                          coordinates of the facet (0 to 1), at the last point searched (m) */
+                          coordinates (0 to 1) of the facet, an element of the shell, at the last
+                          point searched (m) */
 } facet_search;
 
-/* Compute the position of a point of a flat facet, given its two facet coordinates from 0 to 1. */
+/*
+ * Compute the position of a point of a flat facet (element of the shell), given its two facet
+ * coordinates from 0 to 1.
+ */
 static void facet_point(const pzs_real corner[4][3], pzs_real along, pzs_real across,
                         pzs_real position[3])
 {
@@ -207,9 +213,9 @@ static pzs_real interpolate(pzs_real part, pzs_real from, pzs_real to)
 }
 
 /*
- * Compute the derivatives of the scalar product normal . x with respect to the two facet
- * coordinates, where x is the position of a point of the facet at a time (0 to 1) within the load
- * step.
+ * Compute the derivatives of the scalar product normal . x with respect to the two coordinates of a
+ * flat facet (element of the shell), where x is the position of a point of the facet at a time (0
+ * to 1) within the load step.
  */
 static void find_slopes(facet_search *search, pzs_real along, pzs_real across, pzs_real time,
                         const pzs_real normal[3])
@@ -335,9 +341,9 @@ static bool is_faulty(facet_search *search, pzs_real along, pzs_real across)
 }
 
 /*
- * Search a line of constant first coordinate on a facet for the smallest gap to the contact body,
- * by bisection for the point where the derivative of the gap along the line is zero. Returns
- * whether a point has penetrated or passed through the body.
+ * Search a line of constant first coordinate on a flat facet (element of the shell) for the
+ * smallest gap to the contact body, by bisection for the point where the derivative of the gap
+ * along the line is zero. Returns whether a point has penetrated or passed through the body.
  */
 static bool search_line(facet_search *search, pzs_real along)
 {
@@ -422,8 +428,8 @@ static void search_facet(facet_search *search)
 }
 
 /*
- * Whether the contact face of the shell points away from the contact body in the middle of the
- * facet, both now and at the last equilibrium.
+ * Whether the contact face of the shell points away from the contact body in the middle of a facet
+ * (element), both now and at the last equilibrium.
  */
 static bool faces_away(const facet_search *search)
 {

@@ -69,8 +69,8 @@ static void unit_voltage_force(const pzs_circuit *circuit, pzs_solver *solver, u
 }
 
 /*
- * Solve for the displacement under a force with the factors of the tangent matrix, in place, with
- * the degrees of freedom whose motion is prescribed kept at zero.
+ * Solve in place for the displacement under a force with the factors of the tangent matrix, while
+ * the degrees of freedom whose motion is prescribed stay at zero.
  */
 static void solve_free(pzs_solver *solver, pzs_real *vector)
 {
@@ -155,8 +155,8 @@ static bool condense(pzs_solver_option *option, pzs_solver *solver, uint32_t inp
 }
 
 /*
- * Write the voltages of the open electrodes into the input values of the solver, and update the
- * prescribed stress resultants that they cause.
+ * Write the voltages of the open electrodes, which are unknowns of the equilibrium, into the input
+ * values of the solver, and update the prescribed stress resultants that they cause.
  */
 static void set_voltages(const pzs_circuit *circuit, pzs_solver *solver)
 {

@@ -32,8 +32,8 @@ typedef struct vector_slope {
 } vector_slope;
 
 /*
- * Number of degrees of freedom that move a face: mean displacement and difference over the
- * thickness, six for each of the four corners of an element.
+ * Number of degrees of freedom of an element that move a face of the shell: mean displacement and
+ * difference over the thickness, six for each of the four corners.
  */
 enum { CORNER_DOF = 6, FACE_DOF = 24 };
 
@@ -59,8 +59,8 @@ static void add_cross(pzs_real factor, const vector_slope *left, const vector_sl
 }
 
 /*
- * Divide `vector` by the length `size` of the vector `normal`, and update the derivatives of
- * `vector`.
+ * Divide a vector of the follower pressure by the length `size` of the vector `normal`, and update
+ * the derivatives of the vector with respect to the displacement.
  */
 static void normalise(const vector_slope *normal, pzs_real size, vector_slope *vector)
 {
@@ -137,9 +137,9 @@ static void pressure_force(const pzs_follower *load, const pzs_structure *struct
 }
 
 /*
- * Add `part` times a direction of the pressure at one corner to the force [24] on the element, in
- * the six rows of the corner `loaded_corner`, and its derivatives to slope [24][24]. slope may be
- * NULL.
+ * Add `part` times a direction of the follower pressure at one corner to the force [24] on the
+ * element, in the six rows of the corner `loaded_corner`, and its derivatives with respect to the
+ * displacement to slope [24][24]. slope may be NULL.
  */
 static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real z_load,
                              pzs_real height, unsigned corner, unsigned loaded_corner,
@@ -160,9 +160,9 @@ static void add_corner_force(const vector_slope *vector, pzs_real part, pzs_real
 }
 
 /*
- * Index in pzs_follower.share of the part of the pressure at `corner` that acts on the node at
- * `loaded_corner`: 0 if the two corners are the same, 1 if they are neighbours, 2 if they are
- * opposite.
+ * Index in pzs_follower.share, the parts of a pressure that act on the nodes, of the part of the
+ * pressure at `corner` that acts on the node at `loaded_corner`: 0 if the two corners are the same,
+ * 1 if they are neighbours, 2 if they are opposite.
  */
 static unsigned share_index(unsigned loaded_corner, unsigned corner)
 {
@@ -213,8 +213,8 @@ static void element_forces(const pzs_follower *load, const pzs_solver *solver, u
 /* ---- over the dof of an element ---------------------------------------- */
 
 /*
- * Return the index (0 to 23) of degree of freedom i of an element among those that move a face, or
- * FACE_DOF if degree of freedom i moves no face.
+ * Return the index (0 to 23) of degree of freedom i of an element among those that move a face of
+ * the shell, or FACE_DOF if degree of freedom i (the seventh of a node) moves no face.
  */
 static unsigned face_dof_of(unsigned i, unsigned dof_per_node)
 {

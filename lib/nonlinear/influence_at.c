@@ -24,8 +24,8 @@ static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 }
 
 /*
- * Compute the force per unit of the input that prescribes a motion. For this purpose the tangent
- * matrix is assembled and factored anew.
+ * Compute the force per unit of the input that prescribes the motion of some degrees of freedom.
+ * For this purpose the tangent matrix is assembled and factored anew.
  *   force [free_dof] in/out  in: zero; out: force (N and N m)
  */
 static void prescribed_motion_force(pzs_solver *solver, pzs_real *force)
@@ -42,7 +42,8 @@ static void prescribed_motion_force(pzs_solver *solver, pzs_real *force)
 }
 
 /*
- * Add the outputs of a displacement [free_dof] to the column of one input in the influence matrix.
+ * Add the outputs that a displacement [free_dof] causes to the column of one input in the influence
+ * matrix.
  */
 static void add_outputs(const pzs_structure *structure, const pzs_real *displacement,
                         uint32_t input, pzs_real *influence)

@@ -16,8 +16,8 @@
 enum {
     STEP_SOLVES = 40,
     STEP_HALVINGS = 6
-}; /* STEP_SOLVES: largest number of linear solves in a load step. STEP_HALVINGS: largest number of
-      times that the first load step is halved. */
+}; /* STEP_SOLVES: largest number of linear solves of Newton's method in a load step. STEP_HALVINGS:
+      largest number of times that the first load step is halved. */
 
 static pzs_status fail(pzs_solver *solver, pzs_status status, int32_t where)
 {
@@ -311,9 +311,9 @@ void pzs_nonlinear_clear_prescribed(const pzs_solver *solver, pzs_real *internal
 }
 
 /*
- * Apply the prescribed motion of some degrees of freedom to the right-hand side [free_dof] and to
- * the tangent matrix. Returns the squared norm of the reaction forces, each multiplied by the scale
- * factor of its matrix row.
+ * Prescribe the increment of those degrees of freedom whose motion is given, in the right-hand side
+ * [free_dof] and in the tangent matrix. Returns the squared norm of the reaction forces there, each
+ * multiplied by the scale factor of its matrix row.
  */
 static pzs_real prescribe_all(pzs_solver *solver, pzs_real *right_side)
 {
@@ -426,7 +426,10 @@ static pzs_status unconverged_option(pzs_solver *solver)
     return open;
 }
 
-/* Add the force of the actuators at the present displacement to `vector` [free_dof]. */
+/*
+ * Add the force of the actuators at the present displacement to the vector of forces `vector`
+ * [free_dof].
+ */
 static void add_actuation(const pzs_solver *solver, pzs_real *vector)
 {
     const pzs_structure *structure = solver->state.model->state.structure;
@@ -495,8 +498,8 @@ static bool may_continue(const pzs_solver *solver, uint32_t divergence_count)
 }
 
 /*
- * Set the input values to the last equilibrium's plus `part` (above 0, at most 1) of the remaining
- * way to the wanted values.
+ * Set the input values to those at the last equilibrium plus `part` (above 0, at most 1) of the
+ * remaining way to the wanted values.
  */
 static void set_input_values(pzs_solver *solver, const pzs_real *value, pzs_real part)
 {
@@ -613,9 +616,9 @@ static bool options_accept(pzs_solver *solver)
 }
 
 /*
- * Try one load step by `part` of the remaining way to the input values. Returns whether the load
- * step has converged and its shape is accepted; only then is the shape saved as the last
- * equilibrium.
+ * Try one load step, which takes `part` of the remaining way from the last equilibrium to the
+ * wanted input values. Returns whether the load step has converged and its shape is accepted; only
+ * then is the shape saved as the last equilibrium.
  */
 static bool try_load_step(pzs_solver *solver, const pzs_real *value, pzs_real part)
 {
@@ -628,8 +631,8 @@ static bool try_load_step(pzs_solver *solver, const pzs_real *value, pzs_real pa
 }
 
 /*
- * Return the error for a failed load step. negative_before is the number of negative pivots at the
- * last equilibrium.
+ * Return the error for a failed load step, such as an instability. negative_before is the number of
+ * negative pivots of the tangent matrix at the last equilibrium.
  */
 static pzs_status failure_status(const pzs_solver *solver, uint32_t negative_before)
 {
@@ -688,9 +691,9 @@ static void refine_units(load_progress *progress, pzs_real part)
 }
 
 /*
- * Return the number of units of the way to the wanted input values that the next load step takes,
- * or 0 if the options of the solver (such as a contact) allow none. *is_short tells whether an
- * option shortens the load step.
+ * Return how many of the equal units, into which the way to the wanted input values is divided, the
+ * next load step takes, or 0 if the options of the solver (such as a contact) allow none. *is_short
+ * tells whether an option shortens the load step.
  */
 static uint32_t next_step_units(const pzs_solver *solver, load_progress *progress,
                                 const pzs_real *value, bool *is_short)
@@ -745,7 +748,10 @@ static pzs_status run_load_steps(pzs_solver *solver, const pzs_real *value)
     return solver->info.negative_pivots > 0 ? PZS_W_UNSTABLE : PZS_OK;
 }
 
-/* Whether the settings of the solver and of its options are in range. */
+/*
+ * Whether the settings of the equilibrium solver and of its options (follower loads, contact, open
+ * electrodes) are in range.
+ */
 static bool settings_in_range(const pzs_solver *solver)
 {
     for (const pzs_solver_option *option = solver->state.option; option; option = option->next)

@@ -14,12 +14,16 @@
 #if PZS_NONLINEAR
 
 struct pzs_solver_option_calls {
-    /* Called before an equilibrium: return whether the settings of the option are in range. */
+    /*
+     * Function of a solver option (such as a contact), called before an equilibrium is computed:
+     * return whether the settings of the option are in range.
+     */
     bool (*settings_in_range)(const pzs_solver_option *option);
     /*
-     * Called before each linear solve of a load step: prepare the option, for example choose the
-     * nodes that a contact holds on its body (active set). state.iteration counts the linear solves
-     * of the load step from 0. Returns false if no linear solve is possible.
+     * Function of a solver option (such as a contact), called before each linear solve of a load
+     * step: prepare the option, for example choose the nodes that a contact holds on its body
+     * (active set). state.iteration counts the linear solves of the load step from 0. Returns false
+     * if no linear solve is possible.
      */
     bool (*prepare_solve)(pzs_solver_option *option, pzs_solver *solver);
     /*
@@ -28,8 +32,9 @@ struct pzs_solver_option_calls {
      */
     void (*add_forces)(pzs_solver_option *option, pzs_solver *solver, pzs_real *load);
     /*
-     * Called after each linear solve, before the increment du [free_dof] is added to the
-     * displacement and the stress resultants are extrapolated along it.
+     * Function of a solver option (such as a contact), called after each linear solve, before the
+     * increment du [free_dof] is added to the displacement and the stress resultants are
+     * extrapolated along it.
      */
     void (*after_solve)(pzs_solver_option *option, pzs_solver *solver, const pzs_real *du);
     /*
@@ -40,19 +45,22 @@ struct pzs_solver_option_calls {
     bool (*has_converged)(pzs_solver_option *option, pzs_solver *solver);
     pzs_status not_converged;
     /*
-     * Called after a load step has converged: return PZS_OK, a warning, or the error for which the
-     * shape is rejected. With an error the function sets state.refused_at.
+     * Function of a solver option (such as a contact), called after a load step has converged:
+     * return PZS_OK, a warning, or the error for which the shape is rejected. With an error the
+     * function sets state.refused_at.
      */
     pzs_status (*check_step)(pzs_solver_option *option, pzs_solver *solver);
     /*
-     * Return the largest part (above 0, at most 1) of the remaining way to the input values `value`
-     * that the next load step may take.
+     * Function of a solver option (such as a contact), which returns the largest part (above 0, at
+     * most 1) of the way from the last equilibrium to the input values `value` that the option
+     * allows in the next load step.
      */
     pzs_real (*largest_part)(pzs_solver_option *option, const pzs_solver *solver,
                              const pzs_real *value);
     /*
-     * Called after a load step has failed: return whether it failed because the supports leave the
-     * shell loose and the contact body does not hold it.
+     * Function of a solver option (such as a contact), called after a load step has failed: return
+     * whether it failed because the supports leave the shell loose and the contact body does not
+     * hold it.
      */
     bool (*is_unsupported)(const pzs_solver_option *option, const pzs_solver *solver);
     /*
@@ -62,7 +70,10 @@ struct pzs_solver_option_calls {
     void (*save)(pzs_solver_option *option, pzs_solver *solver);
     void (*restore)(pzs_solver_option *option, pzs_solver *solver);
     void (*reset)(pzs_solver_option *option, pzs_solver *solver);
-    /* Add the force per unit of an input, at the present displacement, to force [free_dof]. */
+    /*
+     * For a solver option (such as a contact) that an input moves or scales: add its force per unit
+     * of the input, at the present displacement, to force [free_dof].
+     */
     void (*add_unit_force)(pzs_solver_option *option, pzs_solver *solver, uint32_t input,
                            pzs_real *force);
     /*
@@ -88,8 +99,8 @@ struct pzs_solver_option_calls {
 enum { NEWTON = 0xFFFF, NO_INPUT = 0xFFFE };
 
 /*
- * Stages of the equilibrium solver. SOLVER_READY: initialised. SOLVER_CONVERGED: the model holds
- * the factors of the tangent matrix at the equilibrium.
+ * Stages of the equilibrium solver. SOLVER_READY: initialised. SOLVER_CONVERGED: the equilibrium is
+ * found, and the linear model holds the factors of the tangent matrix there.
  */
 enum { SOLVER_READY = 1, SOLVER_CONVERGED = 2 };
 
@@ -104,14 +115,14 @@ uint32_t pzs_follower_crc(const pzs_follower *tables, const pzs_structure *struc
 uint32_t pzs_contact_crc(const pzs_contact_face *tables, const pzs_structure *structure);
 
 /*
- * Return whether an option (such as a contact) is already in the linked list of a solver's options.
- * Attaching an option twice would make the list endless.
+ * Return whether an option (such as a contact) is already in the linked list of options of an
+ * equilibrium solver. Attaching an option twice would make the list endless.
  */
 bool pzs_nonlinear_is_attached(const pzs_solver *solver, const pzs_solver_option *option);
 
 /*
- * Put an option at the front of the linked list of a solver's options. The present state of the
- * option counts as that of the last equilibrium.
+ * Put an option (such as a contact) at the front of the linked list of options of an equilibrium
+ * solver. The present state of the option counts as that of the last equilibrium.
  */
 void pzs_nonlinear_attach(pzs_solver *solver, pzs_solver_option *option,
                           const struct pzs_solver_option_calls *call);
@@ -119,25 +130,25 @@ void pzs_nonlinear_attach(pzs_solver *solver, pzs_solver_option *option,
 /* ---- forces of the inputs ----------------------------------------------- */
 
 /*
- * Compute the prescribed stress resultants of every element at the present input values, divided by
- * the stiffness factor of the element, into state.prescribed.
+ * Compute the prescribed stress resultants (of actuation and temperature) of every element at the
+ * present input values, divided by the stiffness factor of the element, into state.prescribed.
  */
 void pzs_nonlinear_set_prescribed(pzs_solver *solver);
 
 /*
  * Add the force per unit of an input, at the present displacement, to force [free_dof]: the force
- * vector of a load of constant direction, the force of the prescribed resultants of an actuation,
- * or the force of an option.
+ * vector of a load of constant direction, the force of the prescribed stress resultants of an
+ * actuation, or the force of a solver option such as a follower load.
  */
 void pzs_nonlinear_unit_force(pzs_solver *solver, uint32_t input, pzs_real *force);
 
 /* ---- one linear solve --------------------------------------------------- */
 
 /*
- * Assemble the tangent matrix in the model, and compute the force imbalance at the present
- * displacement and the applied load state.load.
- *   uses_true_resultants in   true: the geometric part comes from the stress resultants of the
- *                             displacement; false: from the extrapolated ones
+ * Assemble the tangent matrix, and compute the force imbalance at the present displacement and the
+ * applied load state.load.
+ *   uses_true_resultants in   true: the geometric part of the matrix comes from the stress
+ *                             resultants of the displacement; false: from the extrapolated ones
  *   imbalance [free_dof] out  load minus internal force (N and N m)
  */
 void pzs_nonlinear_build(pzs_solver *solver, bool uses_true_resultants, pzs_real *imbalance);
@@ -166,14 +177,15 @@ void pzs_nonlinear_prescribe(pzs_envelope *matrix, uint32_t dof, pzs_real value,
 void pzs_nonlinear_clear_prescribed(const pzs_solver *solver, pzs_real *internal_force);
 
 /*
- * Scale and factor the tangent matrix, and set info.negative_pivots and info.where. Returns false
- * if the matrix is singular.
+ * Scale and factor the tangent matrix, and set info.negative_pivots (number of negative pivots) and
+ * info.where. Returns false if the matrix is singular.
  */
 bool pzs_nonlinear_factor(pzs_solver *solver);
 
 /*
- * Add the displacement that the additional unknowns of all options (voltages of open electrodes)
- * cause to du [free_dof]. Returns false if the unknowns cannot be solved for.
+ * Add the displacement that the additional unknowns of all solver options (voltages of open
+ * electrodes) cause to du [free_dof], the response without them. Returns false if the unknowns
+ * cannot be solved for.
  */
 bool pzs_nonlinear_condense(pzs_solver *solver, uint32_t input, pzs_real *du);
 

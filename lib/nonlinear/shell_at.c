@@ -25,26 +25,28 @@
 enum { NODE_DOF = 6, HALF = 12, FIRST_Q = 24, COLUMNS = 28 };
 
 /*
- * Order of the strains in the rows of the nodal strain array. Mean displacements do not contribute
- * to the first two strains. The suffix M stands for the mean of the two faces, D for their
- * difference.
+ * Order of the strains in the rows of the array of nodal strains (strains per unit of each nodal
+ * degree of freedom). Mean displacements of the two faces do not contribute to the first two
+ * strains. The suffix M stands for the mean of the two faces, D for their difference.
  */
 enum { A33M, A33D, A13, A23, A11M, A11D, A22M, A22D, A12M, A12D };
 enum { ROWS = SHELL_STRAINS, WITH_Q = 5, WITHOUT_MEAN = 2 };
 static const uint8_t in_d[ROWS] = {E33M, E33D, E13, E23, E11M, E11D, E22M, E22D, E12M, E12D};
 
 /*
- * Rows of the array of nodal strains to which the seventh degree of freedom q contributes. The row
- * of the mean strain 12 is one of them because warp adds transverse shear to it.
+ * Rows of the array of nodal strains (strains per unit of each nodal degree of freedom) to which
+ * the seventh degree of freedom q, the excess of u3 at the middle surface over the faces,
+ * contributes. The row of the mean strain 12 is one of them because warp adds transverse shear to
+ * it.
  */
 static const uint8_t q_row[WITH_Q] = {A33M, A33D, A13, A23, A12M};
 
 /*
  * Rows of one strain mode (constant, linear or bilinear over the element) in the array of stress
- * rows (stiffness of the mode times nodal strains): number of rows, number of rows to which the
- * seventh degree of freedom q contributes, index of the first row, strain of each row, and index of
- * this strain among those that the mode keeps, which is its row in the packed stiffness of the mode
- * (pzs_element_type.d).
+ * rows, its stiffness times the nodal strains (strains per unit of each nodal degree of freedom):
+ * number of rows, number of rows to which the seventh degree of freedom q contributes, index of the
+ * first row, strain of each row, and index of this strain among those that the mode keeps, which is
+ * its row in the packed stiffness of the mode (pzs_element_type.d).
  */
 typedef struct mode_rows {
     uint8_t count, with_q, start, strain[ROWS], kept[ROWS];
@@ -84,7 +86,8 @@ static const row_pair row_pairs[PAIRS] = {
  * stress_row[p][k]: index of the stress row that contains stress k of node p after the rows of the
  * four strain modes have been combined into rows of the nodes. A stress row is a row of the
  * stiffness of a strain mode (constant, linear or bilinear over the element) times the nodal
- * strains. The stresses are in the order of the rows of the nodal strain array.
+ * strains (strains per unit of each nodal degree of freedom). The stresses are in the order of the
+ * strains in the array of nodal strains.
  */
 static const uint8_t stress_row[4][ROWS] = {
     {0, 1, 2, 3, 4, 5, 6, 7, 8, 9},
@@ -103,10 +106,10 @@ static void multiply_transposed(pzs_real y[3], const pzs_real matrix[3][3], cons
 }
 
 /*
- * Compute the derivative of a strain at one node with respect to the displacement of this node. The
- * base vector in direction a contributes with the factor `own` at the node itself and with the
- * factor `other` at its neighbour in this direction, through the transposed coupling matrices S and
- * T.
+ * Compute the derivative of a strain at one corner of an element with respect to the displacement
+ * of the node there. The base vector in direction a contributes with the factor `own` at the node
+ * itself and with the factor `other` at its neighbour in this direction, through the transposed
+ * coupling matrices S and T, which give displacement derivatives from nodal displacements.
  */
 static void transpose_derivative(const pzs_element_type *type, int node, int direction,
                                  const pzs_real own[3], const pzs_real other[3], pzs_real row[3])
@@ -119,8 +122,9 @@ static void transpose_derivative(const pzs_element_type *type, int node, int dir
 }
 
 /*
- * Write the rows of a mean strain and of the corresponding difference strain at one node, from the
- * derivatives of the mean and of the difference of the base vectors.
+ * Write the rows of a mean strain of the two faces and of the corresponding difference of the
+ * strains in the array of nodal strains (strains per unit of each nodal degree of freedom), for one
+ * node, from the derivatives of the mean and of the difference of the base vectors.
  */
 static void write_mean_and_difference(pzs_real thickness, const pzs_real mean[3],
                                       const pzs_real diff[3], pzs_real *row_mean,
@@ -136,8 +140,9 @@ static void write_mean_and_difference(pzs_real thickness, const pzs_real mean[3]
 }
 
 /*
- * Compute the rows of the in-plane strains of one node in the array of nodal strains: strains 11
- * and 22 from one direction each, strain 12 from both directions.
+ * Compute the rows of the in-plane strains of one node in the array of nodal strains (strains per
+ * unit of each nodal degree of freedom): strains 11 and 22 from one direction each, strain 12 from
+ * both directions.
  */
 static void write_in_plane_strains(const pzs_element_type *type, const shell_corner shape[4],
                                    int node, pzs_real nodal[ROWS][COLUMNS])
@@ -169,7 +174,7 @@ static void write_in_plane_strains(const pzs_element_type *type, const shell_cor
 
 /*
  * Compute the rows of the transverse strains 33, 13 and 23 of one node in the array of nodal
- * strains.
+ * strains (strains per unit of each nodal degree of freedom).
  */
 static void write_transverse_strains(const pzs_element_type *type, const shell_corner shape[4],
                                      int node, pzs_real nodal[ROWS][COLUMNS])
@@ -200,9 +205,11 @@ static void write_transverse_strains(const pzs_element_type *type, const shell_c
 }
 
 /*
- * Add the effect of warp to the row of the mean strain 12 at one node: a linear combination of
- * other strains. Some of its factors depend on the signs of the strain modes 01 and 10 at the node.
- * The combination can be part of the row because the mean strain 12 is used in strain mode 00 only.
+ * Add the effect of the warp of an element to the row of the mean strain 12 of one node in the
+ * array of nodal strains (strains per unit of each nodal degree of freedom): a linear combination
+ * of other strains. Some of its factors depend on the signs of the strain modes 01 and 10 at the
+ * node. The combination can be part of the row because the mean strain 12 is used in strain mode 00
+ * only.
  */
 static void add_warp(const pzs_element_type *type, int node, pzs_real nodal[ROWS][COLUMNS])
 {
@@ -254,7 +261,8 @@ static void sum_rows(pzs_real *restrict to, const pzs_real *restrict factor, int
 }
 
 /*
- * Set the four columns of the seventh degree of freedom q to the sum of factors times rows, over
+ * Set the four columns of the seventh degree of freedom q of the nodes in a product with the nodal
+ * strains (strains per unit of each nodal degree of freedom) to the sum of factors times rows, over
  * the `count` rows of nodal strains to which q contributes.
  */
 static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, int stride,
@@ -271,8 +279,8 @@ static void sum_q_rows(pzs_real *restrict to, const pzs_real *restrict factor, i
 }
 
 /*
- * Whether the seventh degree of freedom q contributes to a row in the list of rows of a strain mode
- * (constant, linear or bilinear over the element).
+ * Whether the seventh degree of freedom q of the nodes contributes to a strain, given by its row
+ * among those of a strain mode (constant, linear or bilinear over the element).
  */
 static bool has_q(const mode_rows *mode, int row)
 {
@@ -282,7 +290,7 @@ static bool has_q(const mode_rows *mode, int row)
 /*
  * Compute the stress rows of an element: the products of the stiffness of each strain mode
  * (constant, linear or bilinear over the element) with the nodal strains.
- *   nodal         [ROWS][COLUMNS] in   nodal strains
+ *   nodal         [ROWS][COLUMNS] in   strains per unit of each nodal degree of freedom
  *   stress_row_of [22][COLUMNS]   out  products, in the order of rows_of_mode
  */
 static void stress_rows(const pzs_element_type *type, unsigned dof_per_node,
@@ -329,9 +337,10 @@ static void gather_column(pzs_real nodal[ROWS][COLUMNS], int column, int node,
 }
 
 /*
- * Write the stress resultants that belong to one column of the nodal strains into the stress rows,
- * without the signs of the node of the column. A stress row is a row of the stiffness of a strain
- * mode (constant, linear or bilinear over the element) times the nodal strains.
+ * Write the stress resultants that belong to one column of the nodal strains (strains per unit of
+ * each nodal degree of freedom) into the stress rows, without the signs of the node of the column.
+ * A stress row is a row of the stiffness of a strain mode (constant, linear or bilinear over the
+ * element) times the nodal strains.
  */
 static void scatter_column(pzs_real resultant[4][10], int column, int node,
                            pzs_real stress_row_of[22][COLUMNS])
@@ -361,8 +370,9 @@ static void skewed_stress_rows(const pzs_element_type *type, unsigned dof_per_no
 }
 
 /*
- * Replace two rows by their sum and their difference in `count` columns. The first row receives the
- * sum if sum_in_first is true, otherwise the second row does.
+ * Replace two rows of numbers (rows of stresses of the tangent stiffness) by their sum and their
+ * difference in `count` columns. The first row receives the sum if sum_in_first is true, otherwise
+ * the second row does.
  */
 static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict second,
                                int sum_in_first, int count)
@@ -376,7 +386,8 @@ static void sum_and_difference(pzs_real *restrict first, pzs_real *restrict seco
 
 /*
  * Combine the stress rows of the four strain modes (constant, linear and bilinear over the element)
- * of an element into the stress rows of its four nodes, in place.
+ * of an element into the stress rows of its four nodes, in place. A stress row is a row of the
+ * stiffness of a strain mode times the strains per unit of each nodal degree of freedom.
  */
 static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COLUMNS])
 {
@@ -397,9 +408,9 @@ static void modes_to_nodes(unsigned dof_per_node, pzs_real stress_row_of[22][COL
 /* ---- geometric part --------------------------------------------------- */
 
 /*
- * Geometric stiffness between two nodes: `mean` couples the mean displacements of the two faces,
- * `cross` couples a mean with a difference over the thickness. The coupling of two differences is
- * that of two means times a quarter of the squared thickness.
+ * Geometric stiffness between two nodes of an element: `mean` couples the mean displacements of the
+ * two faces, `cross` couples a mean with a difference over the thickness. The coupling of two
+ * differences is that of two means times a quarter of the squared thickness.
  */
 typedef struct block {
     pzs_real mean[9];
@@ -467,7 +478,8 @@ static pzs_real *packed_entry(pzs_real *stiffness, unsigned row, unsigned column
 
 /*
  * Add the geometric stiffness of the transverse stresses at one corner of an element: products of
- * the director and of the seventh degree of freedom q with the other derivatives.
+ * the director of the shell and of the seventh degree of freedom q with the other derivatives of
+ * the displacement.
  */
 static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, int corner,
                            const pzs_real stress[10], pzs_real *stiffness)
@@ -502,7 +514,8 @@ static void add_transverse(const pzs_element_type *type, unsigned dof_per_node, 
 
 /*
  * Write row i of one node, up to its diagonal, to its place in the packed tangent stiffness of an
- * element: product of nodal strains and stresses plus geometric stiffness.
+ * element: product of nodal strains (strains per unit of each nodal degree of freedom) and stresses
+ * plus geometric stiffness.
  */
 static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_real hh4,
                       unsigned dof_per_node, int node, int i, pzs_real *restrict stiffness)
@@ -525,7 +538,8 @@ static void write_row(const pzs_real *restrict sum, const block pair[10], pzs_re
 /*
  * Write the rows of one node, except the row of the seventh degree of freedom q, into the packed
  * tangent stiffness of an element.
- *   stress [ROWS + 1] in  stress rows of the node, followed by NULL
+ *   stress [ROWS + 1] in  rows of stresses at the node per unit of each degree of freedom, followed
+ *     by NULL
  */
 static void write_node(const pzs_element_type *type, unsigned dof_per_node, int node,
                        pzs_real nodal[ROWS][COLUMNS], const pzs_real *const *stress,
