@@ -85,8 +85,8 @@ static pzs_status check_list(pzs_loop *loop, const pzs_block *blocks, size_t cou
 /* ---- layout ----------------------------------------------------------- */
 
 /*
- * Return the part of the state of a loop that stays constant from tick to tick (pointers and
- * sizes), after a majority vote over its three copies.
+ * Return that part of the state of a control loop which stays constant from tick to tick (pointers
+ * and sizes), after a majority vote over its three copies, which protect it against damaged memory.
  */
 static pzs_loop_core *voted_core(pzs_loop *loop)
 {
@@ -96,8 +96,8 @@ static pzs_loop_core *voted_core(pzs_loop *loop)
 }
 
 /*
- * Make the other two copies of the pointers and sizes of a loop equal to the first one, which was
- * changed.
+ * Make the second and third copy of the pointers and sizes of a control loop, which protect them
+ * against damaged memory, equal to the first one, which was changed.
  */
 static void copy_core(pzs_loop *loop)
 {

@@ -491,9 +491,10 @@ static void predict_step(const rows_run *run)
 /* ---- end of a round -------------------------------------------------------- */
 
 /*
- * If the sum of limit row k (limit of a sum of voltages) is outside its narrowed limits by more
- * than half of its margin, change its voltages as little as possible (in the sum of squares) to
- * bring it back, and clamp them to their bounds. Returns whether the sum was outside.
+ * If the sum of limit row k (limit of a sum of voltages) is outside its limits, narrowed by a
+ * margin for rounding errors, by more than half of this margin, change its voltages as little as
+ * possible (in the sum of squares) to bring it back, and clamp them to their bounds. Returns
+ * whether the sum was outside.
  */
 static bool project_row(const rows_run *run, uint32_t k)
 {

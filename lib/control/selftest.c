@@ -389,10 +389,10 @@ typedef struct selftest_axis {
     size_t model_line, model_entry; /* distance in state.direct, the modelled responses, between the
                                        first entries of two columns (or two rows), and between two
                                        entries of a column (or row), in real numbers */
-    pzs_wiring *line, *entry; /* [lines] findings about the amplifiers if `is_row` is false, or
-                                 about the sensors if it is true; [entries] findings about the
-                                 sensors if `is_row` is false, or about the amplifiers if it is true
-                               */
+    pzs_wiring *line, *entry; /* [lines] results of the self-test (healthy or kind of fault) for the
+                                 amplifiers if `is_row` is false, or for the sensors if it is true;
+                                 [entries] results for the sensors if `is_row` is false, or for the
+                                 amplifiers if it is true */
     bool has_gains; /* true: before the comparison of measured and modelled responses, each entry of
                        a modelled row (one sensor, all amplifiers) is multiplied by the measured
                        gain of its amplifier */
@@ -448,8 +448,8 @@ typedef struct line_sums {
 
 /*
  * Compare the measured column of an amplifier (or row of a sensor) in the matrix of responses with
- * the modelled one of index `modelled`. Entries of sensors (or amplifiers) with a finding do not
- * count.
+ * the modelled one of index `modelled`. Entries of sensors (or amplifiers) at which the self-test
+ * has found a fault do not count.
  *   noise [sensors] in  squared response of each sensor to noise and vibration, times the squared
  *                       height of a pulse (squared unit of each sensor)
  */
@@ -572,10 +572,10 @@ static uint32_t mark_unobservable(const pzs_selftest *selftest, const selftest_a
 }
 
 /*
- * Compute the gain of each amplifier without a finding: the sum of the absolute products of
- * measured and modelled responses, divided by the sum of the squared modelled responses, with the
- * sign of the sum of the products. A sensor that is reversed or swapped then changes the gain
- * little; in a sum with signs it would cancel the responses of the other sensors.
+ * Compute the gain of each amplifier at which the self-test has found no fault: the sum of the
+ * absolute products of measured and modelled responses, divided by the sum of the squared modelled
+ * responses, with the sign of the sum of the products. A sensor that is reversed or swapped then
+ * changes the gain little; in a sum with signs it would cancel the responses of the other sensors.
  */
 static void find_gains(const pzs_selftest *selftest)
 {
@@ -590,8 +590,8 @@ static void find_gains(const pzs_selftest *selftest)
 }
 
 /*
- * Return the mean absolute gain of the healthy amplifiers whose absolute gain is at least `least`.
- * Returns 0 where there is none.
+ * Return the mean absolute gain (measured divided by modelled response) of the healthy amplifiers
+ * whose absolute gain is at least `least`. Returns 0 where there is none.
  */
 static pzs_real mean_above(const pzs_selftest *selftest, pzs_real least)
 {
@@ -623,7 +623,10 @@ static void find_mean_gain(pzs_selftest *selftest)
         selftest->info.gain = mean;
 }
 
-/* Whether the mean gain of the amplifiers is within plausible bounds. */
+/*
+ * Whether the mean gain (measured divided by modelled response) of the amplifiers is within
+ * plausible bounds.
+ */
 static bool is_gain_plausible(const pzs_selftest *selftest)
 {
     return selftest->info.gain >= LEAST_GAIN && selftest->info.gain <= LARGEST_GAIN;
@@ -666,9 +669,9 @@ typedef struct worst_line {
 
 /*
  * Whether the self-test may report a fault of an amplifier or sensor whose measured response
- * differs from the model. If the modelled response to the amplifiers or sensors that remain without
- * a finding is too small to be compared, the measured response must be large. An amplifier or
- * sensor that already has a finding gets no second one.
+ * differs from the model. If the modelled response to the amplifiers or sensors at which no fault
+ * was found is too small to be compared, the measured response must be large. An amplifier or
+ * sensor with a reported fault gets no second one.
  */
 static bool may_be_reported(const pzs_wiring *finding, const line_sums *sums)
 {
@@ -697,7 +700,7 @@ static pzs_real whole_energy(const pzs_selftest *selftest, const selftest_axis *
 
 /*
  * Find the amplifier (or sensor) whose measured response differs most from the model, among those
- * whose difference exceeds the tolerance of the gains.
+ * that differ by more than amplifier gains may.
  */
 static worst_line find_worst(const pzs_selftest *selftest, const selftest_axis *axis, pzs_real gain)
 {
@@ -766,7 +769,8 @@ static bool is_other_line(const pzs_selftest *selftest, const selftest_axis *axi
 }
 
 /*
- * Set the finding (state) of an amplifier or sensor whose measured response differs from the model.
+ * Report the kind of fault of an amplifier or sensor whose measured response differs from the
+ * model.
  *   nearest in  index of the amplifier (or sensor) whose modelled response is nearest to the
  *               measured response
  */
@@ -789,7 +793,10 @@ static void set_finding(const pzs_selftest *selftest, const selftest_axis *axis,
     }
 }
 
-/* Return the mean gain of all amplifiers, clamped to plausible values. */
+/*
+ * Return the mean gain (measured divided by modelled response) of all amplifiers, clamped to
+ * plausible values.
+ */
 static pzs_real plausible_gain(const pzs_selftest *selftest)
 {
     return number_clamp(selftest->info.gain, LEAST_GAIN, LARGEST_GAIN);
@@ -797,7 +804,8 @@ static pzs_real plausible_gain(const pzs_selftest *selftest)
 
 /*
  * Store which amplifier (or which sensor) has the measured response that differs most from the
- * model. Sensors count only while the mean gain is plausible.
+ * model. Sensors count only while the mean gain (measured divided by modelled response) of the
+ * amplifiers is plausible.
  */
 static void store_worst(pzs_selftest *selftest, bool is_row)
 {
@@ -827,8 +835,9 @@ static bool has_worst(const pzs_selftest *selftest, selftest_axis *axis, uint32_
 /*
  * Report the fault of the amplifier or sensor whose measured response differs most from the model.
  * Later ticks exclude its responses from all comparisons with the model. If no amplifier or sensor
- * differs by more than the tolerance of the gains, the search for differences ends. While the mean
- * gain is implausible, only amplifiers are reported, because all of them differ from the model.
+ * differs by more than amplifier gains may, the search for differences ends. While the mean gain of
+ * the amplifiers is implausible, only amplifiers are reported, because all of them differ from the
+ * model.
  */
 static void report_worst(pzs_selftest *selftest)
 {
@@ -905,8 +914,9 @@ static pzs_real model_angle(const pzs_selftest *selftest, const selftest_axis *a
 }
 
 /*
- * Store, for an amplifier (or sensor) without a finding, the index of the one with the most similar
- * modelled response, if both are so similar that the self-test would not notice exchanged cables.
+ * Store, for an amplifier (or sensor) at which the self-test has found no fault, the index of the
+ * one with the most similar modelled response, if both are so similar that the self-test would not
+ * notice exchanged cables.
  */
 static void note_similar(const pzs_selftest *selftest, const selftest_axis *axis, uint32_t line)
 {
@@ -965,9 +975,10 @@ static void find_swap(const pzs_selftest *selftest, const selftest_axis *axis, u
 }
 
 /*
- * Compare one amplifier or sensor, if it has no finding, with all others whose cables could have
- * been exchanged with its own. The smaller numbers belong to the amplifiers or to the sensors,
- * whichever are fewer, because a fault of one among few changes the responses of the others more.
+ * Compare one amplifier or sensor, if no fault was found at it, with all others whose cables could
+ * have been exchanged with its own. The amplifiers or the sensors, whichever are fewer, have the
+ * smaller values of `number`, because a fault of one among few changes the responses of the others
+ * more.
  *   finds_swaps in  true: look for exchanged cables; false: note the most similar response
  */
 static void compare_pairs(pzs_selftest *selftest, uint32_t number, bool finds_swaps)
@@ -1015,8 +1026,9 @@ static void complete_swaps(const selftest_axis *axis)
 }
 
 /*
- * Give every healthy amplifier the finding PZS_WIRING_GAIN if the mean gain is implausible: the
- * amplifiers agree with each other, but all of them differ from the model.
+ * Mark every healthy amplifier with PZS_WIRING_GAIN if the mean gain (measured divided by modelled
+ * response) is implausible: the amplifiers agree with each other, but all of them differ from the
+ * model.
  */
 static void mark_common_gain(const pzs_selftest *selftest, const selftest_axis *columns)
 {

@@ -30,8 +30,8 @@ uint32_t pzs_structure_crc(const pzs_structure *structure);
 bool pzs_structure_rows_fit(const pzs_structure *structure);
 
 /*
- * Return the factor by which the stiffness of an element is multiplied, the factor of its element
- * type that was passed to pzs_assemble, or 1 where no factors were passed.
+ * Return the factor by which the stiffness of an element is multiplied: that of its element type in
+ * the array that was passed to pzs_assemble, or 1 where no factors were passed.
  */
 pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element);
 
