@@ -90,8 +90,8 @@ static bool are_between(const pzs_real *entry, size_t count, pzs_real least, pzs
 }
 
 /*
- * Whether the slacks of the plays (elements with backlash) of an electrode are positive and in
- * ascending order.
+ * Whether the slacks of the plays (elements with backlash) in the hysteresis model of an electrode
+ * are positive and in ascending order.
  */
 static bool are_rising(const pzs_real *slack, uint32_t plays)
 {
@@ -151,8 +151,9 @@ static pzs_status check(const pzs_hysteresis *tables, const pzs_problem *problem
 
 /* Parameters of the model of one electrode. A play is an element with backlash. */
 typedef struct electrode {
-    const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear function, from the lowest
-                              voltages to the highest (1) */
+    const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear part of the electrode's
+                              effect (voltage without hysteresis), from the lowest voltages to the
+                              highest (1) */
     const pzs_real *slack; /* [plays] slack of each play (element with backlash), the half width of
                               its backlash (V) */
     const pzs_real *above; /* [plays] weight of each play (element with backlash) in the effect
@@ -161,7 +162,8 @@ typedef struct electrode {
                               (voltage without hysteresis) below the middle (1) */
     const pzs_real *creep; /* [creeps] final value of each creep term of an electrode's effect,
                               divided by the voltage (1) */
-    pzs_real middle;       /* middle of the voltage range of the electrode (V) */
+    pzs_real middle;       /* middle of the voltage range of the electrode, from which the model of
+                              hysteresis counts voltages (V) */
     pzs_real half_range;   /* half of the voltage range of the electrode (V) */
     pzs_real offset; /* constant part of the effect of the electrode, which is the voltage that
                         would act alike without hysteresis (V) */
@@ -206,9 +208,9 @@ static pzs_real slack_behind(const pzs_real *slack, uint32_t i)
 }
 
 /*
- * Return the value at `offset`, the distance from the middle of the voltage range (V), of the
- * piecewise linear function of four slopes. The function is 0 in the middle, and its slope changes
- * there and at the quarters of the voltage range (V).
+ * Return the piecewise linear part of the effect of an electrode (voltage without hysteresis) at
+ * `offset`, the distance of the voltage from the middle of the voltage range (V). It is 0 in the
+ * middle, and its slope changes there and at the quarters of the voltage range (V).
  */
 static pzs_real line_at(const electrode_tables *electrode, pzs_real offset)
 {
@@ -246,8 +248,8 @@ void pzs_hysteresis_rest(const pzs_hysteresis *tables, uint32_t input, hysteresi
 }
 
 /*
- * Return the fraction of the way to its final value that a creep term goes in a number of ticks,
- * where `rate` is the fraction in one tick.
+ * Return the fraction of the way to its final value that a creep term of an electrode's effect goes
+ * in a number of ticks, where `rate` is the fraction in one tick.
  */
 static pzs_real rate_of(pzs_real rate, uint32_t ticks)
 {
@@ -370,8 +372,9 @@ static pzs_real effect_change(const electrode_tables *electrode, const pzs_real 
  * is an element with backlash.
  */
 typedef struct effect_walk {
-    const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear function, from the lowest
-                              voltages to the highest (1) */
+    const pzs_real *slope; /* [SEGMENTS] slopes of the piecewise linear part of the electrode's
+                              effect (voltage without hysteresis), from the lowest voltages to the
+                              highest (1) */
     const pzs_real *slack; /* [plays] slack of each play (element with backlash), the half width of
                               its backlash (V) */
     const pzs_real *play;  /* [plays] position of each play (element with backlash), relative to the

@@ -221,8 +221,8 @@ static void place(pzs_selftest *selftest, const pzs_loop_signals *signals)
 }
 
 /*
- * Copy the first of the three copies of progress and verdict of the self-test, which protect them
- * against damaged memory, over the other two.
+ * Copy the first of the three copies of the progress and the result of the self-test, which protect
+ * them against damaged memory, over the other two.
  */
 static void copy_core(pzs_selftest *selftest)
 {
@@ -700,7 +700,7 @@ static pzs_real whole_energy(const pzs_selftest *selftest, const selftest_axis *
 
 /*
  * Find the amplifier (or sensor) whose measured response differs most from the model, among those
- * that differ by more than amplifier gains may.
+ * that differ by more than the tolerance that the tables grant to the gains of amplifiers.
  */
 static worst_line find_worst(const pzs_selftest *selftest, const selftest_axis *axis, pzs_real gain)
 {
@@ -835,9 +835,9 @@ static bool has_worst(const pzs_selftest *selftest, selftest_axis *axis, uint32_
 /*
  * Report the fault of the amplifier or sensor whose measured response differs most from the model.
  * Later ticks exclude its responses from all comparisons with the model. If no amplifier or sensor
- * differs by more than amplifier gains may, the search for differences ends. While the mean gain of
- * the amplifiers is implausible, only amplifiers are reported, because all of them differ from the
- * model.
+ * differs by more than the tolerance that the tables grant to the gains of amplifiers, the search
+ * for differences ends. While the mean gain of the amplifiers is implausible, only amplifiers are
+ * reported, because all of them differ from the model.
  */
 static void report_worst(pzs_selftest *selftest)
 {

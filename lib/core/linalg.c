@@ -217,8 +217,8 @@ static void add_sizes(const pzs_real *entry, uint32_t row, uint32_t past, uint32
 }
 
 /*
- * The entries of the matrix are read in the order of memory, panel by panel (PZS_TILE rows each)
- * and column by column.
+ * The entries of the matrix are added to its row and column sums in the order of memory, panel by
+ * panel (PZS_TILE rows each) and column by column.
  */
 pzs_real pzs_linalg_norm1(const pzs_envelope *matrix, pzs_real *sum)
 {
@@ -385,10 +385,10 @@ static uint32_t first_of_columns(const pzs_envelope *matrix, uint32_t panel, uin
 }
 
 /*
- * Factorisation: eliminate the columns left of a panel (PZS_TILE matrix rows) from this panel and
- * from the next panels of its group, up to panel `past` - 1, except columns that have been
- * eliminated together with an earlier panel. Each strip of columns is eliminated from all of these
- * panels while the factors of its rows are in the cache.
+ * Step of the factorisation of a matrix: eliminate the columns left of a panel (PZS_TILE matrix
+ * rows) from this panel and from the next panels of its group, up to panel `past` - 1, except
+ * columns that have been eliminated together with an earlier panel. Each strip of columns is
+ * eliminated from all of these panels while the factors of its rows are in the cache.
  */
 static void eliminate_columns(const pzs_envelope *matrix, uint32_t panel, uint32_t past)
 {

@@ -17,7 +17,8 @@
 #include "pzs_base.h"
 
 /*
- * Return the number of reals that the entries of an envelope take, padding included.
+ * Return the number of reals that the entries of a symmetric matrix in envelope storage take,
+ * padding included.
  *   first [rows] in  column of the first stored entry of each row
  */
 size_t pzs_linalg_reals(const uint16_t *first, uint32_t rows);

@@ -36,9 +36,9 @@ bool pzs_structure_rows_fit(const pzs_structure *structure);
 pzs_real pzs_model_type_factor(const pzs_model *model, uint32_t element);
 
 /*
- * Return the rotation of a node at an oblique support, whose rows are the components in the triad
- * (local axes) of the node of the axes of its mean displacements, or NULL where these are the axes
- * of the triad.
+ * Return the rotation matrix of a node at an oblique support, or NULL for a node whose degrees of
+ * freedom act along its triad (local axes). Each row of the matrix is the axis of one mean
+ * displacement, in components along the triad.
  */
 const pzs_real (*pzs_model_turn(const pzs_structure *structure, uint16_t node))[3];
 

@@ -122,7 +122,7 @@ static pzs_real face_height(const pzs_contact *contact, const pzs_solver *solver
 }
 
 /*
- * Compute the displacement of a node of the contact face in the frame of the node.
+ * Compute the displacement of a node of the contact face in the local axes of the node.
  *   vector       [free_dof] in   displacement over the free degrees of freedom (m and 1)
  *   displacement [3]        out  displacement of the node (m)
  */
