@@ -211,8 +211,8 @@ static void take_back(const pzs_problem *problem, const pzs_real *before, pzs_re
 }
 
 /*
- * Return the first input whose voltage is outside the voltage limits in force, or the number of
- * inputs if there is none.
+ * Return the first input whose voltage is outside the voltage limits that the controller applies in
+ * this tick, or the number of inputs if there is none.
  */
 static uint32_t first_outside(const pzs_control *control)
 {

@@ -33,14 +33,14 @@ struct pzs_limit_row_calls {
      */
     void (*prepare)(pzs_control *control);
     /*
-     * At the start of a tick, correct flags and padding of the optimiser for limit rows (limits of
-     * sums of voltages) that damaged memory may have changed.
+     * At the start of a tick, correct those flags and zeros beyond the end of vectors that damaged
+     * memory may have changed in the optimiser for limit rows (limits of sums of voltages).
      */
     void (*repair)(pzs_control *control);
     /*
-     * Compute the voltages that minimise the objective inside bounds and limit rows (limits of sums
-     * of voltages), as far as the work limit of the optimiser allows. The voltages must be inside
-     * bounds and limit rows before the call.
+     * Compute the voltages that minimise the objective of the control step inside bounds and limit
+     * rows (limits of sums of voltages), as far as the work limit of the optimiser allows. The
+     * voltages must be inside bounds and limit rows before the call.
      */
     void (*optimise)(pzs_control *control);
     /*

@@ -31,7 +31,9 @@
 #include "../core/guard.h"
 #include "../core/numbers.h"
 
-/* A reading that is larger than this counts as missing, so that no sum of squares overflows. */
+/*
+ * A sensor reading that is larger than this counts as missing, so that no sum of squares overflows.
+ */
 #define READING_LIMIT PZS_R(1e12)
 /*
  * A sensor counts as noisy if the variance of its noise exceeds this multiple of the mean variance
@@ -55,7 +57,9 @@
  */
 #define LEAST_GAIN PZS_R(0.15)
 #define LARGEST_GAIN PZS_R(2)
-/* Least noise of a sensor, relative to its largest plausible noise. */
+/*
+ * Smallest noise that the self-test assumes for a sensor, relative to its largest plausible noise.
+ */
 #define LEAST_NOISE PZS_R(0.01)
 /*
  * Number of times that the self-test computes the mean gain of the amplifiers again, each time

@@ -75,8 +75,9 @@ static inline pzs_real test_pulse_mean(pzs_real place)
 }
 
 /*
- * Sum of the pulse times the even weights, divided by the number of ticks and by the height of the
- * pulse: the integral of b^7 (1 - 9 s^2) over s from -1 to 1, divided by 2.
+ * Sum over all ticks of the voltage of a test pulse times the even weight of the tick, divided by
+ * the number of ticks and by the height of the pulse: with the place s in the pulse and b = 1 -
+ * s^2, the integral of b^7 (1 - 9 s^2) over s from -1 to 1, divided by 2.
  */
 #define TEST_PULSE_RESPONSE PZS_R(0.149767)
 

@@ -342,7 +342,7 @@ static void add_computed_matrix(pzs_model *model, uint32_t element)
     for (unsigned i = 0; i < SHELL_NODES * (unsigned)structure->dof_per_node; i++) {
         const uint16_t row = element_dof(model, element, i);
         pzs_real force[SHELL_MAX] = {0}; /* nodal displacement of the element, which is then
-                                            replaced by the nodal force */
+                                            replaced by the nodal force that its stiffness causes */
         if (row == PZS_CONSTRAINED)
             continue;
         force[i] = 1;
@@ -495,7 +495,8 @@ static void add_force(const pzs_model *model, const pzs_real *vector, pzs_real *
     const pzs_structure *structure = model->state.structure;
     for (uint32_t element = 0; element < structure->elements; element++) {
         pzs_real element_vector[SHELL_MAX]; /* nodal displacement of the element, which is then
-                                               replaced by the nodal force */
+                                               replaced by the nodal force that its stiffness causes
+                                             */
         pzs_model_gather(model, structure->element[element], SHELL_NODES, vector, element_vector);
         pzs_shell_force(&structure->type[structure->element_type[element]], structure->dof_per_node,
                         element_vector, element_vector);

@@ -119,7 +119,9 @@ void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node,
 void pzs_shell_force_at(const pzs_element_type *type, unsigned dof_per_node,
                         const pzs_real *displacement, const pzs_real *resultant, pzs_real *force);
 
-/* Deformed base vectors of an element at its four corners. */
+/*
+ * Compute the deformed base vectors of an element at its four corners, from its nodal displacement.
+ */
 void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node,
                        const pzs_real *displacement, shell_corner shape[4]);
 
