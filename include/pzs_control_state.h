@@ -41,12 +41,16 @@ struct pzs_block;
 #define PZS_ROUND_WORK(inputs)                                                                     \
     (PZS_PRODUCT_WORK(inputs) + PZS_ROUND_LOOPS * PZS_CONTROL_WIDTH(inputs))
 
-/* Number of vectors of PZS_CEIL(inputs) real numbers at the start of a controller's workspace. */
+/*
+ * Number of vectors at the start of a controller's workspace, each with one real number for each
+ * input and padded to the length PZS_CONTROL_WIDTH(inputs).
+ */
 #define PZS_CONTROL_ROWS(inputs) (2u * (size_t)(inputs) + 23u + PZS_PENDING)
 
 /*
- * Number of reals that the dual active-set method of the optimiser needs in addition
- * (PZS_DUAL_INPUTS): a Cholesky factor and two vectors.
+ * Number of real numbers in the memory of the dual active-set method of the optimiser: a packed
+ * triangular Cholesky factor with a row for each input, and two vectors; 0 for fewer than
+ * PZS_DUAL_INPUTS inputs, for which the method is not used.
  */
 #define PZS_DUAL_REALS(inputs)                                                                     \
     ((size_t)(inputs) < PZS_DUAL_INPUTS ? 0u : (size_t)(inputs) * ((size_t)(inputs) + 5u) / 2u)
@@ -69,7 +73,8 @@ typedef struct pzs_exchange {
  * change, the active set the inputs whose voltages are kept at a bound or, for the present, at a
  * value between the bounds. The tableau is the Hessian after one pivot exchange for each input of
  * the free set. A round is a sequence of iterations between two exact computations of the gradient.
- * Arrays with an entry for each input are padded to the length `width`, a multiple of PZS_TILE.
+ * Arrays with an entry for each input are padded with zeros to the length `width`, so that vector
+ * loops need no remainder.
  */
 typedef struct pzs_optimiser {
     uint32_t inputs, width;
@@ -81,8 +86,8 @@ typedef struct pzs_optimiser {
     pzs_real *tableau; /* [inputs][width >= inputs] tableau: the Hessian after one pivot exchange
                           for each input of the free set, without the exchanges that are still in
                           `pending` */
-    pzs_real *pivot;   /* [width >= inputs] diagonal of the tableau (pivoted Hessian), with the
-                          exchanges in `pending` */
+    pzs_real *pivot; /* [width >= inputs] diagonal of the tableau (pivoted Hessian) after all pivot
+                        exchanges, also after those that are still in `pending` */
     pzs_real *pending; /* [PZS_PENDING][width >= inputs] rank-one updates of the tableau (pivoted
                           Hessian): one vector for each pivot exchange that is collected but not yet
                           applied to the tableau */
@@ -97,14 +102,16 @@ typedef struct pzs_optimiser {
                           the Hessian restricted to the active set, lower triangle row by row */
     pzs_real *side;    /* [inputs] dual method: bound at which an active input stays, -1 for the
                           lower and +1 for the upper one */
-    uint16_t *order;   /* [inputs] dual method: input to which each row of `factor` belongs */
+    uint16_t *order;   /* [inputs] dual method: index of the active input to which each row of the
+                          Cholesky factor `factor` belongs */
     pzs_real *voltage; /* [width >= inputs] present voltages of the optimiser (V) */
     pzs_real *lower, *upper; /* [width >= inputs] lower and upper bounds of the voltages in the
                                 present voltage step (V) */
     pzs_real *free_set; /* [width >= inputs] 1 for an input of the free set, 0 for one of the active
                            set; real numbers, because vector loops multiply by them */
-    pzs_real *base;     /* [width >= inputs] base voltages, around which the gradient of the
-                           objective is linearised (V) */
+    pzs_real *base; /* [width >= inputs] base voltages: the optimiser computes the gradient of the
+                       objective as its value at these voltages plus the Hessian times (voltages -
+                       base voltages) (V) */
     pzs_real *regularisation_gradient; /* [width >= inputs] gradient of the regularisation:
                                           regularisation weight times (base voltages - reference
                                           voltages) (m2/V) */
@@ -142,8 +149,9 @@ typedef struct pzs_optimiser {
      * its diagonal entry of the Hessian, is below this number (1)
      */
     pzs_real pivot_floor;
-    pzs_real pivot_rounding;    /* dual method: estimated rounding error of the pivots of limit rows
-                                   (limits of sums of voltages) (V2/m2); 0: the problem has none */
+    pzs_real pivot_rounding;    /* dual method: estimated rounding error of the pivots of limit
+                                   rows (limits of sums of voltages) (V2/m2); 0: the voltage
+                                   problem has no limit rows */
     pzs_real multiplier_change; /* dual method: sum of the changes of multipliers in the present
                                    round of iterations, from which rounding errors of the voltages
                                    are estimated (m2/V) */
@@ -153,16 +161,18 @@ typedef struct pzs_optimiser {
                                 a round of iterations (m2/V) */
     pzs_real target_rounding; /* rounding-error bound of target_gradient, the part of the gradient
                                  that depends on the target (m2/V) */
-    pzs_real target_energy;   /* weighted squared norm of the target error, by which the size of the
-                                 objective is judged (m2) */
-    pzs_real kkt_violation;   /* violation of the optimality (KKT) conditions: after a round of
-                                 iterations the largest of all inputs, after a direct iteration (a
-                                 full step that no bound blocks) the summed errors of the two
-                                 entries of the gradient that were checked (m2/V) */
-    pzs_real rounding_bound;  /* bound below which rounding errors explain a violation of the
-                                 optimality (KKT) conditions (m2/V) */
-    uint32_t active_count;  /* number of inputs in the active set, whose voltages are kept constant
-                             */
+    pzs_real target_energy;   /* weighted squared norm of the target error (target shape minus the
+                                 shape without voltages), with which rounding errors of the
+                                 objective are compared (m2) */
+    pzs_real kkt_violation; /* violation of the optimality (KKT) conditions (m2/V): after a round of
+                               iterations the largest of all inputs; after a single full step that
+                               no bound blocks the sum of the differences between the predicted
+                               gradient and the gradient computed from the Hessian, of the two
+                               inputs for which both were compared */
+    pzs_real rounding_bound; /* bound below which rounding errors explain a violation of the
+                                optimality (KKT) conditions (m2/V) */
+    uint32_t active_count;   /* number of inputs in the active set, whose voltages are kept constant
+                              */
     uint32_t active_most;   /* dual method: largest number of inputs that the active set may hold */
     uint32_t checked_next;  /* index of the next input for which the gradient is computed exactly to
                                verify the tableau (pivoted Hessian) */
@@ -194,12 +204,11 @@ typedef struct pzs_optimiser {
 /*
  * Optimiser for a voltage problem with limit rows (limits of weighted sums of voltages). Each
  * vector has one entry for each input, followed by one for each limit row, and is padded to the
- * length `width`, a multiple of PZS_TILE.
+ * length `width`.
  */
 typedef struct pzs_row_solver {
-    pzs_optimiser extended; /* state of the optimiser (response matrix, active set and vectors) for
-                               the inputs together with the limit rows, which are limits of sums of
-                               voltages */
+    pzs_optimiser extended; /* state of the active-set optimiser, in whose matrices and vectors the
+                               limit rows (limits of sums of voltages) follow the inputs */
     pzs_real *scale;   /* [width >= inputs + rows] for a limit row (limit of a sum of voltages) the
                           reciprocal of its largest absolute coefficient, by which the optimiser
                           multiplies the row; the entries of the inputs are not used */
@@ -233,8 +242,9 @@ typedef struct pzs_table_part {
 #define PZS_TABLE_PARTS 14u
 
 /*
- * Progress of a scrub, a check of constant tables for damage during the control loop: each tick
- * reads one slice of the tables, and after the last slice the checksum of the whole is compared.
+ * Progress of a scrub, a check of constant tables for damage while the control loop runs: each tick
+ * reads one slice of the tables, and after the last slice the checksum of all slices is compared
+ * with the stored one.
  */
 typedef struct pzs_scrub {
     uint32_t position; /* offset of the next slice to be checked from the start of the constant
@@ -251,8 +261,11 @@ typedef struct pzs_scrub {
  */
 typedef enum pzs_control_behind {
     PZS_BEHIND_NOTHING = 0,
-    PZS_BEHIND_PREDICTION, /* info.predicted, the predicted shape, is out of date */
-    PZS_BEHIND_GRADIENT    /* info.predicted and the gradient of the optimiser are out of date */
+    PZS_BEHIND_PREDICTION, /* the predicted shape, info.predicted of the controller, is out of date,
+                              because voltages were changed outside a voltage step */
+    PZS_BEHIND_GRADIENT /* the predicted shape, info.predicted of the controller, and the gradient
+                           of its optimiser are out of date, because voltages were changed outside a
+                           voltage step */
 } pzs_control_behind;
 
 typedef struct pzs_control_state {
@@ -269,11 +282,12 @@ typedef struct pzs_control_state {
     pzs_real *predicted; /* [outputs] shape predicted for the present voltages (m) */
     pzs_real *disturbance; /* [outputs] measured shape minus predicted shape (m) */
     pzs_real *measured;    /* [outputs] measured shape of the last tick (m) */
-    pzs_real *step_limit; /* [inputs] largest change of the voltage on each input in one step (V) */
-    pzs_real *weighted; /* [2][outputs] first row: squared output weights times the target minus the
-                           shape under the base voltages (those from which the optimiser counts
-                           changes) minus the disturbance; second row: expected measurements (m)
-                         */
+    pzs_real *step_limit;  /* [inputs] step limits: largest change of the voltage on each input in
+                              one voltage step of the controller (V) */
+    pzs_real *weighted; /* [2][outputs] first row: work array for the squared output weights times
+                           (target shape - expected shape) (m); second row: expected measurements,
+                           the predicted shape plus the last difference between measured and
+                           predicted shape (m) */
     uint8_t *repeats;   /* [outputs] number of ticks in which a measurement stayed constant although
                            its output should have moved */
     uint8_t *faulty;    /* [inputs] 1: the fault detector keeps the voltage of the input constant
@@ -281,8 +295,9 @@ typedef struct pzs_control_state {
     const pzs_real *damping; /* [inputs] damping gradient, which a control step that also damps
                                 vibration subtracts from the gradient of the objective (m2/V); NULL:
                                 no damping */
-    pzs_real *carry; /* [inputs] parts of earlier voltage changes that the amplifiers have not yet
-                        made (V); NULL: such parts are ignored */
+    pzs_real *carry; /* [inputs] parts of earlier voltage changes that the amplifiers have not made
+                        because of their converter steps and dead band (V); NULL: such parts are
+                        ignored */
     pzs_real share;  /* factor, from 0 to 1, by which a control step that also damps
                         vibration multiplies the gradient of the objective */
     pzs_real base_energy; /* weighted squared norm of the shape at the base voltages, around which
@@ -328,12 +343,14 @@ typedef struct pzs_test_signal {
 
 typedef struct pzs_fault_detector_state {
     struct pzs_control *control;
-    pzs_envelope columns; /* L D L^T factors of the matrix B'W^2 B plus regularisation, over the
+    pzs_envelope columns; /* L D L^T factors of the matrix of the least-squares estimate of
+                             electrode voltages (m2/V2): B'W^2 B plus regularisation, over the
                              outputs that are measured, with influence matrix B and output weights W
                            */
     pzs_real *diagonal; /* [inputs] diagonal of the matrix B'W^2 B over all outputs, with influence
                            matrix B and output weights W (m2/V2) */
-    pzs_real *voltage;  /* [delay + 1][inputs] voltages of the last ticks (V) */
+    pzs_real *voltage;  /* [delay + 1][inputs] ring buffer with the voltages of the last delay + 1
+                           ticks (delay: age of the measured shapes in ticks) (V) */
     pzs_real *voltage_before; /* [inputs] voltages at the time of the previous measured shape (V) */
     pzs_real *deviation;      /* [inputs] change of each electrode's voltage since the last measured
                                  shape, estimated from the shape by least squares, minus the
@@ -368,8 +385,10 @@ typedef struct pzs_pulse_detector_state {
     const struct pzs_selftest_tables *tables;
     const pzs_real *direct;  /* [sensors][inputs] static reading of each sensor per volt on each
                                 input (unit of each sensor / V) */
-    pzs_envelope columns;    /* L D L^T factors of D'S^2 D plus regularisation, with the static
-                                readings D per volt and the scales S of the sensors */
+    pzs_envelope columns;    /* L D L^T factors of the matrix of the least-squares estimate of the
+                                voltages that electrodes have lost (1/V2): D'S^2 D plus
+                                regularisation, with the static readings D per volt and the scales
+                                S of the sensors */
     pzs_real *diagonal;      /* [inputs] diagonal of D'S^2 D without regularisation, with the static
                                 readings D per volt and the scales S of the sensors (1/V2) */
     pzs_real *first_voltage; /* [inputs] voltages in the first tick of the present window (in which
@@ -379,14 +398,15 @@ typedef struct pzs_pulse_detector_state {
                                 over the present window (in which readings are averaged) or test
                                 pulse (V) */
     pzs_real *late_voltage;  /* [inputs] sum over the present test pulse of the voltages minus those
-                                of its first tick, times the late weights (V) */
+                                of its first tick, each times a weight that is antisymmetric in time
+                                about the middle of the pulse (V) */
     pzs_real *base_voltage;  /* [inputs] mean voltages of an earlier standstill of the target (V) */
-    pzs_real *move;          /* [inputs] mean voltages of the last window (in which readings were
-                                averaged) minus those of an earlier standstill of the target; during
-                                the evaluation of a pulse the weighted sums of voltages (V) */
-    pzs_real *loss;          /* [inputs] voltages that the electrodes seem to have lost between an
-                                earlier standstill of the target and the last window (in which
-                                readings were averaged) (V) */
+    pzs_real *move; /* [inputs] mean voltages of the last window (in which readings were averaged)
+                       minus those of an earlier standstill of the target; during the evaluation of
+                       a test pulse `late_voltage` times the measured gain of each electrode (V) */
+    pzs_real *loss; /* [inputs] voltages that the electrodes seem to have lost between an
+                       earlier standstill of the target and the last window (in which
+                       readings were averaged) (V) */
     pzs_real *last_reading; /* [sensors] last usable reading of each sensor (unit of each sensor) */
     pzs_real *first_reading; /* [sensors] readings in the first tick of the present window, in which
                                 readings are averaged, or test pulse; after a window the mean
@@ -395,13 +415,14 @@ typedef struct pzs_pulse_detector_state {
                                averaged, or test pulse of the readings minus those of its first tick
                                (unit of each sensor) */
     pzs_real *late_reading; /* [sensors] sum over the present test pulse of the readings minus those
-                               of its first tick, times the late weights (unit of each sensor) */
+                               of its first tick, each times a weight that is antisymmetric in time
+                               about the middle of the pulse (unit of each sensor) */
     pzs_real *base_reading; /* [sensors] mean readings of an earlier standstill of the target (unit
                                of each sensor) */
     pzs_real *difference;   /* [sensors] change of the readings since an earlier standstill of the
                                target that the voltages do not explain; during the evaluation of a
-                               pulse the readings that the voltages of the other electrodes explain
-                               (unit of each sensor) */
+                               test pulse the part of `late_reading` that the voltages explain (unit
+                               of each sensor) */
     pzs_real *wanted;    /* [outputs] target shape of the last tick in which the target moved (m) */
     uint8_t *electrode;  /* [inputs] state of each electrode, a value of pzs_electrode_state */
     uint8_t *fault;      /* [inputs] fault of each electrode, a value of pzs_electrode_fault */
@@ -416,14 +437,14 @@ typedef struct pzs_pulse_detector_state {
     pzs_real start[2], set[2]; /* voltages of two electrodes, the one suspected of a fault and the
                                   healthy one with which it is compared: before their test pulses
                                   (start), and in the next tick (set) (V) */
-    pzs_real height[2];        /* heights of the test pulses of two electrodes, the one suspected of
-                                  a fault and the healthy one with which it is compared (V) */
-    pzs_real suspect_voltage;  /* mean voltage of the electrode suspected of a fault when it was
-                                  first  suspected (V) */
-    pzs_real suspect_move;     /* change of the mean voltage of the electrode suspected of a fault
-                                  since an earlier standstill of the target (V) */
-    pzs_real suspect_loss; /* voltage that the electrode suspected of a fault seemed to have lost
-                              (V) */
+    pzs_real height[2]; /* heights of the voltage pulses that test two electrodes: the one suspected
+                           of a fault [0] and the healthy one with which it is compared [1] (V) */
+    pzs_real suspect_voltage; /* mean voltage of the electrode suspected of a fault when it was
+                                 first  suspected (V) */
+    pzs_real suspect_move;    /* change of the mean voltage of the electrode suspected of a fault
+                                 since an earlier standstill of the target (V) */
+    pzs_real suspect_loss;    /* voltage that the electrode suspected of a fault seemed to have lost
+                                 (V) */
     uint32_t position; /* number of ticks since the fault detector began its present phase: a window
                           in which readings are averaged, or a test pulse */
     uint16_t suspect, reference; /* inputs of the electrodes under test: the one suspected of a
@@ -471,10 +492,12 @@ typedef struct pzs_damper_state {
                                   innovations (reading minus predicted reading), low-passed (m) */
     pzs_real *work;        /* [2][width >= modes] work array for two vectors with an entry for each
                               vibration mode */
-    pzs_real *equilibrium; /* [delay + 1][width >= modes] static position of each vibration mode
-                              under the voltages of the last ticks (m) */
-    pzs_real *expected;  /* [delay + 1][sensors] static readings of the structure under the voltages
-                            of the last ticks (unit of each sensor) */
+    pzs_real *equilibrium; /* [delay + 1][width >= modes] ring buffer: static position of each
+                              vibration mode under the voltages of the last delay + 1 ticks (delay:
+                              age of the readings in ticks) (m) */
+    pzs_real *expected;  /* [delay + 1][sensors] ring buffer: static readings of the structure under
+                            the voltages of the last delay + 1 ticks (delay: age of the readings in
+                            ticks) (unit of each sensor) */
     pzs_real *predicted; /* [sensors] readings predicted from the voltages and the vibration modes
                             (unit of each sensor) */
     pzs_real *innovation; /* [sensors] reading minus predicted reading (unit of each sensor) */
@@ -487,8 +510,8 @@ typedef struct pzs_damper_state {
                          made (V) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
                          should have moved */
-    uint16_t newest;  /* index of the row of `equilibrium` and of `expected` that belongs to the
-                         present voltages */
+    uint16_t newest;  /* index of the newest row of the ring buffers `equilibrium` and `expected`,
+                         which belongs to the present voltages */
     uint8_t stage;
 } pzs_damper_state;
 
@@ -501,28 +524,32 @@ typedef struct pzs_compensator_state {
     pzs_real *upper;   /* [inputs] highest voltage that the voltage limits and step limits allow in
                           this tick (V) */
     pzs_real *present; /* [inputs] effects that the voltages of the last tick have in this tick,
-                          after the creep since then (V) */
+                          after the creep since then: the voltages that electrodes without
+                          hysteresis would need for the same displacement (V) */
     pzs_real *play;  /* [inputs][plays] positions of the plays (elements with backlash, which model
                         the hysteresis), relative to the middle of the voltage range (V) */
-    pzs_real *creep; /* [inputs][creeps] voltages that the creep terms of the hysteresis model add
-                        to the effect of each electrode (V) */
+    pzs_real *creep; /* [inputs][creeps] present values of the creep terms of the hysteresis model:
+                        the voltages by which creep changes the effect of a voltage on each
+                        electrode (V) */
 } pzs_compensator_state;
 
 typedef struct pzs_reading_delay_state {
     const struct pzs_reading_delay *tables;
     struct pzs_control *control;
-    pzs_real *voltage;  /* [delay + 1][inputs] voltages of the last ticks (V) */
-    pzs_real *expected; /* [delay + 1][sensors] readings that the voltages of the last ticks should
-                           produce (unit of each sensor) */
-    pzs_real *sensed;   /* [sensors] readings of the last tick (unit of each sensor) */
+    pzs_real *voltage;    /* [delay + 1][inputs] ring buffer with the voltages of the last delay + 1
+                             ticks (delay: age of the readings in ticks) (V) */
+    pzs_real *expected;   /* [delay + 1][sensors] ring buffer with the readings that the model
+                             predicts for the voltages of the last delay + 1 ticks (delay: age of
+                             the readings in ticks) (unit of each sensor) */
+    pzs_real *sensed;     /* [sensors] readings of the last tick (unit of each sensor) */
     pzs_real *difference; /* [sensors] reading minus the reading expected at the time of the reading
                              (unit of each sensor) */
     pzs_real *corrected;  /* [sensors] readings plus the change that the model predicts since they
                              were taken (unit of each sensor) */
     uint8_t *repeats; /* [sensors] number of ticks in which a reading stayed constant although it
                          should have moved */
-    uint16_t newest;  /* index of the row of `voltage` and of `expected` that belongs to the present
-                         tick */
+    uint16_t newest;  /* index of the newest row of the ring buffers `voltage` and `expected`, which
+                         belongs to the present tick */
 } pzs_reading_delay_state;
 
 typedef struct pzs_feed_forward_state {
@@ -537,11 +564,14 @@ typedef struct pzs_feed_forward_state {
  * because three copies of the struct are compared word by word.
  */
 typedef struct pzs_supervisor_core {
-    uint32_t mode;    /* present operating mode of the supervisor, a value of pzs_supervisor_mode */
-    uint32_t obeyed;  /* command word (command and its counter) that was carried out last */
-    uint32_t is_flat; /* 1: ramps end at the reference voltages; 0: ramps end at the park voltages
-                       */
-    uint32_t remaining; /* number of ticks until the end of the voltage ramp */
+    uint32_t mode;   /* present operating mode of the supervisor, a value of pzs_supervisor_mode */
+    uint32_t obeyed; /* last command of the program that the supervisor has carried out: 256 times a
+                        command counter plus the command */
+    uint32_t is_flat;   /* end of the ramps on which the supervisor moves the voltages; 1:
+                           reference voltages of the voltage problem; 0: park voltages, the safe
+                           voltages of the amplifiers in the tables */
+    uint32_t remaining; /* number of ticks until the end of the ramp on which the supervisor moves
+                           the voltages; 0: no ramp */
     uint32_t silent;    /* number of consecutive ticks without usable readings */
     uint32_t over;      /* counter that a tick with an implausible measured shape raises by one and
                            another tick lowers by two */
@@ -554,7 +584,8 @@ typedef struct pzs_supervisor_core {
  * that the model cannot explain.
  */
 typedef struct pzs_monitor_state {
-    pzs_real *slow;        /* [outputs] low-passed difference, measured minus predicted shape (m) */
+    pzs_real *slow; /* [outputs] low-pass filtered difference between measured and predicted shape
+                       (m) */
     pzs_real *disturbance; /* [outputs] measured minus predicted shape of the last tick (m) */
     pzs_real *predicted;   /* [outputs] predicted shape of the last tick (m) */
     pzs_real *move;        /* [outputs] change of the predicted shape in the last tick (m) */
@@ -573,11 +604,11 @@ typedef struct pzs_monitor_state {
 } pzs_monitor_state;
 
 typedef struct pzs_supervisor_state {
-    pzs_supervisor_core core[3]; /* three copies of the variables of the supervisor, so that two
-                                    outvote a damaged third */
+    pzs_supervisor_core core[3]; /* three copies of the variables on which the supervisor bases its
+                                    decisions, so that two outvote a damaged third */
     /*
-     * Three copies of the last command word, which is 256 times a command counter plus the command.
-     * Only the program writes them, through pzs_supervisor_give.
+     * Three copies of the last command to the supervisor, which is 256 times a command counter plus
+     * the command. Only the program writes them, through pzs_supervisor_give.
      */
     volatile uint32_t command[3];
     const struct pzs_supervision *tables;
@@ -648,23 +679,24 @@ typedef struct pzs_calibration_state {
     const struct pzs_problem *problem;
     const pzs_real *influence; /* [outputs][inputs] influence matrix from which a calibration takes
                                   the columns that its records do not determine (m/V) */
-    pzs_real *factor;    /* [inputs + 1][inputs + outputs] triangular factor of the sum of v v' over
-                            the recorded voltages v (V), beside it the readings in its basis (m);
-                            last row: record being added */
-    pzs_real *direction; /* [inputs] work vector of a calibration: triangular factor times the
-                            voltages of a record (V2) */
+    pzs_real *factor; /* [inputs + 1][inputs + outputs] first `inputs` columns: triangular factor of
+                         the sum of v v' over the recorded voltages v (V); other columns: the
+                         readings of the records, rotated by the same plane rotations (m); last row:
+                         record being added */
+    pzs_real *direction; /* [inputs] work vector of a calibration: triangular factor of the sum of v
+                            v' over the recorded voltages v, times the voltages of a record (V2) */
     pzs_real *noise;     /* [outputs] variance of the noise of each output's readings (m2) */
     pzs_real *centre;   /* [inputs] voltages around which the test voltages of a calibration lie (V)
                          */
     pzs_real *proposal; /* [inputs] test voltages of a calibration before they are brought inside
-                           all limits (V); also a work vector for reciprocals of the pivots of its
-                           triangular factor (1/V) */
+                           all limits (V); also a work vector for the reciprocals of the diagonal
+                           entries of its triangular factor (1/V) */
     pzs_real *free; /* [inputs] NaN for each input, which means that a calibration holds no input at
                        a fixed voltage */
-    pzs_real *least; /* [inputs] size below which a pivot of the triangular factor of a calibration
-                        counts as zero (V) */
-    pzs_real *last[3];  /* [inputs] three copies of the test voltages of a calibration, so that two
-                           outvote a damaged third (V) */
+    pzs_real *least;   /* [inputs] size below which a diagonal entry of the triangular factor of the
+                          calibration (`factor`) counts as zero (V) */
+    pzs_real *last[3]; /* [inputs] three copies of the test voltages of a calibration, so that two
+                          outvote a damaged third (V) */
     uint32_t limit_sum; /* checksum of the voltage limits and the step limits of a calibration */
     uint32_t pattern;   /* number of the present test pattern of a calibration, from 0 */
     uint32_t rest;      /* number of ticks for which the test voltages of a calibration have been
@@ -679,7 +711,8 @@ typedef struct pzs_calibration_state {
  * constant from tick to tick.
  */
 typedef struct pzs_loop_core {
-    const struct pzs_block *blocks; /* [count] list of the blocks of the loop */
+    const struct pzs_block *blocks; /* [count] list of the blocks of the loop, the stages of
+                                       computation that it runs in each tick */
     uint8_t *memory; /* start of the workspace of the loop, rounded up to a multiple of 8 bytes */
     struct pzs_control *control;
     void *control_work; /* workspace of the controller, a part of the workspace of the loop */
@@ -702,9 +735,9 @@ typedef struct pzs_loop_state {
     pzs_scrub block_scrub; /* check of the tables of all blocks except the step block against their
                               checksums, slice by slice, one table after the other */
     uint16_t scrubbed_block;  /* index, in the list of blocks of the loop, of the block whose tables
-                                 are being checked */
-    uint16_t scrubbed_number; /* number of the table that is being checked, among the tables of its
-                                 block of the loop */
+                                 are compared with their checksums at present */
+    uint16_t scrubbed_number; /* number of the table that is compared with its checksum at present,
+                                 among the tables of its block of the loop */
     uint32_t missed; /* number of ticks missed since the last tick, as announced by pzs_loop_skip */
 } pzs_loop_state;
 

@@ -39,25 +39,26 @@ extern "C" {
 /* ---- the loop: a list of blocks (lib/control/loop.c) -------------------- */
 
 /*
- * Phase of a control tick in which a block of the loop acts. The blocks of a list must be in the
- * order of their phases.
+ * Phase of a control tick in which a block of the loop acts. The loop runs its list of blocks, the
+ * stages of computation of a tick, which must be in the order of their phases.
  */
 typedef enum pzs_block_phase {
     PZS_PHASE_COMMISSION, /* phase in which a block runs before the loop takes control: as long as
                              the block returns a warning or an error, no other block runs; a list
                              has at most one such block */
-    PZS_PHASE_READINGS, /* phase in which a block changes the sensor readings or the target shape */
+    PZS_PHASE_READINGS,   /* phase in which a block changes the sensor readings or the target shape
+                             before the control step uses them */
     PZS_PHASE_SHAPE, /* phase in which a block computes the measured shape from the sensor readings;
                         a list has at most one such block */
-    PZS_PHASE_STEP, /* phase in which a block, whose tables are a pzs_problem, chooses the voltages;
-                       a list has exactly one such block */
+    PZS_PHASE_STEP,  /* phase in which a block, whose tables are a voltage problem (pzs_problem),
+                        chooses the voltages; a list has exactly one such block */
     PZS_PHASE_VOLTAGE, /* phase in which a block changes the chosen voltages in the way in which the
                           amplifiers will change them */
-    PZS_PHASE_OBSERVE, /* phase in which a block compares voltages and measured shape, and may fix
-                          the voltages of faulty electrodes */
+    PZS_PHASE_OBSERVE, /* phase in which a block compares voltages and measured shape to detect
+                          faulty electrodes, and may fix their voltages */
     PZS_PHASE_SUPERVISE /* phase in which a block runs in every tick, also after an error of another
-                           block, and decides last on voltages and status; a list has at most one
-                           such block */
+                           block, and sets the final voltages and the final status of the tick; a
+                           list has at most one such block */
 } pzs_block_phase;
 
 /*
@@ -83,28 +84,32 @@ typedef struct pzs_loop_signals {
                                  */
     const uint8_t *electrode;   /* [inputs] state of each electrode, a value of pzs_electrode_state;
                                    NULL: the list has no fault detector */
-    const void *tables; /* constant tables of the block that is running, from the list of blocks */
+    const void *tables;    /* constant tables of the block that is running, as given in the list of
+                              blocks */
     const pzs_real *given; /* [inputs] voltages that have been applied since the last tick (V) */
-    struct pzs_compensator *compensator; /* compensation of hysteresis, which pzs_effect_block sets
-                                            for pzs_inverse_block; NULL: the list has no such blocks
-                                          */
-    bool has_inverse; /* during the initialisation: true if the list has a pzs_inverse_block */
+    struct pzs_compensator *compensator; /* memory of the compensation of hysteresis, which the
+                                            block pzs_effect_block shares with the block
+                                            pzs_inverse_block; NULL: the list has no such blocks */
+    bool has_inverse; /* during the initialisation of the loop: whether its list contains
+                         pzs_inverse_block, the second block of the compensation of hysteresis */
     uint32_t missed;  /* number of ticks that were missed before this tick, at most PZS_MISSED_LIMIT
                        */
     pzs_real deviation; /* RMS amplitude by which the measured motion deviates from the prediction
                            of the model (m); negative: no block has computed it */
     uint32_t warnings;  /* one bit, 1 << status, for each warning that a block has returned in this
                            tick */
-    pzs_status status;  /* status of the tick so far, which the supervisor block reads */
-    uint16_t sensors; /* number of readings that the following blocks need: the length of `readings`
-                       */
+    pzs_status status;  /* status of the tick so far (of the blocks that have run), which the
+                           supervisor block reads */
+    uint16_t sensors;   /* number of sensor readings that the following blocks need: the length of
+                           `readings` */
     int32_t where; /* written by a block: index of the input, output or reading to which its status
                       refers, or -1 */
 } pzs_loop_signals;
 
 /*
- * A type of block: a constant table of functions, in flash. The functions return the statuses of
- * the library.
+ * A type of block (stage of computation) of the control loop: a constant table, in flash, of the
+ * functions that initialise, run and check such a block. The functions return the statuses of the
+ * library.
  */
 typedef struct pzs_block_type {
     const char *name; /* name of the block in messages to users */
@@ -140,7 +145,7 @@ typedef struct pzs_block {
 } pzs_block;
 
 #define PZS_BLOCK_LIMIT 16 /* largest number of blocks in the list of a loop */
-/* Largest number of missed ticks over which the blocks of a loop predict. */
+/* Largest number of missed ticks over which the blocks of a loop predict readings and vibration. */
 #define PZS_MISSED_LIMIT 64
 
 /* Results of the loop that a program may read. */
@@ -161,7 +166,8 @@ typedef struct pzs_loop_info {
     const pzs_block_type *block; /* type of the block that returned the last status; NULL: the
                                     status was not returned by a block */
     int32_t where; /* index of the input, output or reading to which the last status refers, or -1;
-                      if the list of blocks was refused, index of a block in the list */
+                      if pzs_loop_init refused the list of blocks, index of the wrong block in the
+                      list */
 } pzs_loop_info;
 
 typedef struct pzs_loop {
@@ -297,8 +303,8 @@ typedef struct pzs_estimator {
     uint16_t inputs, outputs, sensors;
     const pzs_real *direct; /* [sensors][inputs] reading of each sensor per volt on each input (V/V,
                                C/V or m/V) */
-    const pzs_real *gain; /* [outputs][sensors] estimated shape per deviation of a reading from its
-                             expected value (m/V, m/C or 1) */
+    const pzs_real *gain; /* [outputs][sensors] gain of the estimator: change of the estimated shape
+                             per deviation of a reading from its expected value (m/V, m/C or 1) */
 } pzs_estimator;
 
 /*
@@ -308,8 +314,8 @@ typedef struct pzs_estimator {
 pzs_status pzs_estimator_seal(pzs_estimator *tables);
 
 typedef struct pzs_estimate_info {
-    int32_t where; /* index of the reading to which the last status of the shape estimator refers,
-                      or -1 */
+    int32_t where; /* index of the sensor reading to which the last status of the shape estimator
+                      refers, or -1 */
 } pzs_estimate_info;
 
 typedef struct pzs_estimate {
@@ -388,7 +394,7 @@ extern const pzs_block_type pzs_reading_delay_block;
                     sizeof(pzs_real) +                                                             \
                 (size_t)(sensors))
 
-/* ---- supervisor (lib/control/supervisor.c) -------------------------------- */
+/* ---- supervisor (lib/control/supervisor.c) --------------------------- */
 
 /*
  * Operating modes of the supervisor, which decides in each tick whether the loop is in control.
@@ -421,8 +427,8 @@ extern const pzs_block_type pzs_reading_delay_block;
  */
 typedef enum pzs_supervisor_mode {
     PZS_MODE_INITIALISE = 0, /* operating mode before the command ARM: the voltages are at the park
-                                voltages (voltages of rest, set in the tables) or on their way there
-                              */
+                                voltages (safe voltages of the amplifiers, set in the tables) or on
+                                their way there */
     PZS_MODE_ARMED,   /* operating mode in which the supervisor waits until the voltages are at the
                          park voltages and every reading of a tick is usable */
     PZS_MODE_RUNNING, /* operating mode in which the loop is in control */
@@ -441,13 +447,16 @@ typedef enum pzs_supervisor_mode {
 
 typedef enum pzs_supervisor_command {
     PZS_COMMAND_NONE = 0,
-    PZS_COMMAND_ARM,  /* command to leave PZS_MODE_INITIALISE, the operating mode after the
+    PZS_COMMAND_ARM,  /* supervisor command: leave PZS_MODE_INITIALISE, the operating mode after the
                          initialisation */
-    PZS_COMMAND_PARK, /* command to ramp to the park voltages (voltages of rest, set in the tables)
-                       */
-    PZS_COMMAND_FLAT, /* command to ramp to the reference voltages of the voltage problem */
-    PZS_COMMAND_RESUME, /* command to return from the park or reference voltages to control */
-    PZS_COMMAND_STOP /* emergency stop: command to ramp to the park voltages and to end the loop */
+    PZS_COMMAND_PARK, /* supervisor command: ramp to the park voltages (safe voltages of the
+                         amplifiers, set in the tables) and stay there */
+    PZS_COMMAND_FLAT, /* supervisor command: ramp to the reference voltages of the voltage problem
+                         and stay there */
+    PZS_COMMAND_RESUME, /* supervisor command: return from the park or reference voltages to control
+                         */
+    PZS_COMMAND_STOP    /* supervisor command: emergency stop, which ramps to the park voltages and
+                           ends the loop */
 } pzs_supervisor_command;
 
 /*
@@ -468,7 +477,7 @@ typedef enum pzs_supervisor_event {
     PZS_EVENT_ALARM,   /* supervisor event: the divergence monitor found the measured shape
                           implausible for too long */
     PZS_EVENT_ERROR, /* supervisor event: another block returned an error, or tables are damaged */
-    PZS_EVENT_ARRIVED, /* supervisor event: a voltage ramp has ended */
+    PZS_EVENT_ARRIVED, /* supervisor event: the ramp to the park or reference voltages has ended */
     PZS_EVENTS
 } pzs_supervisor_event;
 
@@ -482,12 +491,14 @@ typedef struct pzs_supervision {
     uint16_t inputs;
     uint16_t timeout; /* number of consecutive ticks without usable readings after which control is
                          lost; 0: no time-out */
-    uint16_t ramp_ticks;  /* shortest duration of a ramp (ticks), at least 1; step limits may make a
-                             ramp longer */
-    uint16_t alarm_ticks; /* alarm threshold of a counter that an implausible tick raises by one and
-                             a plausible tick lowers by two */
-    uint16_t waits; /* 1: the supervisor leaves its first operating mode, PZS_MODE_INITIALISE, by
-                       the command ARM; 0: it leaves the mode without a command */
+    uint16_t ramp_ticks;  /* shortest duration of a ramp to the park or reference voltages (ticks),
+                             at least 1; step limits may make a ramp longer */
+    uint16_t alarm_ticks; /* value at which the supervisor gives an alarm, of a counter that a tick
+                             with an implausible measured shape raises by one and any other tick
+                             lowers by two */
+    uint16_t waits; /* 1: the supervisor leaves PZS_MODE_INITIALISE, the operating mode after the
+                       initialisation, by the command ARM; 0: it leaves that mode without a command
+                     */
     const pzs_real *park; /* [inputs] park voltages, to which the output ramps when control ends,
                              inside voltage limits and limit rows (V) */
     pzs_real fading; /* factor, between 0 and 1, by which the tolerated deviation of measured from
@@ -505,13 +516,16 @@ pzs_status pzs_supervision_seal(pzs_supervision *tables);
 /* Results of the supervisor that a program may read. */
 typedef struct pzs_supervisor_info {
     pzs_supervisor_mode mode;
-    pzs_supervisor_event cause; /* event that has taken control away; valid in PZS_MODE_STOPPING and
-                                   PZS_MODE_LATCHED */
-    uint32_t remaining;         /* number of ticks until the end of the voltage ramp */
-    pzs_real amplitude; /* amplitude by which the measured shape deviates from the model, as the
-                           divergence monitor sees it (m) */
-    pzs_real threshold; /* amplitude above which the divergence monitor counts a tick as implausible
+    pzs_supervisor_event cause; /* event for which the supervisor has ended control; valid in
+                                   PZS_MODE_STOPPING and PZS_MODE_LATCHED */
+    uint32_t remaining; /* number of ticks until the end of the ramp to the park or reference
+                           voltages; 0: no ramp */
+    pzs_real amplitude; /* amplitude by which the measured shape deviates from the shape that the
+                           model predicts, as the divergence monitor of the supervisor computes it
                            (m) */
+    pzs_real threshold; /* amplitude of the deviation of the measured shape from the model above
+                           which the divergence monitor of the supervisor counts a tick as
+                           implausible (m) */
 } pzs_supervisor_info;
 
 typedef struct pzs_supervisor {
@@ -593,20 +607,20 @@ typedef struct pzs_vibration {
     const pzs_real *observer; /* [3][modes][modes] observer gains, which correct the state of the
                                  vibration modes: modal coordinate, modal velocity divided by
                                  angular frequency, and static modal coordinate under loads */
-    const pzs_real *explain;  /* [modes][modes] inverse normal matrix of the least-squares fit of
-                                 vibration-mode coordinates to readings */
-    const pzs_real *damping;  /* [modes][inputs] damping gradient, the term that a damped tick
-                                 subtracts from the gradient of its objective, for each input per
-                                 deviation of a vibration mode from its equilibrium (m/V) */
+    const pzs_real *explain; /* [modes][modes] inverse of the normal matrix of the least-squares fit
+                                of vibration-mode coordinates to sensor readings */
+    const pzs_real *damping; /* [modes][inputs] damping gradient, the term that a damped tick
+                                subtracts from the gradient of its objective, for each input per
+                                deviation of a vibration mode from its equilibrium (m/V) */
     const pzs_real *inverse_angle; /* [modes] 1 / (angular frequency of each vibration mode times
                                       the duration of a tick) (1) */
     pzs_real share; /* factor, above 0 and at most 1, by which a damped tick multiplies the gradient
                        of its objective: the smaller, the more slowly the voltages approach the
                        static optimum */
     pzs_real mix;   /* weight (0 to 1) of the first of two estimates of the deviation of a vibration
-                       mode from its equilibrium: the first is computed from the change of the
-                       velocity in a tick; the second, from the position, has the remaining
-                       weight */
+                       mode from its equilibrium; the second has the remaining weight. The first is
+                       computed from the change of the modal velocity in a tick, the second from the
+                       modal position */
     pzs_real slow; /* gain (0 to 1) of the low-pass filter of the residual readings, the part of the
                       readings that the vibration modes do not explain */
 } pzs_vibration;
@@ -702,25 +716,31 @@ extern const pzs_block_type pzs_vibration_block;
 typedef struct pzs_governor {
     pzs_real share; /* factor by which a tick that damps vibration multiplies the gradient of its
                        objective, equal to pzs_vibration.share */
-    pzs_real part;  /* largest part of its step limit by which an input moves in one tick, above 0
-                       and at most 1 */
+    pzs_real part;  /* largest change of a voltage by the governor in one tick, relative to the step
+                       limit of the input, above 0 and at most 1 */
 } pzs_governor;
 
-/* Memory of the governor block, which slows a moving target down. */
+/*
+ * Memory of the governor block, which slows a moving target down so that the vibration damper can
+ * follow it.
+ */
 typedef struct pzs_governor_state {
     const pzs_governor *tables;
-    pzs_control *control; /* controller of the loop, which computes the voltages of each tick */
+    pzs_control *control; /* controller of the loop, which computes the voltages of each tick; the
+                             governor reads its held inputs */
     pzs_control optimum;  /* second controller, which finds the static optimum within the limits for
                              the target */
     pzs_real *reference;  /* [inputs] voltages that the governor moves gradually to the static
                              optimum (V) */
-    pzs_real *ahead;  /* [inputs] optimum - `reference` - (move of `reference` in this tick) / share
-                         (V). The shape of these voltages is subtracted from the target; a tick that
-                         damps vibration goes only the part `share` of its way, and thus makes the
-                         whole move */
-    pzs_real *target; /* [outputs] target shape for which the static optimum was computed (m) */
-    pzs_real *wanted; /* [outputs] target shape that is passed on to the following blocks (m) */
-    bool has_target;  /* whether `target` and its static optimum are valid */
+    pzs_real *ahead;      /* [inputs] optimum - `reference` - (move of `reference` in this tick) /
+                             share (V), where `share` is the part of the way to the optimum that a
+                             tick goes if it also damps vibration. The governor subtracts the
+                             shape of these voltages from the target; the tick then makes the
+                             whole move */
+    pzs_real *target;     /* [outputs] target shape for which the static optimum was computed (m) */
+    pzs_real *wanted;     /* [outputs] target shape that is passed on to the following blocks (m) */
+    bool has_target; /* whether the governor has computed the static optimum for the target shape in
+                        the array `target` */
 } pzs_governor_state;
 
 /*
@@ -914,8 +934,10 @@ pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pz
 
 /* Tables of the block for amplifiers with converter steps and a dead band. */
 typedef struct pzs_amplifier {
-    pzs_real step;      /* voltage step of the amplifiers' converter (V); 0: no steps */
-    pzs_real dead_band; /* largest change that an amplifier does not follow (V) */
+    pzs_real step;      /* step between two voltages that the digital-to-analogue converter of the
+                           amplifiers can give (V); 0: no steps */
+    pzs_real dead_band; /* largest change of the wanted voltage that an amplifier does not follow,
+                           its dead band (V) */
 } pzs_amplifier;
 
 /*
@@ -964,8 +986,8 @@ typedef enum pzs_electrode_state {
 typedef struct pzs_fault_detector_settings {
     /*
      * [inputs] amplitude of the test signal on each electrode (V), at most half the step limit; 0:
-     * the electrode is not observed. Default: just below half the step limit, but at most 1/32 of
-     * the voltage range
+     * the electrode is not tested. Default: just below half the step limit, but at most 1/32 of the
+     * voltage range
      */
     pzs_real *amplitude;
 } pzs_fault_detector_settings;
@@ -1018,7 +1040,7 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
  */
 pzs_status pzs_fault_detector_tick(pzs_fault_detector *detector, const pzs_real *measured);
 
-/* Tables of the block for the detection of faulty electrodes. */
+/* Tables of the block of the loop that detects faulty electrodes from the measured shape. */
 typedef struct pzs_fault_detection {
     uint16_t delay;     /* delay of the measured shapes (ticks), at most PZS_DELAY_LIMIT */
     pzs_real amplitude; /* amplitude of the test signals (V), at most half the step limit; 0: the
@@ -1081,7 +1103,8 @@ typedef enum pzs_wiring_state {
 } pzs_wiring_state;
 
 /*
- * Value of the members `other` and `similar` of pzs_wiring: there is no such amplifier or sensor.
+ * Value of the amplifier or sensor indices `other` and `similar` of pzs_wiring: there is no such
+ * amplifier or sensor.
  */
 #define PZS_WIRING_NONE 0xFFFFu
 
@@ -1089,9 +1112,9 @@ typedef enum pzs_wiring_state {
 typedef struct pzs_wiring {
     pzs_real gain; /* gain of an amplifier or sensor: measured response divided by the response that
                       the influence matrix predicts (1) */
-    uint16_t other; /* where cables are exchanged (PZS_WIRING_SWAPPED): index of the amplifier whose
-                       electrode this amplifier drives, or of the sensor whose place this sensor
-                       measures */
+    uint16_t other;   /* index of the other amplifier or sensor where cables are exchanged
+                         (PZS_WIRING_SWAPPED): of the amplifier whose electrode this amplifier
+                         drives, or of the sensor whose place this sensor measures */
     uint16_t similar; /* index of another amplifier (or sensor) with so similar a response that the
                          self-test would not notice if the cables of both were exchanged;
                          PZS_WIRING_NONE: there is none */
@@ -1134,9 +1157,10 @@ typedef struct pzs_selftest_tables {
 #define PZS_SELFTEST_JUDGED PZS_R(400)
 /*
  * Energy of the response that white noise of a sensor causes in the self-test, divided by the
- * variance of the noise, and multiplied by the number of ticks of a pulse and by the squared height
- * of the pulse. It is the sum of the squared weights of the readings (one set symmetric in time,
- * one antisymmetric), divided by the squared sum of the pulse times the symmetric weights.
+ * variance of the noise, and multiplied by the number of ticks of a test pulse and by the squared
+ * height of the pulse (1). The response is the sum of the readings times weights, one set symmetric
+ * in time and one antisymmetric; this number is the sum of the squared weights, divided by the
+ * squared sum of the pulse times the symmetric weights.
  */
 #define PZS_SELFTEST_NOISE_ENERGY PZS_R(12.6)
 
@@ -1258,8 +1282,8 @@ typedef struct pzs_pulse_detector_info {
     const uint8_t *electrode; /* [inputs] state of each electrode, a value of pzs_electrode_state */
     const uint8_t *fault; /* [inputs] fault of each electrode, a value of pzs_electrode_fault; dead
                              and stuck are told apart by the voltage that the electrode has lost */
-    pzs_real gain;  /* response of an electrode to the last test pulse, divided by the modelled
-                       response (1) */
+    pzs_real gain;  /* gain of the electrode suspected of a fault: its response to the last test
+                       pulse divided by the response of the model (1) */
     int32_t where;  /* index of the input to which the last status of the fault detector refers, or
                        -1 */
     uint16_t found; /* number of faulty electrodes detected since the initialisation */

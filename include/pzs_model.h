@@ -20,45 +20,50 @@ extern "C" {
 /*
  * One element type: geometry and material of a four-node shell element, as the element computations
  * need them. Equal elements share one type. The corners r = 0 to 3 lie at (-,-), (+,-), (+,+) and
- * (-,+) in the directions theta1 and theta2 (a = 0, 1), and corner r' is the neighbour of corner r
- * in direction a. The displacement derivatives in the frame of corner r are lambda_a = S_a u_r +
- * T_a u_r', with the displacements u_r and u_r' of the two corners. Element formulations
- * (published, improved) differ only in these numbers.
+ * (-,+) along the surface coordinates theta1 and theta2 (directions a = 0, 1), and corner r' is the
+ * neighbour of corner r in direction a. The derivatives of the displacement along theta_a, in the
+ * local frame of corner r, are lambda_a = S_a u_r + T_a u_r', with the displacements u_r and u_r'
+ * of the two corners. Element formulations (as published, or improved) differ only in these
+ * numbers.
  */
 typedef struct pzs_element_type {
-    pzs_real s[4][2][3][3];   /* coupling matrix S for each corner and direction of the element:
-                                 displacement derivative per displacement of the corner itself (1/m)
-                               */
-    pzs_real t[4][2][3][3];   /* coupling matrix T for each corner and direction of the element:
-                                 displacement derivative per displacement of the neighbouring corner
-                                 (1/m) */
-    pzs_real g_mean[4][2][3]; /* base vectors at each corner of the element in each direction, mean
-                                 of the two faces (1) */
-    pzs_real g_diff[4][2][3]; /* difference of the base vectors of outer and inner face, divided by
-                                 the thickness, at each corner of the element in each direction
-                                 (1/m) */
+    pzs_real s[4][2][3][3]; /* matrix S for each corner and direction of the element: derivative of
+                               the displacement at the corner along the surface coordinate of the
+                               direction, per displacement of this corner (1/m) */
+    pzs_real t[4][2][3][3]; /* matrix T for each corner and direction of the element: derivative of
+                               the displacement at the corner along the surface coordinate of the
+                               direction, per displacement of the neighbouring corner in this
+                               direction (1/m) */
+    pzs_real g_mean[4][2][3]; /* base vectors at each corner of the element along the surface
+                                 coordinates theta1 and theta2, mean of outer and inner face of the
+                                 shell (1) */
+    pzs_real g_diff[4][2][3]; /* base vectors along the surface coordinates theta1 and theta2 at
+                                 each corner of the element: those of the outer face minus those of
+                                 the inner face of the shell, divided by the thickness (1/m) */
     /*
      * Stiffness of the four strain modes 00, 01, 10, 11 of the element, one after the other: packed
-     * lower triangles whose rows are the strains that the mode keeps. Mode r1 r2 varies over the
-     * element as xi1^r1 xi2^r2, and its stiffness is multiplied by area/3^(r1+r2) (N m). Order of
-     * the strains: 11m 11d 22m 22d 33m 33d 12m 12d 13 23, where m is the mean and d the difference
-     * of the two faces. Mode 00 keeps all ten; mode 01 those of 11, 33 and 13; mode 10 those of 22,
-     * 33 and 23; mode 11 those of 33: 55, 15, 15 and 3 entries.
+     * lower triangles with a row for each strain that the strain mode contains. Strain mode r1 r2
+     * varies over the element as xi1^r1 xi2^r2, where xi1 and xi2 run from -1 to 1 over the
+     * element, and its stiffness is multiplied by area/3^(r1+r2) (N m). Order of the strains: 11m
+     * 11d 22m 22d 33m 33d 12m 12d 13 23, where m is the mean and d the difference of the two faces
+     * of the shell. Strain mode 00 contains all ten; 01 those of 11, 33 and 13; 10 those of 22, 33
+     * and 23; 11 those of 33: triangles of 55, 15, 15 and 3 entries.
      */
     pzs_real d[88];
     pzs_real thickness; /* thickness of the element (m) */
     /*
      * Factors (1) of the nine strains that a warped (not plane) element adds to the mean strain 12
      * that is constant over the element. The strains are named by component, by m (mean) or d
-     * (difference) of the two faces, and by strain mode: mode r1 r2 varies over the element as
-     * xi1^r1 xi2^r2. The nine strains are 12d of mode 00; 13 of 01, 23 of 10, 13 of 00, 23 of 00;
-     * 11d of 00, 11d of 01, 22d of 00, 22d of 10
+     * (difference) of the two faces, and by strain mode: strain mode r1 r2 varies over the element
+     * as xi1^r1 xi2^r2, where xi1 and xi2 run from -1 to 1 over the element. The nine strains are
+     * 12d of 00; 13 of 01, 23 of 10, 13 of 00, 23 of 00; 11d of 00, 11d of 01, 22d of 00, 22d of 10
      */
     pzs_real warp[9];
     /*
      * skew of the element, alpha_1 and alpha_2, and its length ratio (1): the area varies as 1 +
-     * alpha_1 xi2 + alpha_2 xi1 over the element, so that alpha_1 and alpha_2 are 0 on a
-     * parallelogram; the length ratio is the length along theta2 divided by the length along theta1
+     * alpha_1 xi2 + alpha_2 xi1, where xi1 and xi2 run from -1 to 1 over the element, so that
+     * alpha_1 and alpha_2 are 0 on a parallelogram; the length ratio is the length of the element
+     * along theta2 divided by that along theta1
      */
     pzs_real skew[3];
 } pzs_element_type;
@@ -80,8 +85,8 @@ typedef struct pzs_structure {
      */
     uint16_t dof_per_node;
     uint16_t free_dof;
-    const uint16_t (*element)[4]; /* [elements] indices of the nodes at the corners of each element,
-                                     in the order of the corners */
+    const uint16_t (*element)[4]; /* [elements] indices of the nodes at the four corners of each
+                                     element, in the order of the corners in pzs_element_type */
     const uint16_t *element_type; /* [elements] index of the element type of each element */
     const uint16_t *node_dof;     /* [nodes][dof_per_node] index of each degree of freedom of a node
                                      among the free degrees of freedom, or PZS_CONSTRAINED */
@@ -91,8 +96,9 @@ typedef struct pzs_structure {
                                      type, a packed lower triangle of 4 dof_per_node rows; NULL:
                                      pzs_assemble computes each matrix from its element type */
     const pzs_element_type *type; /* [types] geometry and material of each element type; NULL:
-                                     solutions are not refined, the nonlinear solver cannot be used,
-                                     and `stiffness` must not be NULL */
+                                     solutions of the linear equations are not refined, the
+                                     nonlinear solver cannot be used, and `stiffness` must not be
+                                     NULL */
     pzs_rows input; /* force vector on the free degrees of freedom per unit of each input (N/V, N/K,
                        N/Pa or 1) */
     pzs_rows output; /* outputs of the structure, one row for each displacement (m): coefficients of
@@ -105,10 +111,10 @@ typedef struct pzs_structure {
      * Rotated axes at the nodes of oblique supports: the first three degrees of freedom of such a
      * node are its mean displacements along other axes than those of its triad (local axes).
      */
-    uint16_t turns; /* number of different rotated axes, which belong to nodes at oblique supports
-                     */
-    const uint16_t *node_turn; /* [nodes] index of each node's rotation, or PZS_UNTURNED; not read
-                                  where `turns` is 0 */
+    uint16_t turns; /* number of different sets of rotated axes, along which the displacements of
+                       nodes at oblique supports are counted */
+    const uint16_t *node_turn;    /* [nodes] index of the set of rotated axes of each node, or
+                                     PZS_UNTURNED; not read where `turns` is 0 */
     const pzs_real (*turn)[3][3]; /* [turns] components, in the triad (local axes) of the node, of
                                      the unit vectors (rows) along which its mean displacements act
                                    */
@@ -122,7 +128,7 @@ pzs_status pzs_structure_seal(pzs_structure *structure);
 
 /* ---- model: structure to influence ------------------------------------ */
 
-/* Results of the model that a program may read. */
+/* Results of the finite-element model that a program may read. */
 typedef struct pzs_model_info {
     pzs_real condition; /* estimated condition number of the scaled stiffness matrix in the 1-norm
                          */
@@ -135,10 +141,10 @@ typedef struct pzs_model_info {
     pzs_real error_estimate; /* estimated relative error of the last solution in the energy norm,
                                 without the discretisation error of the mesh; -1 without element
                                 types */
-    int32_t where;        /* index to which the last status refers, for example of a free degree of
-                             freedom, or -1 */
-    uint16_t refinements; /* number of iterations that refined the last solution of the linear
-                             equations */
+    int32_t where; /* index to which the last status of the model refers, for example of a free
+                      degree of freedom, or -1 */
+    uint16_t refinements;     /* number of iterations that refined the last solution of the linear
+                                 equations */
     uint16_t negative_pivots; /* number of negative pivots in the last factorisation of the
                                  stiffness matrix */
 } pzs_model_info;
@@ -149,7 +155,7 @@ typedef struct pzs_model_state {
                                this matrix */
     pzs_real *scale; /* [free_dof] powers of two that scale the diagonal of the stiffness matrix to
                         about one */
-    pzs_real *work;  /* [6][free_dof] work array of six vectors */
+    pzs_real *work; /* [6][free_dof] work array of six vectors for the linear solves of the model */
     const pzs_real *stiffness_factor; /* [types] factor of the stiffness matrix of each element
                                          type, as passed to the last pzs_assemble; NULL: all 1 */
     const uint8_t *constrained; /* [free_dof] nonzero: this degree of freedom is kept at zero in
@@ -164,8 +170,8 @@ typedef struct pzs_model {
 } pzs_model;
 
 /*
- * Size of the workspace of a model (bytes). `envelope` is the number of stored matrix entries,
- * padding included; generated headers define it for each PZS_TILE.
+ * Size of the workspace of a finite-element model (bytes). `envelope` is the number of stored
+ * entries of its stiffness matrix, padding included; generated headers define it for each PZS_TILE.
  */
 #define PZS_MODEL_BYTES(free_dof, envelope)                                                        \
     (sizeof(pzs_real) * ((size_t)(envelope) + 8u * (size_t)(free_dof)) +                           \
@@ -184,8 +190,8 @@ pzs_status pzs_model_init(pzs_model *model, const pzs_structure *structure, void
                           size_t bytes);
 
 /*
- * Assemble the stiffness matrix of the structure from the element matrices [P 10-16] and the
- * springs.
+ * Assemble the stiffness matrix of the structure from the matrices of its elements (equations 10-16
+ * of Plotnikova 2013) and the springs.
  *   stiffness_factor [types]    in  factor of the matrix of each element type; NULL: all 1
  *   constrained      [free_dof] in  nonzero: this degree of freedom is held at zero in addition to
  *                                   the supports; NULL: none
@@ -214,7 +220,8 @@ pzs_status pzs_factor(pzs_model *model);
 pzs_status pzs_solve(pzs_model *model, const pzs_real *value, pzs_real *displacement);
 
 /*
- * Compute the outputs of a displacement.
+ * Compute the outputs of the structure, which are displacements at chosen points, from the
+ * displacement of its free degrees of freedom.
  *   displacement [free_dof] in   displacement (m and 1)
  *   output       [outputs]  out  outputs (m)
  */
@@ -260,7 +267,7 @@ typedef struct pzs_electrodes {
  */
 pzs_status pzs_electrodes_seal(pzs_electrodes *tables, const pzs_structure *structure);
 
-/* Settings of the electrodes that a program may change after pzs_electric_init. */
+/* Settings of the electrodes of a structure that a program may change after pzs_electric_init. */
 typedef struct pzs_electric_settings {
     pzs_real *charge; /* [count] prescribed charge of each open electrode (C); default 0 */
 } pzs_electric_settings;
@@ -288,7 +295,7 @@ typedef struct pzs_electric {
     pzs_electric_state state;
 } pzs_electric;
 
-/* Size of the workspace for the electrodes (bytes). */
+/* Size of the workspace for computations of charges and voltages of electrodes (bytes). */
 #define PZS_ELECTRIC_BYTES(electrodes, open, inputs)                                               \
     (sizeof(pzs_real) *                                                                            \
          (((size_t)(electrodes) + 1u) * ((size_t)(inputs) + 1u) + PZS_DENSE(open)) +               \
@@ -302,16 +309,16 @@ pzs_status pzs_electric_init(pzs_electric *electric, pzs_model *model, const pzs
                              void *work, size_t bytes);
 
 /*
- * Compute the charge of each electrode per unit of every input in the undeformed state [P 49-55],
- * by one solve for each electrode. To be called after each pzs_factor. Errors: PZS_E_ARGUMENT,
- * PZS_E_STAGE, those of pzs_solve, and PZS_E_NEGATIVE for an open electrode without capacitance
- * (info.where = electrode).
+ * Compute the charge of each electrode per unit of every input in the undeformed state (equations
+ * 49-55 of Plotnikova 2013), by one solve for each electrode. To be called after each pzs_factor.
+ * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, those of pzs_solve, and PZS_E_NEGATIVE for an open electrode
+ * without capacitance (info.where = electrode).
  */
 pzs_status pzs_electric_factor(pzs_electric *electric);
 
 /*
  * Compute the voltages at which the open electrodes carry their prescribed charges, under the other
- * input values. The completed input values may then be passed to pzs_solve.
+ * input values. The input values with these voltages may then be passed to pzs_solve.
  *   value [inputs] in/out  input values; those of open electrodes are written, not read
  * Errors: PZS_E_ARGUMENT, PZS_E_STAGE, PZS_E_NONFINITE.
  */

@@ -24,8 +24,8 @@ extern "C" {
  * with the shell. A load that keeps its direction is a row of pzs_structure.input instead.
  */
 typedef struct pzs_prescribed_resultants {
-    uint16_t values; /* number of rows of the array `value`, the different sets of stress resultants
-                      */
+    uint16_t values;         /* number of rows of the array `value`, each a different set of stress
+                                resultants */
     const uint32_t *start;   /* [inputs + 1] index of the first entry of each input in the arrays
                                 `element` and `which`; an input without entries is a load */
     const uint16_t *element; /* [start[inputs]] index of the element on which each prescribed
@@ -52,8 +52,8 @@ typedef struct pzs_prescribed_motion {
 } pzs_prescribed_motion;
 
 /*
- * Tables of the nonlinear solver, which supplement a structure with element types. All arrays are
- * const and may stay in flash.
+ * Tables of the nonlinear solver, in addition to those of the structure (pzs_structure), which must
+ * contain element types. All arrays are const and may stay in flash.
  */
 typedef struct pzs_nonlinear {
     uint32_t format, scene; /* format number of the nonlinear tables and hash of their scene file,
@@ -88,15 +88,16 @@ typedef struct pzs_solver_settings {
      * default 1e-4
      */
     pzs_real tolerance;
-    uint16_t load_steps; /* number of load steps into which the way to the input values is divided
-                            at first; default 1 */
+    uint16_t load_steps; /* number of load steps into which the equilibrium solver first divides the
+                            way from the present input values to the wanted ones; default 1 */
     /*
      * number of iterations of a load step that use extrapolated stress resultants before those of
      * the present displacement are used; default 12; 0: plain Newton method
      */
     uint16_t extrapolated_iterations;
-    uint16_t ramp_solves; /* number of linear solves at the start of a load step over which the
-                             input values rise in equal parts to those of its end; default 1 */
+    uint16_t ramp_solves; /* number of linear solves at the start of a load step in which the input
+                             values rise in equal parts to the values of the end of the load step;
+                             default 1 */
     uint32_t solve_limit; /* largest number of linear solves in one call of pzs_equilibrium; default
                              400 */
 } pzs_solver_settings;
@@ -119,8 +120,8 @@ typedef struct pzs_solver_info {
                                  that were shortened to limit the motion of the contact body */
     uint32_t negative_pivots; /* number of negative pivots of the tangent stiffness at the
                                  equilibrium; 0: stable */
-    int32_t where; /* index to which the last status refers, for example of an element or an input,
-                      or -1 */
+    int32_t where; /* index to which the last status of the equilibrium solver refers, for example
+                      of an element or an input, or -1 */
 } pzs_solver_info;
 
 typedef struct pzs_solver_state {
@@ -144,7 +145,8 @@ typedef struct pzs_solver_state {
     pzs_real *converged_input_value;  /* [inputs] input values of the last equilibrium */
     pzs_real (*converged_resultant)[22]; /* [elements] stress resultants of the last equilibrium (N
                                             m) */
-    uint16_t iteration;                  /* number of linear solves in the present load step */
+    uint16_t iteration; /* number of linear solves of the equilibrium solver in the present load
+                           step */
     pzs_status pending_error; /* status of an option (such as a contact) that had not converged when
                                  the last load step ended, or PZS_OK */
     pzs_status refused; /* error with which an option (such as a contact) rejected the last load
@@ -153,8 +155,8 @@ typedef struct pzs_solver_state {
                          */
     pzs_status warned;  /* warning of an option (such as a contact) about the last converged load
                            step, or PZS_OK */
-    bool is_balanced; /* whether the force imbalance is at most as large as the applied force, or is
-                         a rounding error */
+    bool is_balanced; /* whether the imbalance of the forces in the present load step is at most as
+                         large as the applied force, or is a rounding error */
     uint8_t stage;
 } pzs_solver_state;
 
@@ -194,15 +196,15 @@ void pzs_solver_reset(pzs_solver *solver);
  * as many close to convergence, fewer where it diverges fast) is halved, down to 1/64 of the first
  * one.
  *   value [inputs] in  wanted input values
- * Method: Newton's method with independent stress resultants [P 17-22]. Each linear solve K(u, H)
- * du = f - L(u)'H uses resultants H that are extrapolated along the last increment, H + D L du,
- * instead of those of the displacement u; K is the tangent stiffness, f the load, L the
- * strain-displacement matrix and D the stiffness of the strains. At convergence H belongs to u. The
- * work is bounded by settings.solve_limit. Warnings: PZS_W_BEHIND, which takes precedence, and
- * PZS_W_UNSTABLE. Errors: PZS_E_ARGUMENT (also for a setting out of range), PZS_E_STAGE,
- * PZS_E_NONFINITE (info.where = input); after PZS_E_DIVERGED, PZS_E_LIMIT, PZS_E_CONTACT,
- * PZS_E_PENETRATION (info.where = element) and PZS_E_SOLVES, info.displacement is the last
- * converged equilibrium, at info.load_factor.
+ * Method: Newton's method with independent stress resultants (equations 17-22 of Plotnikova 2013).
+ * Each linear solve K(u, H) du = f - L(u)'H uses resultants H that are extrapolated along the last
+ * increment, H + D L du, instead of those of the displacement u; K is the tangent stiffness, f the
+ * load, L the strain-displacement matrix and D the stiffness of the strains. At convergence H
+ * belongs to u. The work is bounded by settings.solve_limit. Warnings: PZS_W_BEHIND, which takes
+ * precedence, and PZS_W_UNSTABLE. Errors: PZS_E_ARGUMENT (also for a setting out of range),
+ * PZS_E_STAGE, PZS_E_NONFINITE (info.where = input); after PZS_E_DIVERGED, PZS_E_LIMIT,
+ * PZS_E_CONTACT, PZS_E_PENETRATION (info.where = element) and PZS_E_SOLVES, info.displacement is
+ * the last converged equilibrium, at info.load_factor.
  */
 pzs_status pzs_equilibrium(pzs_solver *solver, const pzs_real *value);
 
@@ -220,8 +222,8 @@ pzs_status pzs_influence_at(pzs_solver *solver, pzs_real *influence);
 /* ---- option: follower loads (lib/nonlinear/follower.c) ---------------- */
 
 /*
- * Tables of a follower load: a pressure that turns with a face of the shell [P 23-31]. All arrays
- * are const and may stay in flash.
+ * Tables of a follower load: a pressure that turns with a face of the shell (equations 23-31 of
+ * Plotnikova 2013). All arrays are const and may stay in flash.
  */
 typedef struct pzs_follower {
     uint32_t format, scene; /* format number of the follower-load tables and hash of their scene
@@ -230,21 +232,23 @@ typedef struct pzs_follower {
                        arrays, computed by pzs_follower_seal */
     uint16_t input; /* index of the input whose value scales the follower pressure; the force vector
                        of this input is empty */
-    uint8_t load_face;   /* face on which the pressure acts: 0 inner, 1 outer, 2 half on each */
-    uint8_t normal_face; /* face whose normal gives the direction of the pressure: 0 inner, 1 outer
-                          */
-    uint8_t true_area;   /* 1: the pressure is force per deformed area of the face given by
-                            normal_face; 0: force per undeformed area. In both cases it acts
+    uint8_t load_face; /* face of the shell on which the follower pressure acts: 0 inner, 1 outer, 2
+                          half on each */
+    uint8_t normal_face; /* face of the shell whose normal gives the direction of the follower
+                            pressure: 0 inner, 1 outer */
+    uint8_t true_area;   /* 1: the follower pressure is force per deformed area of the face given
+                            by normal_face; 0: force per undeformed area. In both cases it acts
                             along the normal of the deformed face */
-    pzs_real share[3]; /* shares of the force of the pressure at one corner that act on this corner,
-                          on each neighbouring corner and on the opposite corner (1) */
-    const pzs_real (*area)[4];    /* [types] area of the element type that belongs to each of its
-                                     corners (m2) */
-    const pzs_real (*lean)[4][2]; /* [types] component of the two base vectors at each corner along
-                                     the director of the shell, not zero where a flat element
-                                     approximates a curved shell; NULL: all zero */
-    const pzs_real *pressure; /* [nodes] pressure per unit of the input, positive along the normal
-                                 e3 (N/m2) */
+    pzs_real share[3];   /* parts of the force of the follower pressure at one corner of an element
+                            that act on this corner, on each neighbouring corner and on the opposite
+                            corner (1) */
+    const pzs_real (*area)[4]; /* [types] part of the area of an element of each type that belongs
+                                  to each of its four corners (m2) */
+    const pzs_real (*lean)[4][2]; /* [types] component along the director of the shell of the two
+                                     base vectors at each corner of an element, not zero where a
+                                     flat element approximates a curved shell; NULL: all zero */
+    const pzs_real *pressure;     /* [nodes] follower pressure at each node per unit of the input,
+                                     positive along the normal e3 (N/m2) */
 } pzs_follower;
 
 /*
@@ -306,11 +310,12 @@ typedef struct pzs_circuit {
      sizeof(uint32_t) * ((size_t)(open) / PZS_TILE + 2u) + sizeof(uint16_t) * (size_t)(open))
 
 /*
- * Attach the open electrodes [P 49-55] to an equilibrium solver in the undeformed state; tables and
- * circuit must outlive the solver. Their voltages are additional unknowns of Newton's method and
- * replace their input values in solver.info.input_value. The influence matrix of pzs_influence_at
- * has columns per unit of their charge. Errors: PZS_E_ARGUMENT (also if attached already),
- * PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE (solver->info.where = bytes needed).
+ * Attach the open electrodes (equations 49-55 of Plotnikova 2013) to an equilibrium solver in the
+ * undeformed state; tables and circuit must outlive the solver. Their voltages are additional
+ * unknowns of Newton's method and replace their input values in solver.info.input_value. The
+ * influence matrix of pzs_influence_at has columns per unit of their charge. Errors: PZS_E_ARGUMENT
+ * (also if attached already), PZS_E_FORMAT, PZS_E_CRC, PZS_E_WORKSPACE (solver->info.where = bytes
+ * needed).
  */
 pzs_status pzs_attach_circuit(pzs_solver *solver, pzs_circuit *circuit,
                               const pzs_electrodes *tables, void *work, size_t bytes);
@@ -326,7 +331,8 @@ pzs_status pzs_charges_at(const pzs_solver *solver, const pzs_electrodes *tables
 /* ---- option: contact with a rigid convex body (lib/nonlinear/contact.c) */
 
 /*
- * A rigid body for contact, described by the signed distance of a point from its surface [P 32-46].
+ * A rigid body for contact, described by the signed distance of a point from its surface (equations
+ * 32-46 of Plotnikova 2013).
  */
 typedef struct pzs_body {
     /*
@@ -341,7 +347,7 @@ typedef struct pzs_body {
                           centre of the sphere (m) */
     pzs_real axis[3];  /* contact body: outward unit normal of the plane, or unit vector along the
                           axis of the cylinder (1) */
-    pzs_real radius;   /* radius of the cylinder or sphere that is the contact body, above 0 (m) */
+    pzs_real radius;   /* radius of the contact body if it is a cylinder or a sphere, above 0 (m) */
     const void *own; /* data of the program for its own distance function of a contact body, or NULL
                       */
     uint32_t crc;    /* checksum of point, axis and radius of the contact body, computed by
@@ -379,8 +385,8 @@ typedef struct pzs_contact_face {
     uint16_t input; /* index of the input that moves the contact body by its value times `motion`,
                        with an empty force vector; 0xFFFF: the body does not move */
     pzs_real motion[3]; /* displacement of the contact body per unit of its input (m) */
-    pzs_real size; /* size of the mesh or of the contact body, a length (m); a gap below 1e-8 of it
-                      counts as closed */
+    pzs_real size; /* size of the mesh or of the contact body, a length (m); a gap between shell and
+                      contact body below 1e-8 of it counts as closed */
     const pzs_real (*place)[3]; /* [nodes] positions of the nodes on the undeformed contact face (m)
                                  */
     const pzs_real (*triad)[3][3]; /* [nodes] unit vectors e1, e2, e3 of the frame of each node, in
@@ -442,9 +448,9 @@ typedef struct pzs_contact_state {
     pzs_real *pressure;           /* [nodes] present contact pressure per undeformed area (N/m2) */
     pzs_real *converged_pressure; /* [nodes] contact pressure per undeformed area at the last
                                      equilibrium (N/m2) */
-    pzs_real *facing; /* [nodes] scalar product of the normals of contact face and body, summed over
-                         the elements at each node; negative where the face points at the body (1)
-                       */
+    pzs_real *facing; /* [nodes] scalar product of the normal of the contact face with the normal of
+                         the contact body, summed over the elements at each node; negative where the
+                         face is turned towards the body (1) */
     uint8_t *touching; /* [nodes] active set of the contact: 1 if the node is in contact with the
                           body, otherwise 0 */
     uint8_t *converged_touching; /* [nodes] active set of the contact at the last equilibrium: 1 if
@@ -454,8 +460,8 @@ typedef struct pzs_contact_state {
                      last equilibrium */
     bool is_loose;  /* whether the shell can move as a rigid body on its supports, so that only
                        contact can hold it */
-    pzs_real reach; /* half of the longest diagonal of an element (m); every point of the shell is
-                       at most this far from a node */
+    pzs_real reach; /* half of the longest diagonal of all elements of the shell (m); every point of
+                       the shell is at most this far from a node */
     bool lacks_contact; /* true: at the last linear solve no node was assumed to touch the contact
                            body, or none of those nodes had a compressive contact force */
 } pzs_contact_state;

@@ -23,8 +23,9 @@
 #include "step_bounds.h"
 
 /*
- * A voltage of more converter steps than this number is not rounded to a whole number of steps,
- * because the steps would be finer than the resolution of pzs_real.
+ * Largest number of converter steps (smallest voltage changes that an amplifier can make) of which
+ * a voltage is rounded to a whole number. With more steps the voltage is not rounded, because a
+ * step would be finer than the resolution of pzs_real.
  */
 #define STEP_COUNT_LIMIT PZS_R(1e9)
 

@@ -90,7 +90,7 @@
 /*
  * Factor by which the gradient of the objective with respect to a free voltage may exceed its
  * rounding-error bound at the optimum, if this raises the objective by less than the machine
- * epsilon times its scale.
+ * epsilon times the scale of the objective.
  */
 #define TOLERATED PZS_BY_BITS(256, 2048)
 /*
@@ -131,7 +131,7 @@ void pzs_boxls_place(pzs_optimiser *optimiser, pzs_real *work)
     pzs_tableau_collect(optimiser, optimiser->pending);
 }
 
-/* ---- gradients ------------------------------------------------------ */
+/* ---- gradient of the objective --------------------------------------- */
 
 /*
  * Multiply a symmetric matrix [inputs][width] by a vector [width], and count the multiply-adds. The
@@ -387,8 +387,9 @@ static blocking first_blocking(const pzs_optimiser *optimiser, const pzs_real *m
 }
 
 /*
- * Change the free voltages by first.part times the vector sense * move (V), clamped to their
- * bounds. The input that reaches its bound first, if any, is set to the bound exactly.
+ * Change the free voltages by the part `first.part` of the vector sense * move (V), clamped to
+ * their bounds. The input that reaches its bound first, `first.input`, if there is one, is set to
+ * the bound exactly.
  */
 static void move_along(pzs_optimiser *optimiser, const pzs_real *move, pzs_real sense,
                        blocking first)
@@ -550,9 +551,9 @@ static void release_input(pzs_optimiser *optimiser, uint32_t k)
 }
 
 /*
- * Count one more iteration of the optimiser if its work, plus `more` multiply-adds, is within the
- * work limit. Otherwise note that the work limit has stopped the optimiser. Returns whether the
- * iteration may be made.
+ * Count one more iteration of the optimiser if the work of an iteration plus `more` multiply-adds
+ * is within the work limit. Otherwise note that the work limit has stopped the optimiser. Returns
+ * whether the iteration may be made.
  */
 static bool may_iterate(pzs_optimiser *optimiser, uint64_t more)
 {
@@ -834,7 +835,10 @@ static void run_round(pzs_optimiser *optimiser, bool blocked)
     }
     const bool was_predicted = optimiser->is_predicted;
     pzs_boxls_true_gradient(optimiser);
-    /* A round of the dual method may end before its optimum, with voltages worse than before. */
+    /*
+     * A round of the dual method that the work limit has stopped before its optimum may end with a
+     * larger objective than it began with.
+     */
     if (!complete && pzs_boxls_shorten(optimiser))
         pzs_boxls_true_gradient(optimiser);
     optimiser->is_predicted = was_predicted;
@@ -923,7 +927,8 @@ static bool renew_tableau(pzs_optimiser *optimiser)
 
 /*
  * Whether the last round of iterations, which did not end at the optimum, reduced the violation of
- * the optimality (KKT) conditions too little.
+ * the optimality (KKT) conditions by so little that the tableau (pivoted Hessian) is to be
+ * recomputed.
  */
 static bool is_stuck(const pzs_optimiser *optimiser, bool moves)
 {

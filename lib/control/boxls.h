@@ -6,22 +6,19 @@
  *   subject to lower <= v <= upper
  *
  * for the voltages v, with the Hessian H, which may be singular, base voltages, the regularisation
- * gradient r and the target gradient t (pzs_optimiser). Vectors have the length `width`, the number
- * of inputs rounded up to a multiple of PZS_TILE; the entries beyond the inputs stay zero.
+ * gradient r and the target gradient t (pzs_optimiser). Vectors have an entry for each input and
+ * are padded with zeros to the length `width`.
  */
 #ifndef PZS_LIB_BOXLS_H
 #define PZS_LIB_BOXLS_H
 
 #include "optimiser.h"
 
-/*
- * Number of vectors of the optimiser, without the voltages; each has the length `width`, the number
- * of inputs rounded up to a multiple of PZS_TILE.
- */
+/* Number of vectors of the optimiser, without the voltages; each has an entry for each input. */
 #define BOXLS_VECTORS (16u + PZS_PENDING)
 /*
  * Largest factor by which the threshold for linearly dependent inputs may rise above its initial
- * value, 4 inputs epsilon, with the machine epsilon.
+ * value, which is 4 times the number of inputs times the machine epsilon.
  */
 #define BOXLS_DEPENDENT 256
 
@@ -54,8 +51,8 @@ void pzs_boxls_true_gradient(pzs_optimiser *optimiser);
 uint32_t pzs_boxls_find_direction(pzs_optimiser *optimiser, pzs_real rounding);
 
 /*
- * Clamp voltages that are outside their bounds. Returns whether any voltage was outside; the
- * gradient is then computed anew.
+ * Clamp voltages that are outside their bounds. Returns whether any voltage was outside; the caller
+ * must then compute the gradient anew.
  */
 bool pzs_boxls_enforce_limits(pzs_optimiser *optimiser);
 
@@ -83,16 +80,16 @@ bool pzs_boxls_shorten(pzs_optimiser *optimiser);
 
 /*
  * Return the largest violation of the optimality (KKT) conditions by voltages [width] with a
- * gradient [width] of the objective (m2/V), where the width is the number of inputs rounded up to a
- * multiple of PZS_TILE. The array scratch of the optimiser is overwritten.
+ * gradient [width] of the objective (m2/V). The width is the number of inputs, rounded up for
+ * vector loops. The array scratch of the optimiser is overwritten.
  */
 pzs_real pzs_boxls_violation(const pzs_optimiser *optimiser, const pzs_real *voltage,
                              const pzs_real *gradient);
 
 /*
  * Return whether the rounding error of the Hessian times (voltages - base voltages) may raise the
- * objective by more than the machine epsilon times its scale, target_energy. The gradient should
- * then be computed from new base voltages.
+ * objective by more than the machine epsilon times target_energy, the scale of the objective. The
+ * gradient should then be computed from new base voltages.
  */
 bool pzs_boxls_needs_new_base(pzs_optimiser *optimiser);
 

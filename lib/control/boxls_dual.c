@@ -35,7 +35,10 @@
  * error of a voltage or limited sum of voltages after a unit change of the multipliers.
  */
 #define PIVOT_TO_VALUE 16
-/* Length of a row below which a loop subtracts it faster than a function for long vectors does. */
+/*
+ * Number of entries of a row of a triangular matrix below which the triangular solver subtracts the
+ * row by a plain loop, which is then faster than the function for long vectors.
+ */
 #define SHORT_ROW 16u
 
 /*
@@ -47,8 +50,8 @@
 #define SWEEPS 6u
 
 /*
- * Work arrays of the dual method. They use the memory of the vectors in which the primal method
- * collects pivot exchanges.
+ * Work arrays of the dual method, with an entry for each input. They use the memory of the vectors
+ * in which the primal method collects pivot exchanges.
  */
 enum { SOLUTION, CHANGE, RESPONSE, COSINE };
 
@@ -72,9 +75,12 @@ static pzs_real bound_of(const pzs_optimiser *optimiser, uint32_t i)
     return optimiser->side[i] < 0 ? optimiser->lower[i] : optimiser->upper[i];
 }
 
-/* ---- factor ------------------------------------------------------------ */
+/* ---- Cholesky factor ------------------------------------------------- */
 
-/* Return row k of the Cholesky factor of the dual method, which has k + 1 entries. */
+/*
+ * Return row k of the Cholesky factor of the inverse Hessian restricted to the active inputs. It
+ * has k + 1 entries.
+ */
 static pzs_real *factor_row(const pzs_optimiser *optimiser, uint32_t k)
 {
     return optimiser->factor + (size_t)k * (k + 1u) / 2u;
@@ -120,7 +126,7 @@ static void solve_upper(const pzs_optimiser *optimiser, pzs_real *vector)
 
 /*
  * Make free input i active, so that its voltage is kept at a bound, and append its row to the
- * Cholesky factor.
+ * Cholesky factor of the inverse Hessian restricted to the active inputs.
  *   solution [active_count] in  this row without its last entry
  *   pivot                   in  square of the last entry (V2/m2)
  */
@@ -138,9 +144,10 @@ static void join_active_set(pzs_optimiser *optimiser, uint32_t i, const pzs_real
 }
 
 /*
- * Move row k + 1 of the Cholesky factor to row k, after the input of row `removed` has become free.
- * The plane rotations that have been found for the rows before are applied to the row, and a new
- * rotation makes its entry beyond the diagonal zero.
+ * Move row k + 1 of the Cholesky factor of the inverse Hessian restricted to the active inputs to
+ * row k, after the input of row `removed` has become free. The plane rotations that have been found
+ * for the rows before are applied to the row, and a new rotation makes its entry beyond the
+ * diagonal zero.
  */
 static void rotate_row(const pzs_optimiser *optimiser, uint32_t removed, uint32_t k)
 {
@@ -160,8 +167,8 @@ static void rotate_row(const pzs_optimiser *optimiser, uint32_t removed, uint32_
 }
 
 /*
- * Make the active input (held at a limit) that belongs to row k of the Cholesky factor free, and
- * remove this row.
+ * Make free the active input (kept at a bound) that belongs to row k of the Cholesky factor of the
+ * inverse Hessian restricted to the active inputs, and remove this row.
  */
 static void leave_active_set(pzs_optimiser *optimiser, uint32_t k)
 {
@@ -185,8 +192,9 @@ void pzs_dual_free_all(pzs_optimiser *optimiser)
 }
 
 /*
- * Whether the list of the inputs that belong to the rows of the Cholesky factor contains each
- * active input once and no free input; otherwise memory is damaged.
+ * Whether the list of the inputs that belong to the rows of the Cholesky factor of the inverse
+ * Hessian restricted to the active inputs contains each active input once and no free input;
+ * otherwise memory is damaged.
  */
 static bool is_order_valid(const pzs_optimiser *optimiser)
 {
@@ -293,7 +301,7 @@ uint32_t pzs_dual_predict_step(pzs_optimiser *optimiser, pzs_real rounding)
     return open;
 }
 
-/* ---- iterations ------------------------------------------------------------ */
+/* ---- iterations ------------------------------------------------------ */
 
 /*
  * Whether the work limit of the optimiser allows `cost` multiply-adds and the end of the round of
@@ -374,8 +382,9 @@ static uint32_t choose_outside(const pzs_optimiser *optimiser)
 }
 
 /*
- * Compute the row that free input i would have in the Cholesky factor if it became active, into the
- * work array SOLUTION [active_count]. Returns the square of the last entry of the row (V2/m2).
+ * Compute the row that free input i would have, if it became active, in the Cholesky factor of the
+ * inverse Hessian restricted to the active inputs, into the work array SOLUTION [active_count].
+ * Returns the square of the last entry of the row (V2/m2).
  */
 static pzs_real find_factor_row(pzs_optimiser *optimiser, uint32_t i)
 {
@@ -401,7 +410,8 @@ static pzs_real least_pivot(const pzs_optimiser *optimiser, uint32_t i)
 
 /*
  * Compute how the multipliers of the active inputs and all voltages respond to the multiplier of
- * free input i. The results are in work arrays:
+ * free input i. The results are in work arrays; the Cholesky factor is that of the inverse Hessian
+ * restricted to the active inputs.
  *   SOLUTION [active_count] out  row that the input would have in the Cholesky factor
  *   CHANGE   [active_count] out  change of the multipliers of the active inputs (1)
  *   RESPONSE [width]        out  change of the voltages (V2/m2)
@@ -429,8 +439,8 @@ static pzs_real find_response(pzs_optimiser *optimiser, uint32_t i)
  * changes in the direction `sense`.
  *   part in/out  in: largest change of the multiplier of the free input; out: that at which the
  *                multiplier becomes zero (m2/V)
- * Returns the row of this active input in the Cholesky factor, or the number of active inputs if no
- * multiplier becomes zero.
+ * Returns the index of the row of this active input in the Cholesky factor of the inverse Hessian
+ * restricted to the active inputs, or the number of active inputs if no multiplier becomes zero.
  */
 static uint32_t first_zero(const pzs_optimiser *optimiser, pzs_real sense, pzs_real *part)
 {
@@ -470,7 +480,7 @@ static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
                    *response = work_array(optimiser, RESPONSE);
     /*
      * Rounding errors explain why a voltage or sum that depends linearly on the active ones is
-     * outside its bounds: the present round of iterations ignores it.
+     * outside its bounds; the dual method therefore ignores it in the present round of iterations.
      */
     if (!may_join &&
         PIVOT_TO_VALUE * outside <= optimiser->pivot_rounding * optimiser->multiplier_change) {
@@ -494,7 +504,7 @@ static bool pull_inside(pzs_optimiser *optimiser, uint32_t i)
     return true;
 }
 
-/* ---- new choice of the active set ------------------------------------------ */
+/* ---- new choice of the active set ------------------------------------ */
 
 /*
  * Return the number of free inputs whose voltages are outside their bounds plus the number of
@@ -587,7 +597,7 @@ void pzs_dual_choose_anew(pzs_optimiser *optimiser, pzs_real rounding)
     pzs_dual_move_to_bounds(optimiser);
 }
 
-/* ---- course of a round ------------------------------------------------------ */
+/* ---- course of a round ----------------------------------------------- */
 
 /*
  * Count one more iteration of the dual method if its work is within the work limit. Otherwise note

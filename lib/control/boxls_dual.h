@@ -17,8 +17,8 @@
 void pzs_dual_place(pzs_optimiser *optimiser, pzs_real *work);
 
 /*
- * At the start of a voltage step, make all inputs free if the list of active inputs is damaged, or
- * if the bound of an active input is not finite.
+ * At the start of a voltage step, make all inputs free if the list of active inputs in memory is
+ * damaged, or if the bound of an active input is not finite.
  */
 void pzs_dual_check(pzs_optimiser *optimiser);
 

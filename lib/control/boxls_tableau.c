@@ -65,8 +65,8 @@ void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending)
  * For many inputs, let the optimiser collect more pivot exchanges before it applies them, so that
  * its pivoted Hessian (tableau) is read and written less often while it is computed. The exchanges
  * are stored in memory of the dual method, which is not in use meanwhile: their rank-one updates in
- * the first third of its Cholesky factor, two copies of the updates in groups of columns in the
- * rest, and their pivots in its two vectors.
+ * the first third of the memory of its Cholesky factor, two copies of the updates in groups of
+ * columns in the rest of this memory, and their pivots in the memory of its two vectors.
  */
 static void collect_many(pzs_optimiser *optimiser)
 {
@@ -105,8 +105,8 @@ static inline void read_row(const pzs_optimiser *optimiser, uint32_t k, pzs_real
 
 /*
  * Subtract from row k of the tableau (the optimiser's pivoted Hessian) the rank-one updates of up
- * to TOGETHER collected pivot exchanges, the first of which has the index `first`. row [width]
- * in/out  row k of the tableau
+ * to TOGETHER collected pivot exchanges, the first of which has the index `first`.
+ *   row [width] in/out  row k of the tableau
  */
 static inline void subtract_updates(const pzs_optimiser *optimiser, uint32_t first, uint32_t k,
                                     pzs_real *restrict row)

@@ -38,8 +38,8 @@ void pzs_tableau_read_pivots(pzs_optimiser *optimiser);
 
 /*
  * Compute row k of the tableau (the optimiser's pivoted Hessian), including the pivot exchanges
- * that are collected but not yet applied to the matrix. The width is the number of inputs rounded
- * up to a multiple of PZS_TILE.
+ * that are collected but not yet applied to the matrix. The width is the number of inputs, rounded
+ * up for vector loops.
  *   row [width] out  row k of the tableau
  */
 void pzs_tableau_row(pzs_optimiser *optimiser, uint32_t k, pzs_real *restrict row);

@@ -44,14 +44,15 @@
 #define SUM_RESERVE PZS_R(4294967296.0)
 /*
  * A test voltage counts as constant if it changes in a tick by at most this part of the voltage
- * range of its input, and by at most half of the step limit, with which a test voltage moves while
- * it is still far from its pattern.
+ * range of its input, and by at most half of the step limit, the change of a test voltage that is
+ * still far from the value which its test pattern demands.
  */
 #define AT_REST PZS_R(1e-4)
 /*
- * Factor of the rounding error of the triangular factor: one of its diagonal entries (pivots)
- * counts as zero if it is below this number times the machine epsilon times the square root of the
- * number of records, relative to the norm of its column.
+ * Factor of the rounding error of the triangular factor of the information matrix (sum of v v' over
+ * the recorded voltages v): one of its diagonal entries (pivots) counts as zero if it is below this
+ * number times the machine epsilon times the square root of the number of records, relative to the
+ * norm of its column.
  */
 #define ROUNDING PZS_R(8)
 
@@ -67,8 +68,9 @@ static size_t width_of(const pzs_calibration *calibration)
 }
 
 /*
- * Return row `index` of the triangular factor of the calibration: entries for all inputs, then for
- * all outputs.
+ * Return row `index` of the matrix of the calibration: an entry of the triangular factor of the
+ * information matrix (sum of v v' over the recorded voltages v) for each input, then an entry of
+ * the rotated readings for each output.
  */
 static pzs_real *row_of(const pzs_calibration *calibration, size_t index)
 {
@@ -214,8 +216,8 @@ static pzs_real half_range(const pzs_problem *problem, uint32_t input)
 }
 
 /*
- * Whether the test voltages after a tick are equal to those before the tick, up to a small part of
- * the voltage range.
+ * Whether the test voltages of a calibration after a tick are equal to those before the tick, up to
+ * a small part of the voltage range.
  */
 static bool have_settled(const pzs_calibration *calibration, const pzs_real *before)
 {
@@ -271,8 +273,9 @@ pzs_status pzs_calibration_excite(pzs_calibration *calibration)
 /* ---- records ------------------------------------------------------------ */
 
 /*
- * Return the size of a diagonal entry (pivot) of the triangular factor, relative to the norm of its
- * column, below which the entry counts as a rounding error.
+ * Return the size of a diagonal entry (pivot) of the triangular factor of the information matrix
+ * (sum of v v' over the recorded voltages v), relative to the norm of its column, below which the
+ * entry counts as a rounding error.
  */
 static pzs_real negligible(const pzs_calibration *calibration)
 {
@@ -319,8 +322,8 @@ static pzs_real eliminate(const pzs_calibration *calibration, pzs_real *first, p
 }
 
 /*
- * Compute, for each diagonal entry (pivot) of the triangular factor, the size below which it counts
- * as zero.
+ * Compute, for each diagonal entry (pivot) of the triangular factor of the information matrix (sum
+ * of v v' over the recorded voltages v), the size below which it counts as zero.
  *   voltage [inputs] in  voltages of the record that is being added (V)
  */
 static void find_least(pzs_calibration *calibration, const pzs_real *voltage)
@@ -335,9 +338,9 @@ static void find_least(pzs_calibration *calibration, const pzs_real *voltage)
 }
 
 /*
- * Rotate each row of the triangular factor whose diagonal entry is 0 into the rows below it, until
- * the whole row is 0. What the row has contained about other inputs is then in the rows of these
- * inputs.
+ * Rotate each row of the triangular factor of the information matrix (sum of v v' over the recorded
+ * voltages v) whose diagonal entry is 0 into the rows below it, until the whole row is 0. What the
+ * row has contained about other inputs is then in the rows of these inputs.
  */
 static void clear_open_rows(pzs_calibration *calibration)
 {
@@ -371,9 +374,9 @@ static pzs_real forgotten_part(const pzs_calibration *calibration, const pzs_rea
 }
 
 /*
- * Rotate the rows of the triangular factor so that its first row contains all information about one
- * direction of the voltages. Afterwards every other row has one nonzero entry to the left of the
- * diagonal.
+ * Rotate the rows of the triangular factor of the information matrix (sum of v v' over the recorded
+ * voltages v) so that its first row contains all information about one direction of the voltages.
+ * Afterwards every other row has one nonzero entry to the left of the diagonal.
  *   direction [inputs] in/out  triangular factor times voltages in this direction; overwritten (V2)
  */
 static void collect_direction(pzs_calibration *calibration, pzs_real *direction)
@@ -389,8 +392,8 @@ static void collect_direction(pzs_calibration *calibration, pzs_real *direction)
 }
 
 /*
- * Forget a part of the information that the triangular factor contains about the direction of the
- * voltages of a new record.
+ * Forget a part of the information that the triangular factor of the information matrix (sum of v
+ * v' over the recorded voltages v) contains about the direction of the voltages of a new record.
  *   voltage [inputs] in  voltages of the record (V)
  */
 static void forget(pzs_calibration *calibration, const pzs_real *voltage)
@@ -415,7 +418,8 @@ static void forget(pzs_calibration *calibration, const pzs_real *voltage)
 }
 
 /*
- * Update the variance of the noise of each output from the residuals of a record.
+ * Update the variance of the noise of each output from the residuals of a record, the differences
+ * between its readings and those that the influence matrix explains.
  *   residual [outputs] in  residuals of the record, scaled so that their variance is that of the
  *                          noise (m)
  */
@@ -431,7 +435,8 @@ static void renew_noise(pzs_calibration *calibration, const pzs_real *residual)
 
 /*
  * Copy the readings of the outputs that the calibration uses, and set those of all others to 0.
- * Returns the first used reading that is not finite or exceeds the limit of readings, or -1.
+ * Returns the first used reading that is not finite or exceeds settings.reading_limit in size, or
+ * -1.
  */
 static int32_t take_readings(const pzs_calibration *calibration, const pzs_real *reading,
                              pzs_real *taken)
@@ -480,8 +485,9 @@ pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *
 /* ---- result ------------------------------------------------------------- */
 
 /*
- * Compute the reciprocals of the diagonal entries (pivots) of the triangular factor, 0 for an input
- * that the records do not determine. Returns the first such input, or -1.
+ * Compute the reciprocals of the diagonal entries (pivots) of the triangular factor of the
+ * information matrix (sum of v v' over the recorded voltages v), 0 for an input that the records do
+ * not determine. Returns the first such input, or -1.
  *   inverse [inputs] out  reciprocals (1/V)
  */
 static int32_t invert_pivots(const pzs_calibration *calibration, pzs_real *inverse)

@@ -265,7 +265,10 @@ static pzs_real largest_free_gradient(const pzs_optimiser *optimiser)
     return largest;
 }
 
-/* Store the work and the iterations of a voltage step. */
+/*
+ * Store the number of multiply-adds and the number of iterations of a voltage step in the results
+ * of the controller.
+ */
 static void note_work(const pzs_optimiser *optimiser, pzs_control *control)
 {
     control->state.behind = PZS_BEHIND_PREDICTION;
@@ -314,9 +317,9 @@ static pzs_real damp_target(pzs_optimiser *optimiser, const pzs_control *control
 }
 
 /*
- * Keep the free inputs from compensating the moves of held inputs, which a damped tick otherwise
- * does because it limits the change of the shape: the gradient of these moves is added to the
- * target gradient.
+ * Keep the free inputs from compensating the voltage changes of inputs that are held at a fixed
+ * voltage, which a damped tick otherwise does because it limits the change of the shape: the
+ * gradient that these changes cause is added to the target gradient.
  */
 static void ignore_held_moves(pzs_optimiser *optimiser, const pzs_control *control)
 {
@@ -331,7 +334,7 @@ static void ignore_held_moves(pzs_optimiser *optimiser, const pzs_control *contr
 }
 
 /*
- * Make one voltage step from the shape `shown` towards the shape `wanted`.
+ * Make one voltage step of the controller from the shape `shown` towards the shape `wanted`.
  *   damping [inputs] in  gradient of the objective that damps vibration (m2/V); NULL: a step
  *                        without damping
  */
@@ -346,9 +349,10 @@ static pzs_status step(pzs_optimiser *optimiser, pzs_control *control, const pzs
         missed = damp_target(optimiser, control, damping, missed);
     if (damping != NULL && control->state.is_paused)
         ignore_held_moves(optimiser, control);
-    control->state.is_paused = false; /* While a fault detector measures a test pulse, it sets
-                                         is_paused after each step, so that a pause ends by itself
-                                         if the detector no longer runs. */
+    control->state.is_paused = false; /* A fault detector that measures a test pulse sets is_paused
+                                         again after each voltage step, so that the loop follows
+                                         target and loads again as soon as the detector no longer
+                                         runs. */
     const int32_t clash = start_step(optimiser, control);
     set_work_limits(optimiser, control, missed);
     int32_t where = -1;
@@ -403,7 +407,7 @@ void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damp
     control->state.damping = damping;
 }
 
-/* Keep the last voltages, clamped to the limits now in force. */
+/* Keep the voltages of the last tick, clamped to the voltage limits now in force. */
 static pzs_status hold_voltages(pzs_optimiser *optimiser, pzs_control *control, int32_t where)
 {
     int32_t outside;
@@ -550,8 +554,8 @@ size_t pzs_control_bytes(const pzs_problem *problem)
 }
 
 /*
- * Set the bounds of the voltages before the first step. Without step limits they are the voltage
- * limits in all steps.
+ * Set the bounds of the voltages before the first voltage step of the controller. Without step
+ * limits the bounds are the voltage limits in every voltage step.
  */
 static void set_initial_bounds(pzs_optimiser *optimiser, const pzs_control *control)
 {
@@ -565,9 +569,9 @@ static void set_initial_bounds(pzs_optimiser *optimiser, const pzs_control *cont
 }
 
 /*
- * Set the controller before the first step: reference voltages clamped to the limits, and all
- * inputs whose effects are linearly independent in the free set, whose voltages the optimiser may
- * change.
+ * Set the controller before its first voltage step: reference voltages clamped to the limits, and
+ * all inputs whose effects are linearly independent in the free set, whose voltages the optimiser
+ * may change.
  */
 static void set_initial_state(pzs_optimiser *optimiser, pzs_control *control)
 {
@@ -620,7 +624,10 @@ pzs_status pzs_control_init(pzs_control *control, const pzs_problem *problem,
     const int32_t lacking = guard_missing_bytes(work, bytes, need);
     if (lacking >= 0)
         return finish(control, PZS_E_WORKSPACE, lacking);
-    /* Hessian and tableau, which come first in the workspace, are written as a whole below. */
+    /*
+     * Hessian and tableau (pivoted Hessian) of the optimiser, which come first in the workspace,
+     * need not be set to zero, because they are computed as a whole afterwards.
+     */
     const size_t matrices =
         2u * sizeof(pzs_real) * problem->inputs * PZS_CONTROL_WIDTH(problem->inputs);
     memset((uint8_t *)work + matrices, 0, need - matrices);
@@ -681,7 +688,7 @@ pzs_status pzs_release(pzs_control *control, uint16_t input)
     return finish(control, PZS_OK, -1);
 }
 
-/* ---- certificate ----------------------------------------------------- */
+/* ---- certificate of optimality --------------------------------------- */
 
 pzs_status pzs_assess(pzs_control *control, const pzs_real *error, pzs_report *report)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: BSD-2-Clause */
-/* Internals of the controller that the optional blocks of the loop share. */
+/* Internal functions of the controller for the optional blocks of the control loop. */
 #ifndef PZS_LIB_CONTROL_H
 #define PZS_LIB_CONTROL_H
 
@@ -64,7 +64,7 @@ void pzs_control_damp(pzs_control *control, pzs_real share, const pzs_real *damp
  */
 void pzs_control_set_held(pzs_control *control, uint32_t input, pzs_real voltage);
 
-/* ---- parts of the initialisation that a loop repeats ---------------- */
+/* ---- parts of the initialisation that every tick repeats ---------------- */
 
 /*
  * Set the pointers of the controller to its arrays in the workspace. The voltage problem of the
@@ -73,14 +73,17 @@ void pzs_control_set_held(pzs_control *control, uint32_t input, pzs_real voltage
 void pzs_control_place(pzs_control *control, void *work);
 
 /*
- * Compute row k of the Hessian: from the table of the problem, or, without a table, from influence
- * matrix and output weights. The Hessian is symmetric to the last bit.
+ * Compute row k of the Hessian: from `table`, the Hessian in the tables of the voltage problem, or,
+ * if `table` is NULL, from influence matrix and output weights. The Hessian is symmetric to the
+ * last bit.
  */
 void pzs_control_form_row(const pzs_control *control, const pzs_real *table, uint32_t k);
 
 /*
- * Compute all rows of the Hessian like pzs_control_form_row. The tableau of the optimiser is used
- * as work array. Returns the index of the first entry of the Hessian that is not finite, or -1.
+ * Compute all rows of the Hessian: from `table`, the Hessian in the tables of the voltage problem,
+ * or, if `table` is NULL, from influence matrix and output weights. The tableau (pivoted Hessian)
+ * of the optimiser is used as work array. Returns the index of the first entry of the Hessian that
+ * is not finite, or -1.
  */
 int32_t pzs_control_form_hessian(const pzs_control *control, const pzs_real *table);
 
@@ -91,8 +94,8 @@ int32_t pzs_control_form_hessian(const pzs_control *control, const pzs_real *tab
 void pzs_control_find_step_limits(pzs_control *control);
 
 /*
- * Let the bounds of a voltage step and the voltage limits in force share their arrays. In a problem
- * without step limits, both are always equal.
+ * Let the bounds of a voltage step and the voltage limits in force share their arrays, for a
+ * voltage problem without step limits, in which both are always equal.
  */
 void pzs_control_share_bounds(pzs_optimiser *optimiser, const pzs_control *control);
 

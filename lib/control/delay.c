@@ -58,7 +58,7 @@ static pzs_status check(const pzs_reading_delay *tables, const pzs_problem *prob
     return is_finite ? PZS_OK : PZS_E_NONFINITE;
 }
 
-/* ---- voltages of the last ticks ---------------------------------------- */
+/* ---- ring buffer of the voltages of the last ticks ------------------- */
 
 /* Set the pointers of the block for late readings to its tables, its controller and its arrays. */
 static void place(pzs_reading_delay_state *state, const pzs_reading_delay *tables,
@@ -77,7 +77,8 @@ static void place(pzs_reading_delay_state *state, const pzs_reading_delay *table
 }
 
 /*
- * Return the table [sensors][inputs] of the model: change of each reading per volt on each input.
+ * Return the matrix [sensors][inputs] with which the model predicts readings: change of each
+ * reading per volt on each input.
  */
 static const pzs_real *direct_of(const pzs_reading_delay_state *state)
 {
@@ -85,8 +86,9 @@ static const pzs_real *direct_of(const pzs_reading_delay_state *state)
 }
 
 /*
- * Store the present voltages, and the readings that they produce according to the model, in the
- * newest row of a ring buffer.
+ * Store the present voltages, and the readings that they produce according to the model, as the
+ * newest rows of two ring buffers, which hold the voltages and the readings of the last delay + 1
+ * ticks.
  */
 static void push_voltages(pzs_reading_delay_state *state)
 {
@@ -99,15 +101,15 @@ static void push_voltages(pzs_reading_delay_state *state)
 }
 
 /*
- * Return the index of the oldest row in the ring buffer of voltages, which belongs to the time at
- * which the present readings were taken.
+ * Return the index of the oldest row in the ring buffer of the voltages of the last delay + 1
+ * ticks. This row belongs to the time at which the present readings were taken.
  */
 static size_t oldest_row(const pzs_reading_delay_state *state)
 {
     return (state->newest + 1u) % (state->tables->delay + 1u);
 }
 
-/* ---- correction ---------------------------------------------------------- */
+/* ---- correction of the readings -------------------------------------- */
 
 /*
  * Whether the fault detector has found the electrode of an input faulty and keeps its voltage

@@ -33,7 +33,10 @@
 #include "../core/numbers.h"
 
 #define READY 1u
-/* Factor by which the sums over earlier measured shapes decay before each new shape is added. */
+/*
+ * Factor by which the sums that the fault detector forms over the measured shapes decay before each
+ * new shape is added.
+ */
 #define FADING PZS_R(0.75)
 /*
  * Threshold of the fault detector: an electrode does not respond if this number times the sum of
@@ -42,8 +45,8 @@
  */
 #define NO_RESPONSE 16
 /*
- * Lowest regularisation of the least-squares estimate of electrode voltages, relative to the
- * diagonal of its matrix.
+ * Smallest regularisation of the least-squares estimate of electrode voltages from the measured
+ * shape, relative to the diagonal of the matrix of the estimate.
  */
 #define LEAST_RIDGE PZS_R(1e-5)
 /*
@@ -95,7 +98,10 @@ static pzs_real default_amplitude(const pzs_problem *problem, uint32_t j)
     return PZS_R(0.49) * whole;
 }
 
-/* Reserve the next `count` reals of the workspace and return their address. */
+/*
+ * Reserve memory for `count` real numbers in the workspace of the fault detector and return its
+ * address. `next` is the address of the free memory.
+ */
 static pzs_real *take_reals(pzs_real **next, size_t count)
 {
     pzs_real *const taken = *next;
@@ -145,9 +151,9 @@ static void place(pzs_fault_detector *detector, pzs_control *control, uint16_t d
 }
 
 /*
- * Compute the diagonal of B'W^2 B, with the influence matrix B and the output weights W, and 1 for
- * an electrode that has no effect on the shape. The diagonal of the Hessian cannot be used instead
- * because it contains the regularisation.
+ * Compute the diagonal entry of the matrix B'W^2 B for each electrode, with the influence matrix B
+ * and the output weights W; for an electrode that has no effect on the shape, set it to 1. The
+ * diagonal of the Hessian cannot be used instead because it contains the regularisation.
  */
 static void find_diagonal(pzs_fault_detector *detector)
 {
@@ -272,7 +278,7 @@ pzs_status pzs_fault_detector_init(pzs_fault_detector *detector, pzs_control *co
     return finish(detector, PZS_OK, -1);
 }
 
-/* ---- response --------------------------------------------------------- */
+/* ---- response of the electrodes -------------------------------------- */
 
 /*
  * Update the disturbance (measured minus predicted shape) and state.change, its change since the
@@ -303,8 +309,9 @@ static bool update_disturbance(pzs_fault_detector *detector, const pzs_real *mea
 }
 
 /*
- * Whether too few outputs are measured. The fault detector then skips the measured shape, and
- * compares the next shape with the last one that it used.
+ * Whether too few outputs (displacements) of the structure have a measurement in this tick. The
+ * fault detector then skips the measured shape, and compares the next shape with the last one that
+ * it used.
  */
 static bool has_too_few(const pzs_fault_detector *detector, const pzs_real *measured)
 {
@@ -326,7 +333,8 @@ static pzs_real *oldest_voltages(const pzs_fault_detector *detector)
 }
 
 /*
- * Store the voltages of one tick in a ring buffer, in place of the oldest voltages.
+ * Store the voltages of one tick in the ring buffer of the voltages of the last ticks, in place of
+ * the oldest voltages.
  *   voltage [inputs] in  voltages of the tick (V)
  */
 static void store_voltages(pzs_fault_detector *detector, const pzs_real *voltage)
@@ -339,8 +347,9 @@ static void store_voltages(pzs_fault_detector *detector, const pzs_real *voltage
 }
 
 /*
- * Return an exponentially decaying sum after one more term. A sum that is not finite, as after a
- * flipped bit of the memory, starts anew with the term.
+ * Return an exponentially decaying sum of the fault detector after it has decayed once and a new
+ * term was added. A sum that is not finite, as after a flipped bit of the memory, starts anew with
+ * the term.
  */
 static pzs_real faded_sum(pzs_real sum, pzs_real term)
 {
@@ -399,7 +408,10 @@ static bool has_just_failed(const pzs_fault_detector *detector, uint32_t j, pzs_
            loss < PZS_R(1.6) * limit && 4 * square(loss) >= deviation2;
 }
 
-/* Return the strength of the suspicion that electrode j is faulty (V2); 0: not suspected. */
+/*
+ * Return the squared voltage change (V2) by which electrodes suspected of being faulty are ranked
+ * for a test: that of electrode j, or 0 if it is not suspected.
+ */
 static pzs_real suspicion(const pzs_fault_detector *detector, uint32_t j, pzs_real voltage,
                           pzs_real deviation2)
 {
@@ -573,8 +585,8 @@ static bool continue_test(pzs_fault_detector *detector, pzs_test_signal *test,
 }
 
 /*
- * Whether the program has changed the voltage limits of an electrode during its test, by a call of
- * pzs_hold or pzs_release.
+ * Whether the program has changed the voltage limits of an electrode during the test by the fault
+ * detector, by a call of pzs_hold or pzs_release.
  */
 static bool is_overridden(const pzs_fault_detector *detector, const pzs_test_signal *test)
 {
@@ -615,8 +627,9 @@ static void update_states(pzs_fault_detector *detector)
         if (detector->state.electrode[j] == PZS_ELECTRODE_HELD &&
             !is_held(detector->state.control, j))
             detector->state.electrode[j] =
-                PZS_ELECTRODE_OBSERVED; /* the program has called pzs_release for the electrode,
-                                           which the fault detector therefore observes again */
+                PZS_ELECTRODE_OBSERVED; /* the program has called pzs_release for this electrode,
+                                           which was held as faulty; the fault detector therefore
+                                           observes it again */
     }
 }
 

@@ -81,8 +81,8 @@ static size_t block_bytes(const void *tables, const pzs_problem *problem)
 }
 
 /*
- * Check that a feed-forward table is valid, belongs to the scene of the voltage problem and has as
- * many rows as required.
+ * Check that a feed-forward table is valid, was generated from the same scene file as the voltage
+ * problem, and has `rows` rows, one for each output or sensor.
  */
 static pzs_status check(const pzs_feed_forward_table *table, const pzs_problem *problem,
                         uint16_t rows)
@@ -95,7 +95,10 @@ static pzs_status check(const pzs_feed_forward_table *table, const pzs_problem *
     return table->outputs == rows ? PZS_OK : PZS_E_ARGUMENT;
 }
 
-/* Set the pointers of the feed-forward block to its tables and its arrays. */
+/*
+ * Set the pointers of the feed-forward block to its tables and to its arrays for corrected readings
+ * and target shape.
+ */
 static void place(pzs_feed_forward_state *state, const pzs_known_loads *loads)
 {
     state->tables = loads;
@@ -133,7 +136,7 @@ static pzs_status subtract_known(const pzs_feed_forward_table *table, const pzs_
     return pzs_feed_forward(table, known, copy);
 }
 
-/* Return the index of the first load value that is not finite, or -1. */
+/* Return the index of the first value of a known load that is not finite, or -1. */
 static int32_t find_nonfinite_value(const pzs_loop_signals *signals, uint32_t loads)
 {
     int32_t bad = -1;

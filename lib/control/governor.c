@@ -39,7 +39,10 @@ static void *work_of(pzs_governor_state *state)
     return (uint8_t *)state + PZS_ALIGNED(sizeof *state);
 }
 
-/* Set the pointers of the reference governor to its tables, its controllers and its arrays. */
+/*
+ * Set the pointers of the reference governor to its tables, to the controller of the loop and to
+ * its arrays.
+ */
 static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_control *control)
 {
     const pzs_problem *problem = control->state.problem;
@@ -54,8 +57,8 @@ static void place(pzs_governor_state *state, const pzs_governor *tables, pzs_con
 }
 
 /*
- * Return the influence matrix of a controller in the form in which pzs_control_init takes it: NULL
- * if the controller uses the matrix of the voltage problem.
+ * Return the influence matrix that must be passed to pzs_control_init to initialise a second
+ * controller like this one: NULL if this controller uses the matrix of the voltage problem.
  */
 static const pzs_real *influence_of(const pzs_control *control)
 {
@@ -104,8 +107,8 @@ static bool are_held_alike(const pzs_real *left, const pzs_real *right, uint32_t
 }
 
 /*
- * Whether the target shape and the inputs that are held at a fixed voltage are those for which the
- * governor has last computed the optimal voltages.
+ * Whether the target shape and the inputs that are held at a fixed voltage are the same as when the
+ * governor last computed the optimal voltages.
  */
 static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 {
@@ -117,9 +120,9 @@ static bool is_known(const pzs_governor_state *state, const pzs_real *wanted)
 
 /*
  * Compute the optimal voltages for the target shape, within the voltage limits of the tables,
- * without step limits, and with the same inputs held at a fixed voltage as in the loop. The voltage
- * limits in the loop's controller are not used, because a hysteresis block may have replaced them
- * by limits of effects (voltages without hysteresis).
+ * without step limits, and with the same inputs held at a fixed voltage as in the control loop. The
+ * voltage limits in the loop's controller are not used, because a hysteresis block may have
+ * replaced them by limits of effects (voltages without hysteresis).
  */
 static void find_optimum(pzs_governor_state *state, const pzs_real *wanted)
 {
