@@ -63,7 +63,7 @@ typedef struct pzs_exchange {
     uint32_t input;
     pzs_real sign;  /* sign of the pivot of the exchange, which is the diagonal entry of the
                        exchanged input before the exchange: +1 or -1 */
-    pzs_real scale; /* 1 / square root of the absolute value of the pivot of an exchange */
+    pzs_real scale; /* 1 / square root of the absolute value of the pivot of a pivot exchange */
     pzs_real pivot; /* diagonal entry of the tableau (pivoted Hessian) that belongs to the exchanged
                        input, after the exchange */
 } pzs_exchange;
@@ -441,10 +441,11 @@ typedef struct pzs_pulse_detector_state {
                            of a fault [0] and the healthy one with which it is compared [1] (V) */
     pzs_real suspect_voltage; /* mean voltage of the electrode suspected of a fault when it was
                                  first  suspected (V) */
-    pzs_real suspect_move;    /* change of the mean voltage of the electrode suspected of a fault
-                                 since an earlier standstill of the target (V) */
-    pzs_real suspect_loss;    /* voltage that the electrode suspected of a fault seemed to have lost
-                                 (V) */
+    pzs_real suspect_move; /* change of the mean voltage of the electrode suspected of a fault, from
+                              an earlier standstill of the target to the time when it was first
+                              suspected (V) */
+    pzs_real suspect_loss; /* voltage that the electrode suspected of a fault seemed to have lost
+                              when it was first suspected (V) */
     uint32_t position; /* number of ticks since the fault detector began its present phase: a window
                           in which readings are averaged, or a test pulse */
     uint16_t suspect, reference; /* inputs of the electrodes under test: the one suspected of a
@@ -554,9 +555,9 @@ typedef struct pzs_reading_delay_state {
 
 typedef struct pzs_feed_forward_state {
     const struct pzs_known_loads *tables;
-    pzs_real *readings; /* [sensors] sensor readings minus the effect of known loads (unit of each
-                           sensor) */
-    pzs_real *wanted;   /* [outputs] target shape minus the effect of known loads (m) */
+    pzs_real *readings; /* [sensors] sensor readings minus the effect of known loads on the sensors
+                           (unit of each sensor) */
+    pzs_real *wanted; /* [outputs] target shape minus the effect of known loads on the shape (m) */
 } pzs_feed_forward_state;
 
 /*
@@ -665,7 +666,8 @@ typedef struct pzs_selftest_state {
     pzs_real *null;   /* [sensors] largest squared response of each sensor to noise and vibration,
                          measured while no amplifier moved, times the squared height of a pulse
                          (squared unit of each sensor) */
-    pzs_real *start;  /* [inputs] voltages before the self-test (V) */
+    pzs_real *start;  /* [inputs] voltages before the self-test, to which each amplifier returns
+                         after its test pulse (V) */
     pzs_real difference[2]; /* largest squared difference between the measured response of an
                                amplifier [0], or of a sensor [1], and the modelled response (1/V2)
                              */

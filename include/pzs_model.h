@@ -1,5 +1,6 @@
 /*
- * piezoshape, linear image: from element matrices in flash to the influence matrix, on the device.
+ * piezoshape, linear image (build of the library for a device): computes the influence matrix on
+ * the device from element matrices in flash.
  * SPDX-License-Identifier: BSD-2-Clause
  *
  * Order of the calls: pzs_model_init, pzs_assemble, pzs_factor, pzs_influence, then
@@ -15,7 +16,7 @@
 extern "C" {
 #endif
 
-/* ---- tables ----------------------------------------------------------- */
+/* ---- tables of the structure ----------------------------------------- */
 
 /*
  * One element type: geometry and material of a four-node shell element, as the element computations
@@ -126,7 +127,7 @@ typedef struct pzs_structure {
  */
 pzs_status pzs_structure_seal(pzs_structure *structure);
 
-/* ---- model: structure to influence ------------------------------------ */
+/* ---- model: from the structure to its influence matrix --------------- */
 
 /* Results of the finite-element model that a program may read. */
 typedef struct pzs_model_info {

@@ -1,6 +1,7 @@
 /*
- * piezoshape, nonlinear image (PZS_NONLINEAR=1): equilibrium of the shell at large rotation,
- * follower loads, open electrodes, contact, and the influence matrix at the deformed shape.
+ * piezoshape, nonlinear image (build of the library for a device, with PZS_NONLINEAR=1):
+ * equilibrium of the shell at large rotation, follower loads, open electrodes, contact, and the
+ * influence matrix at the deformed shape.
  * SPDX-License-Identifier: BSD-2-Clause
  *
  * Order of the calls: pzs_model_init, pzs_solver_init, pzs_attach_... for the options,
@@ -17,7 +18,7 @@
 extern "C" {
 #endif
 
-/* ---- tables ----------------------------------------------------------- */
+/* ---- tables of the nonlinear solver ---------------------------------- */
 
 /*
  * Prescribed stress resultants of the inputs: piezoelectric actuation and temperature, which turn
@@ -151,8 +152,8 @@ typedef struct pzs_solver_state {
                                  the last load step ended, or PZS_OK */
     pzs_status refused; /* error with which an option (such as a contact) rejected the last load
                            step, or PZS_OK */
-    int32_t refused_at; /* index, for example of an element, to which the error in `refused` refers
-                         */
+    int32_t refused_at; /* index, for example of an element, to which `refused` refers, the error
+                           with which an option rejected the last load step */
     pzs_status warned;  /* warning of an option (such as a contact) about the last converged load
                            step, or PZS_OK */
     bool is_balanced; /* whether the imbalance of the forces in the present load step is at most as

@@ -109,7 +109,7 @@ pzs_status pzs_quantise(pzs_control *control, pzs_real *given, pzs_real step, pz
     return PZS_OK;
 }
 
-/* ---- block ------------------------------------------------------------ */
+/* ---- block of the control loop --------------------------------------- */
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {

@@ -338,7 +338,7 @@ static bool is_converged(pzs_optimiser *optimiser)
     return pzs_product_largest(optimiser->scratch, optimiser->width) <= optimiser->rounding_bound;
 }
 
-/* ---- iterations ------------------------------------------------------ */
+/* ---- iterations of the active-set method ----------------------------- */
 
 typedef struct blocking {
     pzs_real part;  /* fraction of a change of all free voltages after which the first of them
@@ -665,7 +665,7 @@ static void iterate(pzs_optimiser *optimiser, pzs_real rounding)
     pzs_tableau_apply(optimiser);
 }
 
-/* ---- direct iteration ----------------------------------------------- */
+/* ---- whole step as one iteration ------------------------------------- */
 
 /*
  * Compute the gradient of input k after a predicted step from the Hessian, without the part that
@@ -747,7 +747,7 @@ static bool take_direct_iteration(pzs_optimiser *optimiser)
     return true;
 }
 
-/* ---- rounds --------------------------------------------------------- */
+/* ---- rounds of iterations -------------------------------------------- */
 
 static void find_way_and_slope(pzs_real *restrict way, pzs_real *restrict slope,
                                const pzs_real *restrict voltage, const pzs_real *restrict start,

@@ -237,7 +237,7 @@ bool pzs_dual_is_at_bounds(const pzs_optimiser *optimiser)
     return true;
 }
 
-/* ---- step of the free inputs --------------------------------------------- */
+/* ---- step of the free inputs to their minimum ------------------------ */
 
 /*
  * Subtract from a vector [width] the rows of the tableau (pivoted Hessian) that belong to the
@@ -301,7 +301,7 @@ uint32_t pzs_dual_predict_step(pzs_optimiser *optimiser, pzs_real rounding)
     return open;
 }
 
-/* ---- iterations ------------------------------------------------------ */
+/* ---- iterations of the dual method ----------------------------------- */
 
 /*
  * Whether the work limit of the optimiser allows `cost` multiply-adds and the end of the round of
@@ -597,7 +597,7 @@ void pzs_dual_choose_anew(pzs_optimiser *optimiser, pzs_real rounding)
     pzs_dual_move_to_bounds(optimiser);
 }
 
-/* ---- course of a round ----------------------------------------------- */
+/* ---- course of a round of iterations --------------------------------- */
 
 /*
  * Count one more iteration of the dual method if its work is within the work limit. Otherwise note

@@ -52,7 +52,7 @@ static void set_multiple(pzs_real *restrict to, const pzs_real *restrict from, p
         to[i] = factor * from[i];
 }
 
-/* ---- collection of exchanges ----------------------------------------- */
+/* ---- collection of pivot exchanges ----------------------------------- */
 
 void pzs_tableau_collect(pzs_optimiser *optimiser, pzs_real *pending)
 {
@@ -79,7 +79,7 @@ static void collect_many(pzs_optimiser *optimiser)
     optimiser->pending_most = fit < MANY ? fit : MANY;
 }
 
-/* ---- exchanges ------------------------------------------------------- */
+/* ---- pivot exchanges ------------------------------------------------- */
 
 /*
  * Return whether only the entries up to the diagonal of the tableau (the optimiser's pivoted
@@ -346,7 +346,7 @@ void pzs_tableau_complete(pzs_optimiser *optimiser)
     optimiser->is_rebuilding = false;
 }
 
-/* ---- recomputation --------------------------------------------------- */
+/* ---- recomputation of the tableau ------------------------------------ */
 
 void pzs_tableau_reset(pzs_optimiser *optimiser)
 {

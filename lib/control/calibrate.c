@@ -96,7 +96,7 @@ static bool is_used(const pzs_calibration *calibration, size_t output)
     return ignored == NULL || ignored[output] == 0;
 }
 
-/* ---- initialisation ----------------------------------------------------- */
+/* ---- initialisation of a calibration --------------------------------- */
 
 static uint32_t period_of(uint32_t inputs)
 {
@@ -190,7 +190,7 @@ static pzs_status check_ready(const pzs_calibration *calibration, const void *on
     return calibration->state.stage == READY ? PZS_OK : PZS_E_STAGE;
 }
 
-/* ---- test voltages ------------------------------------------------------ */
+/* ---- test voltages of a calibration ---------------------------------- */
 
 /*
  * Return the sign of the test voltage of an input (1 or -1) in a test pattern. The sign is a Walsh
@@ -270,7 +270,7 @@ pzs_status pzs_calibration_excite(pzs_calibration *calibration)
     return finish(calibration, PZS_OK, -1);
 }
 
-/* ---- records ------------------------------------------------------------ */
+/* ---- records of voltages and readings -------------------------------- */
 
 /*
  * Return the size of a diagonal entry (pivot) of the triangular factor of the information matrix
@@ -482,7 +482,7 @@ pzs_status pzs_calibration_record(pzs_calibration *calibration, const pzs_real *
     return finish(calibration, PZS_OK, -1);
 }
 
-/* ---- result ------------------------------------------------------------- */
+/* ---- result: the influence matrix ------------------------------------ */
 
 /*
  * Compute the reciprocals of the diagonal entries (pivots) of the triangular factor of the

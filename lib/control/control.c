@@ -39,7 +39,7 @@
 /* Smallest square of a displacement that loses no digits by underflow (m2). */
 #define SMALLEST_SQUARE PZS_BY_BITS(1e-31f, 1e-292)
 
-/* ---- step ------------------------------------------------------------ */
+/* ---- voltage step ---------------------------------------------------- */
 
 /*
  * Compute the bounds of a voltage step: the step limits around the last voltages, clamped to the
@@ -380,7 +380,7 @@ pzs_status pzs_step(pzs_control *control, const pzs_real *error)
     return step(optimiser, control, error, control->state.predicted, NULL);
 }
 
-/* ---- tick ------------------------------------------------------------ */
+/* ---- control tick ---------------------------------------------------- */
 
 /* Predict the shape anew if the voltages have changed since the last prediction. */
 static void renew_prediction(pzs_optimiser *optimiser, pzs_control *control)
@@ -460,7 +460,7 @@ pzs_status pzs_tick(pzs_control *control, const pzs_real *wanted, const pzs_real
     return stepped == PZS_OK && unusable != 0 ? finish(control, PZS_W_SENSOR, where) : stepped;
 }
 
-/* ---- init and limits ------------------------------------------------- */
+/* ---- initialisation and voltage limits ------------------------------- */
 
 /*
  * Return the first input whose limits contain no finite voltage, or whose step limit is negative or

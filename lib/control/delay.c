@@ -156,7 +156,7 @@ static void correct(pzs_reading_delay_state *state, const pzs_real *readings)
     undo_faulty(state);
 }
 
-/* ---- block --------------------------------------------------------------- */
+/* ---- block of the control loop --------------------------------------- */
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {

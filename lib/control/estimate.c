@@ -44,7 +44,7 @@ pzs_status pzs_estimator_seal(pzs_estimator *tables)
     return PZS_OK;
 }
 
-/* ---- estimate --------------------------------------------------------- */
+/* ---- estimate of the shape ------------------------------------------- */
 
 static pzs_status check(const pzs_estimator *tables, const pzs_control *control)
 {
@@ -126,7 +126,7 @@ pzs_status pzs_estimate_tick(pzs_estimate *estimate, const pzs_real *sensed, pzs
     return finish(estimate, unusable == 0 ? PZS_OK : warning, where);
 }
 
-/* ---- block ------------------------------------------------------------ */
+/* ---- block of the control loop --------------------------------------- */
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {

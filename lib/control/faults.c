@@ -84,7 +84,7 @@ static pzs_real square(pzs_real number)
     return number * number;
 }
 
-/* ---- init ------------------------------------------------------------- */
+/* ---- initialisation -------------------------------------------------- */
 
 /*
  * Return the default amplitude of a test signal of electrode j (V): just below half the step limit,
@@ -385,7 +385,7 @@ static pzs_real update_responses(pzs_fault_detector *detector, const pzs_real *v
     return deviation2;
 }
 
-/* ---- test signals ----------------------------------------------------- */
+/* ---- test signals of suspected electrodes ---------------------------- */
 
 static bool is_held(const pzs_control *control, uint32_t j)
 {
@@ -665,7 +665,7 @@ pzs_status pzs_fault_detector_tick(pzs_fault_detector *detector, const pzs_real 
     return first >= 0 ? finish(detector, PZS_W_ELECTRODE, first) : finish(detector, PZS_OK, -1);
 }
 
-/* ---- block ------------------------------------------------------------ */
+/* ---- block of the control loop --------------------------------------- */
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {

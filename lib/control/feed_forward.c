@@ -62,7 +62,7 @@ pzs_status pzs_feed_forward(const pzs_feed_forward_table *table, const pzs_real 
     return PZS_OK;
 }
 
-/* ---- block ------------------------------------------------------------ */
+/* ---- block of the control loop --------------------------------------- */
 
 /*
  * Return the feed-forward table for the sensor readings. If the readings are the measured shape

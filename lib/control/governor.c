@@ -24,7 +24,7 @@
 #include "../core/numbers.h"
 #include "../core/product.h"
 
-/* ---- layout ------------------------------------------------------------ */
+/* ---- memory of the governor ------------------------------------------ */
 
 static size_t block_bytes(const void *tables, const pzs_problem *problem)
 {
@@ -82,7 +82,7 @@ static pzs_status block_init(void *self, const void *tables, pzs_loop_signals *s
                             work_of(state), pzs_control_bytes(problem));
 }
 
-/* ---- tick ---------------------------------------------------------------- */
+/* ---- tick of the governor -------------------------------------------- */
 
 static bool are_equal(const pzs_real *left, const pzs_real *right, uint32_t count)
 {
