@@ -440,7 +440,7 @@ typedef struct pzs_pulse_detector_state {
     pzs_real height[2]; /* heights of the voltage pulses that test two electrodes: the one suspected
                            of a fault [0] and the healthy one with which it is compared [1] (V) */
     pzs_real suspect_voltage; /* mean voltage of the electrode suspected of a fault when it was
-                                 first  suspected (V) */
+                                 first suspected (V) */
     pzs_real suspect_move; /* change of the mean voltage of the electrode suspected of a fault, from
                               an earlier standstill of the target to the time when it was first
                               suspected (V) */

@@ -232,7 +232,8 @@ pzs_status pzs_loop_know(pzs_loop *loop, const pzs_real *now, const pzs_real *ne
 pzs_status pzs_loop_skip(pzs_loop *loop, uint32_t ticks);
 
 /*
- * Run one tick of a control loop: all blocks in the order of the list, then the last gate.
+ * Run one tick of a control loop: all blocks in the order of the list, then the last gate, a
+ * check of the voltages.
  *   wanted   [outputs] in  target shape (m)
  *   readings [sensors] in  sensor readings, NaN where a sensor gives nothing; in a list without
  *                          estimator and damper the measured shape [outputs] (m); NULL: no readings
@@ -398,8 +399,8 @@ extern const pzs_block_type pzs_reading_delay_block;
 
 /*
  * Operating modes of the supervisor, which decides in each tick whether the loop is in control.
- * Where it is not, the supervisor keeps the voltages at the park voltages, or ramps them there
- * along a straight line inside voltage limits and step limits.
+ * Where it is not, the supervisor keeps the voltages at the park voltages, the safe voltages in its
+ * tables, or ramps them there along a straight line inside voltage limits and step limits.
  *
  *     pzs_loop_init
  *     INITIALISE --ARM--> ARMED --all readings usable, parked--> RUNNING <--readings, none-->
@@ -408,11 +409,12 @@ extern const pzs_block_type pzs_reading_delay_block;
  *     any --STOP, alarm, time-out, error of a block--> STOPPING --arrived--> LATCHED
  *
  * The status of pzs_loop_tick tells the program what to do. In control: the status of the other
- * blocks. PZS_W_PARKED: the output is parked by command. PZS_W_RAMP: control is lost and the output
- * is on its way to the park voltages, so the program must keep calling pzs_loop_tick.
- * PZS_E_LATCHED: the park voltages are published and the loop is over. A program that ticks until
- * an error, and writes info.voltage to the amplifiers after each tick, thus ends with parked
- * amplifiers after at most pzs_supervisor_longest_ramp ticks:
+ * blocks. PZS_W_PARKED: before control begins, or by command, the voltages are at the park or
+ * reference voltages or on their way there. PZS_W_RAMP: control is lost and the voltages are on
+ * their way to the park voltages, so the program must keep calling pzs_loop_tick. PZS_E_LATCHED:
+ * the park voltages are published and the loop is over. A program that ticks until an error, and
+ * writes info.voltage to the amplifiers after each tick, thus ends with the amplifiers at the park
+ * voltages after at most pzs_supervisor_longest_ramp ticks:
  *
  *     while (!PZS_IS_ERROR(status)) {
  *         read_target(wanted);
@@ -465,7 +467,7 @@ typedef enum pzs_supervisor_command {
  */
 typedef enum pzs_supervisor_event {
     PZS_EVENT_FRAME = 0, /* supervisor event: usable readings arrived; in PZS_MODE_ARMED: all
-                            readings were usable and the voltages were parked */
+                            readings were usable and the voltages were at the park voltages */
     PZS_EVENT_NO_FRAME,  /* supervisor event: no reading was usable, or the target was not finite */
     PZS_EVENT_ARM,       /* supervisor event: the program gave the command PZS_COMMAND_ARM */
     PZS_EVENT_PARK, /* supervisor event: the program gave the command PZS_COMMAND_PARK (ramp to the
