@@ -132,7 +132,7 @@ int read_mesh_file(reader *reader, int node, void *to, const void *rule)
     return status;
 }
 
-/* ---- sets -------------------------------------------------------------- */
+/* ---- sets of the mesh file --------------------------------------------- */
 
 /*
  * Append the names of sets, separated by commas, to a list of at most LIST bytes for an error
@@ -368,7 +368,7 @@ int read_patch_sets(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* ---- places ------------------------------------------------------------ */
+/* ---- points near which a node is sought -------------------------------- */
 
 static double distance_to(const quad_mesh *mesh, size_t node, const double place[3])
 {
@@ -420,7 +420,7 @@ int read_place(reader *reader, int node, scene_where *where)
     return 0;
 }
 
-/* ---- nodes of a place --------------------------------------------------- */
+/* ---- nodes of a point, edge or set -------------------------------------- */
 
 /*
  * Mark the nodes of a set of the mesh file, which is a set of nodes, of edges or of elements.

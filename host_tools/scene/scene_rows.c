@@ -54,7 +54,7 @@ static int add_difference(reader *reader, int node, int left, int right, double 
     return 0;
 }
 
-/* ---- difference ------------------------------------------------------------ */
+/* ---- limits of differences of voltages ------------------------------------- */
 
 typedef struct difference_text {
     double limit;
@@ -155,7 +155,7 @@ int read_difference(reader *reader, int node, void *to, const void *rule)
     return failed;
 }
 
-/* ---- sum ----------------------------------------------------------------------- */
+/* ---- limits of sums of voltages ------------------------------------------------ */
 
 typedef struct sum_text {
     double voltage[2];
@@ -199,7 +199,7 @@ int read_sum(reader *reader, int node, void *to, const void *rule)
     return row ? 0 : -1;
 }
 
-/* ---- parts of the loop that cannot keep limits between amplifiers -------------- */
+/* ---- blocks of the control loop that cannot keep limits between amplifiers ----- */
 
 int scene_check_rows(const scene *scene, char *error)
 {

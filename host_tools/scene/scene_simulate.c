@@ -16,7 +16,7 @@ static const range later = {0, 1e7, 0, "must be a tick from 0"};
 static const range load_number = {0, 1e6, 0, "must be the number of a load, the first is 0"};
 static const range tick_count = {1, 10000000, 0, "must be from 1 to 10000000 ticks"};
 
-/* ---- plant ---- */
+/* ---- simulated plant ---- */
 
 static const form named_factors_form = {.type = FORM_NAMED, .item = &above_zero_form};
 static const form *const factors_forms[] = {&above_zero_form, &named_factors_form, NULL};
@@ -317,7 +317,7 @@ static int read_faults(reader *reader, int node, void *to, const void *rule)
     return read_map(reader, node, faults_fields, to);
 }
 
-/* ---- events ---- */
+/* ---- events of the simulation ---- */
 
 typedef struct event_text {
     scene_event *event;
@@ -686,7 +686,7 @@ static int read_events(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* ---- the section ---- */
+/* ---- the section simulate ---- */
 
 static const range seeds = {0, 1e9, 0, "must be from 0 to 1e9"};
 static const choice influence_places[] = {{"undeformed", 0}, {"target", 1}, {NULL, 0}};

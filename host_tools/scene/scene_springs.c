@@ -9,7 +9,7 @@
 #include "scene_parts.h"
 #include "scene_points.h"
 
-/* ---- directions --------------------------------------------------------- */
+/* ---- directions of springs ---------------------------------------------- */
 
 static const choice components[] = {{"u1", COMPONENT_U1},
                                     {"u2", COMPONENT_U2},
@@ -35,7 +35,7 @@ int read_any_direction(reader *reader, int node, void *to, const void *rule)
     return 0;
 }
 
-/* ---- places ------------------------------------------------------------- */
+/* ---- attachment points of springs --------------------------------------- */
 
 /*
  * Copy the coordinates of one attachment point of a spring or stack from a row of a table; on a
@@ -200,7 +200,7 @@ int read_springs(reader *reader, int node, void *to, const void *rule)
     return read_items(reader, node, scene->spring, sizeof *scene->spring, read_spring, NULL);
 }
 
-/* ---- stacks ------------------------------------------------------------- */
+/* ---- stack actuators ---------------------------------------------------- */
 
 static const field stack_fields[] = {
     SPRING_ROWS,

@@ -43,7 +43,7 @@ static double project(double vector[3], const double unit[3])
     return vector_normalise(vector);
 }
 
-/* ---- work --------------------------------------------------------------- */
+/* ---- arrays of the computation of triads -------------------------------- */
 
 /*
  * Normals, at one node, of those edges of a support (a constrained part of the boundary) that meet
@@ -190,7 +190,7 @@ static int apply_plane(triads *triads, const scene_support *support, const doubl
                        high - low);
 }
 
-/* ---- triads ------------------------------------------------------------- */
+/* ---- local axes and constrained dof ------------------------------------- */
 
 /*
  * Exchange the bits of the dof along the local axes e1 and e2 in a set of dof, and return the

@@ -9,7 +9,7 @@
 #include <string.h>
 #include "surface.h"
 
-/* ---- dimensions ------------------------------------------------------- */
+/* ---- physical dimensions ---------------------------------------------- */
 
 /*
  * Name of each physical dimension for error messages, a unit as an example, and its powers of
@@ -56,7 +56,7 @@ static const struct {
     [OF_MOMENT] = {"a moment", "N m", {{1, 1, 0, 0, 0, 0}, 0, 0}},
 };
 
-/* ---- dimensions that follow from neighbours --------------------------- */
+/* ---- dimensions that follow from other keys --------------------------- */
 
 /* Return the YAML mapping that contains the key of a node. */
 static int map_of(const tree *tree, int node)

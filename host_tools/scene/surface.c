@@ -29,7 +29,7 @@ surface_point surface_at(const scene_surface *surface, double theta1, double the
     return surface_type_of(surface)->at(surface, theta1, theta2);
 }
 
-/* ---- area ------------------------------------------------------------- */
+/* ---- area of a surface ------------------------------------------------ */
 
 /*
  * Integrate A1 A2, the area of a surface per unit of theta1 and theta2, over a short range of one
@@ -79,7 +79,7 @@ double surface_area(const scene_surface *surface, const double t1[2], const doub
     return integral(surface, 2, t2) * (t1[1] - t1[0]);
 }
 
-/* ---- ranges ----------------------------------------------------------- */
+/* ---- ranges of surface coordinates ------------------------------------ */
 
 /*
  * Return whether a set of surface coordinates, given as bits ALONG_THETA1, ALONG_THETA2 and

@@ -62,7 +62,7 @@ static void skip_blanks(parser *parser)
         parser->at++;
 }
 
-/* ---- factors ---------------------------------------------------------- */
+/* ---- factors of a unit ------------------------------------------------ */
 
 static const symbol *find_symbol(const char *text, size_t length)
 {
@@ -148,7 +148,7 @@ static int take_factor(parser *parser, int sign)
     return 0;
 }
 
-/* ---- products and quotients ------------------------------------------- */
+/* ---- products and quotients of units ---------------------------------- */
 
 /*
  * Return whether another factor follows in the text of a product of units, and skip the
@@ -225,7 +225,7 @@ int units_alike(const units_unit *first, const units_unit *second)
     return memcmp(first->power, second->power, sizeof first->power) == 0;
 }
 
-/* ---- numbers ---------------------------------------------------------- */
+/* ---- numbers in front of a unit --------------------------------------- */
 
 static const char *skip_digits(const char *at)
 {

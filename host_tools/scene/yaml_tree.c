@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <yaml.h>
 
-/* ---- messages ---- */
+/* ---- error messages ---- */
 
 static void make_one_line(char *text)
 {
@@ -70,7 +70,7 @@ int tree_fault(const tree *tree, int node, const char *format, ...)
     return -1;
 }
 
-/* ---- nodes ---- */
+/* ---- nodes of the tree ---- */
 
 static int new_node(tree *tree, tree_kind kind, scene_at at)
 {
@@ -160,7 +160,7 @@ void tree_free(tree *tree)
     tree->nodes = tree->room = tree->root = 0;
 }
 
-/* ---- from libyaml's events ---- */
+/* ---- tree from libyaml's events ---- */
 
 typedef struct anchor {
     char *name;
@@ -592,7 +592,7 @@ static int apply_change(tree *tree, int k)
     return put(tree, change, (size_t)(equals - change), value, at);
 }
 
-/* ---- files ---- */
+/* ---- reading of files ---- */
 
 static uint32_t hash_more(uint32_t hash, const char *bytes, size_t count)
 {

@@ -100,7 +100,7 @@ typedef struct trial {
                                     linear */
 } trial;
 
-/* ---- tables ----------------------------------------------------------- */
+/* ---- tables of the control loop --------------------------------------- */
 
 /*
  * Replace the tables of the control loop by those for another tick rate and other settings of the
@@ -163,7 +163,7 @@ static void close_trial(trial *trial)
     estimator_close(&trial->estimator);
 }
 
-/* ---- growth ----------------------------------------------------------- */
+/* ---- growth of small vibrations --------------------------------------- */
 
 /* Number of ticks during which the growth of vibrations is measured. */
 static int growth_ticks(const storm_rig *rig)
@@ -215,7 +215,7 @@ static int measure_growth(const storm_rig *rig, certificate_loop *loop, bool *is
     return 0;
 }
 
-/* ---- storms ----------------------------------------------------------- */
+/* ---- simulations with fast target jumps ------------------------------- */
 
 /*
  * Fraction (0 to 1) by which the ceramic has less hysteresis than the scene file says, in storms
@@ -360,7 +360,7 @@ static int try_neighbouring_ages(const trial *trial, certificate_loop *loop, cha
                : 0;
 }
 
-/* ---- choice ----------------------------------------------------------- */
+/* ---- choice of the settings of the vibration damper ------------------- */
 
 /*
  * Certify the control loop with one choice of settings of the vibration damper, by simulations of
@@ -496,7 +496,7 @@ int certify_loop(analysis *analysis, char *error)
     return failed ? -1 : 0;
 }
 
-/* ---- margins ---------------------------------------------------------- */
+/* ---- stability margins ------------------------------------------------ */
 
 /*
  * Find the last stable factor between 1 and `end` of the structure's static response to voltages

@@ -42,7 +42,7 @@ const device_board *device_find(const char *name)
     return NULL;
 }
 
-/* ---- build ------------------------------------------------------------ */
+/* ---- build of the firmware -------------------------------------------- */
 
 int device_folder(char folder[DEVICE_PATH], char error[DEVICE_ERROR])
 {
@@ -103,7 +103,7 @@ void device_remove(const char *folder)
     interrupt_folder(NULL);
 }
 
-/* ---- frames ----------------------------------------------------------- */
+/* ---- messages to and from the firmware -------------------------------- */
 
 static size_t real_bytes(const device *device)
 {
@@ -200,7 +200,7 @@ static int silent(const device *device, char error[DEVICE_ERROR])
     return -1;
 }
 
-/* ---- start ------------------------------------------------------------ */
+/* ---- start of the firmware -------------------------------------------- */
 
 static int launch(device *child, const char *folder)
 {
@@ -267,7 +267,7 @@ void device_stop(device *device)
     memset(device, 0, sizeof *device);
 }
 
-/* ---- orders ----------------------------------------------------------- */
+/* ---- orders to the firmware ------------------------------------------- */
 
 void device_hold(device *device, int input, double voltage)
 {

@@ -9,7 +9,7 @@
 /* Time constants of the three first-order lags of the creep model (s). */
 static const double creep_time[CREEPS] = {0.1, 1, 10};
 
-/* ---- actuators -------------------------------------------------------- */
+/* ---- imperfections of amplifiers and ceramic -------------------------- */
 
 static bool has_bandwidth(const imperfection_tables *tables)
 {
@@ -194,7 +194,7 @@ bool imperfections_stroke(const imperfections *on, double *lowest, double *highe
     return true;
 }
 
-/* ---- sensors ---------------------------------------------------------- */
+/* ---- imperfections of sensors ----------------------------------------- */
 
 static double add_drift(const imperfections *on, int sensor, double value)
 {

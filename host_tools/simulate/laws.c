@@ -29,7 +29,7 @@ void law_close(law *law)
     memset(law, 0, sizeof *law);
 }
 
-/* ---- limits ----------------------------------------------------------- */
+/* ---- clipping of voltages to limits ----------------------------------- */
 
 /*
  * Copy the voltages that a control law for comparison has computed and clipped to the limits into
@@ -48,7 +48,7 @@ static void set_voltages(const law *law, pzs_control *control)
     pzs_control_moved(control);
 }
 
-/* ---- blocks ----------------------------------------------------------- */
+/* ---- step blocks of the control laws ---------------------------------- */
 
 static size_t law_bytes(const void *tables, const pzs_problem *problem)
 {

@@ -20,7 +20,7 @@
  */
 static const plant_motion *const motions[] = {&plant_modal, &plant_nonlinear};
 
-/* ---- open ------------------------------------------------------------- */
+/* ---- preparation of the plant ----------------------------------------- */
 
 /*
  * Append a temperature change of 1 K to the loads of the plant's scene. Returns 0, or -1 if memory
@@ -212,7 +212,7 @@ void plant_close(plant *plant)
     memset(plant, 0, sizeof *plant);
 }
 
-/* ---- loads ------------------------------------------------------------ */
+/* ---- loads of the plant ----------------------------------------------- */
 
 int plant_input(const plant *plant, int load)
 {
@@ -249,7 +249,7 @@ void plant_rest(plant *plant)
     plant->is_at_rest = true;
 }
 
-/* ---- motion ----------------------------------------------------------- */
+/* ---- motion of the plant ---------------------------------------------- */
 
 static void set_voltages(plant *plant, const double *voltage)
 {
@@ -405,7 +405,7 @@ const plant_motion plant_quasi_static = {"quasi-static",
                                          plant_static_outputs,
                                          plant_static_displacement};
 
-/* ---- optimum ---------------------------------------------------------- */
+/* ---- optimal voltages ------------------------------------------------- */
 
 /*
  * Compute the displacements at the target rows (controlled displacements) that the voltages must

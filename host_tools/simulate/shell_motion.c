@@ -54,7 +54,7 @@ static const pzs_structure *structure_of(const shell_motion *motion)
     return motion->solver.state.model->state.structure;
 }
 
-/* ---- open ------------------------------------------------------------- */
+/* ---- preparation of the motion ---------------------------------------- */
 
 static bool take_memory(shell_motion *motion)
 {
@@ -174,7 +174,7 @@ double shell_motion_step(const vibration *vibration, double interval)
     return interval / fmax(1, ceil(fastest / step_phase));
 }
 
-/* ---- elements --------------------------------------------------------- */
+/* ---- forces and tangents of elements ---------------------------------- */
 
 /*
  * Compute the stress resultants of one element at a displacement, without the prescribed stress
@@ -310,7 +310,7 @@ static void extrapolate(shell_motion *motion, double step)
     }
 }
 
-/* ---- one linear solve --------------------------------------------------- */
+/* ---- one linear solve of a time step ------------------------------------ */
 
 /*
  * Whether an input, such as a voltage or a temperature, acts by prescribed stress resultants and
@@ -449,7 +449,7 @@ static bool solve_and_update(shell_motion *motion, double step, bool is_new)
     return true;
 }
 
-/* ---- one step ----------------------------------------------------------- */
+/* ---- one time step ------------------------------------------------------ */
 
 /*
  * Begin a time step: predict the displacement at half the step from the velocity and the
@@ -574,7 +574,7 @@ bool shell_motion_advance(shell_motion *motion, const double *value, double seco
     return true;
 }
 
-/* ---- state -------------------------------------------------------------- */
+/* ---- state of the motion ------------------------------------------------ */
 
 void shell_motion_rest(shell_motion *motion, const double *displacement, const double *value)
 {

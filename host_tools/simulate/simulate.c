@@ -40,7 +40,7 @@ static int no_memory(const analysis *nominal, char *error)
     return scene_fault(nominal->design.simulate.at, error, "out of memory");
 }
 
-/* ---- open ------------------------------------------------------------- */
+/* ---- preparation of the simulation ------------------------------------ */
 
 static int allocate_course(simulate_course *course, const design *design)
 {
@@ -476,7 +476,7 @@ static bool keep_conditions(loop *loop, simulate_phase *phase)
     return imperfections_stroke(&wiring, phase->lowest, phase->highest);
 }
 
-/* ---- run -------------------------------------------------------------- */
+/* ---- ticks of a control law ------------------------------------------- */
 
 static void report_tick(const loop *loop, simulate_law law, int tick,
                         simulate_tick_callback *callback, void *context)
@@ -598,7 +598,7 @@ long simulate_ran(const simulate_count *count)
     return run;
 }
 
-/* ---- optima ----------------------------------------------------------- */
+/* ---- best shape of each phase ----------------------------------------- */
 
 static int same_conditions(const simulation *simulation, const simulate_phase *first,
                            const simulate_phase *second)

@@ -32,7 +32,7 @@ static void release_electrode(loop *loop, int amplifier)
     device_release(&loop->twin, amplifier);
 }
 
-/* ---- events ----------------------------------------------------------- */
+/* ---- events of the simulation ----------------------------------------- */
 
 static void set_target(loop *loop, const scene_event *event)
 {
@@ -587,7 +587,7 @@ int loop_active(const loop *loop)
     return count;
 }
 
-/* ---- tick ------------------------------------------------------------- */
+/* ---- one tick of the loop --------------------------------------------- */
 
 int loop_tick(loop *loop, int tick, char *error)
 {
@@ -724,7 +724,7 @@ int loop_selftest(loop *loop, char *error)
     return PZS_IS_ERROR(loop->status) ? refuse(loop, error) : 0;
 }
 
-/* ---- open ------------------------------------------------------------- */
+/* ---- start of the loop ------------------------------------------------ */
 
 static int take_memory(loop *loop)
 {

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- open ------------------------------------------------------------- */
+/* ---- preparation of the sensors --------------------------------------- */
 
 /* Set the standard deviation of the noise of every sensor. */
 static void take_noise(loop *loop)
@@ -67,7 +67,7 @@ void sense_close(loop *loop)
     free(loop->sensor);
 }
 
-/* ---- sensors ---------------------------------------------------------- */
+/* ---- sensor readings -------------------------------------------------- */
 
 /*
  * Return the address of the vector that belongs to a tick in a ring buffer; the buffer holds one
@@ -117,7 +117,7 @@ int sense_tick(loop *loop, int tick, char *error)
     return 0;
 }
 
-/* ---- shape ------------------------------------------------------------ */
+/* ---- measured shape --------------------------------------------------- */
 
 const double *sense_known_loads(const loop *loop, int tick)
 {

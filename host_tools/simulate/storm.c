@@ -41,7 +41,7 @@ static const double noise_share = 1e-4;
  */
 static const double diverged = 1e6;
 
-/* ---- the rig ---------------------------------------------------------- */
+/* ---- data that all storms of a loop share ----------------------------- */
 
 static int no_memory(const analysis *analysis, char *error)
 {
@@ -194,7 +194,7 @@ void storm_close(storm_rig *rig)
     memset(rig, 0, sizeof *rig);
 }
 
-/* ---- one run ---------------------------------------------------------- */
+/* ---- state of one storm ----------------------------------------------- */
 
 /* State of one storm: a simulated control loop with fast jumps of the target. */
 typedef struct storm {
@@ -308,7 +308,7 @@ static void set_limits(storm *storm)
     storm->problem.crc = pzs_problem_crc(&storm->problem);
 }
 
-/* ---- ceramic ---------------------------------------------------------- */
+/* ---- hysteresis and creep of the ceramic ------------------------------ */
 
 /*
  * State of the ceramic of electrode k: the outputs of its play operators (hysteresis) and of its
@@ -382,7 +382,7 @@ static void advance_ceramic(storm *storm)
     }
 }
 
-/* ---- the loop of a run ------------------------------------------------ */
+/* ---- control loop of a storm ------------------------------------------ */
 
 /*
  * Append a block of the control tick to the blocks of the simulation. The step block (the block
@@ -565,7 +565,7 @@ static int open_storm(storm *storm, const storm_rig *rig, const storm_plant *pla
     return 0;
 }
 
-/* ---- ticks ------------------------------------------------------------ */
+/* ---- ticks of a storm ------------------------------------------------- */
 
 /*
  * Return the address of the vector that belongs to a tick in a ring buffer, which holds one vector,
@@ -667,7 +667,7 @@ static pzs_status run_tick(storm *storm)
     return status;
 }
 
-/* ---- storm ------------------------------------------------------------ */
+/* ---- a storm, targets that jump --------------------------------------- */
 
 static int clamp_ticks(double ticks, int least, int most)
 {
@@ -763,7 +763,7 @@ int storm_run(const storm_rig *rig, const storm_plant *plant, storm_result *resu
     return failed;
 }
 
-/* ---- growth ----------------------------------------------------------- */
+/* ---- growth of small vibrations --------------------------------------- */
 
 /*
  * Return one measure of the size of a vibration: the root of the sum of squares of two weighted

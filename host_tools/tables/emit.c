@@ -9,7 +9,7 @@
 #include <stdarg.h>
 #include "../../lib/core/guard.h"
 
-/* ---- checksums -------------------------------------------------------- */
+/* ---- checksums of tables ---------------------------------------------- */
 
 uint32_t emit_crc_reals(uint32_t crc, const double *value, size_t count)
 {
@@ -20,7 +20,7 @@ uint32_t emit_crc_reals(uint32_t crc, const double *value, size_t count)
     return crc;
 }
 
-/* ---- comments --------------------------------------------------------- */
+/* ---- comments in generated tables ------------------------------------- */
 
 /*
  * Write a text into a C comment. A blank is inserted wherever the text contains the two characters
@@ -66,7 +66,7 @@ void emit_comment(const emitter *emitter, const char *format, ...)
     emit_comment_end(emitter);
 }
 
-/* ---- arrays ----------------------------------------------------------- */
+/* ---- arrays in generated tables --------------------------------------- */
 
 void emit_count_reals(emitter *emitter, const double *value, size_t count)
 {

@@ -16,7 +16,7 @@
  */
 static const double governor_part = 0.5;
 
-/* ---- conditions -------------------------------------------------------- */
+/* ---- conditions for blocks of the control loop ------------------------- */
 
 int loop_estimates(const design *design)
 {
@@ -107,7 +107,7 @@ static bool has_supervisor(const loop_blocks *blocks)
     return loop_supervises(blocks->design, blocks->damper->is_used);
 }
 
-/* ---- tables for the host ---------------------------------------------- */
+/* ---- tables of the blocks for the host -------------------------------- */
 
 static const void *selftest_tables(loop_blocks *blocks)
 {
@@ -266,7 +266,7 @@ static const void *supervision_tables(loop_blocks *blocks)
     return tables;
 }
 
-/* ---- tables as source ------------------------------------------------- */
+/* ---- tables of the blocks as C source --------------------------------- */
 
 /*
  * Write the name of an array of the shape estimator that several blocks of the control loop use,
@@ -493,7 +493,7 @@ static void write_damper(emitter *emitter, const loop_blocks *blocks)
     fputs("\n};\n", emitter->file);
 }
 
-/* ---- memory ------------------------------------------------------------ */
+/* ---- memory of the blocks ---------------------------------------------- */
 
 /*
  * Define a function that returns the memory of a block of the control loop (bytes), by the
@@ -529,7 +529,7 @@ BLOCK_BYTES(fault_detector, PZS_FAULT_DETECTOR_BLOCK_BYTES(of->inputs, of->outpu
 BLOCK_BYTES(pulse_detector, PZS_PULSE_DETECTOR_BLOCK_BYTES(of->inputs, of->readings, of->outputs))
 BLOCK_BYTES(supervisor, PZS_SUPERVISOR_BLOCK_BYTES(of->outputs))
 
-/* ---- the table -------------------------------------------------------- */
+/* ---- the table of block types ----------------------------------------- */
 
 /*
  * Types of blocks of the control loop: condition for the block in a scene file, functions that fill
@@ -676,7 +676,7 @@ size_t loop_blocks_bytes(const loop_blocks *blocks, bool is_single)
     return bytes;
 }
 
-/* ---- work -------------------------------------------------------------- */
+/* ---- instructions of the blocks ---------------------------------------- */
 
 /*
  * Return an upper bound of the instructions of one tick in which the loop controls the voltages,
@@ -735,7 +735,7 @@ void loop_blocks_bound(const loop_blocks *blocks, const loop_processor *on, loop
     }
 }
 
-/* ---- source ----------------------------------------------------------- */
+/* ---- list of blocks as C source --------------------------------------- */
 
 /*
  * Write the text of a macro for the generated header. Each expression `of->name` in the text is
@@ -806,7 +806,7 @@ void loop_blocks_write(emitter *emitter, const loop_blocks *blocks)
     write_bytes(emitter, blocks);
 }
 
-/* ---- parts --------------------------------------------------------------- */
+/* ---- list of blocks with all it refers to -------------------------------- */
 
 int loop_parts_open(loop_parts *parts, const analysis *analysis, char *error)
 {
@@ -837,7 +837,7 @@ void loop_parts_close(loop_parts *parts)
     estimator_close(&parts->estimator);
 }
 
-/* ---- names ------------------------------------------------------------ */
+/* ---- names of amplifiers and sensors ---------------------------------- */
 
 /*
  * Write an enumeration constant PREFIX_KIND_name whose value is the index of an amplifier or of a

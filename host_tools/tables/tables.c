@@ -18,7 +18,7 @@
 
 const char *const tables_image_name[TABLES_IMAGES] = {"control", "linear", "nonlinear"};
 
-/* ---- structure -------------------------------------------------------- */
+/* ---- mechanical structure --------------------------------------------- */
 
 static void write_elements(emitter *emitter, const mesh *mesh)
 {
@@ -284,7 +284,7 @@ static void write_electrodes(emitter *emitter, const analysis *analysis)
             emitter->prefix, emitter->prefix);
 }
 
-/* ---- nonlinear image -------------------------------------------------- */
+/* ---- tables for large rotations --------------------------------------- */
 
 static int write_nonlinear(emitter *emitter, const analysis *analysis)
 {
@@ -584,7 +584,7 @@ static int write_loop(emitter *emitter, const analysis *analysis, tables_image i
     return 0;
 }
 
-/* ---- header ----------------------------------------------------------- */
+/* ---- the generated header --------------------------------------------- */
 
 /*
  * Write the comment at the top of the tables: name and purpose of the scene, part of the library
