@@ -409,7 +409,8 @@ typedef struct newton {
     double *work;      /* [targets] work array for displacements of the target nodes */
     double trust_radius; /* largest change of any voltage in one iteration of the nonlinear
                             optimisation (V) */
-    void *state;         /* saved state of the equilibrium solver for the best result so far */
+    void *state; /* saved state of the equilibrium solver for the result with the smallest objective
+                    so far */
     voltages best; /* voltages and shape with the smallest objective of all iterations so far */
 } newton;
 
@@ -478,7 +479,10 @@ static pzs_status relinearise(analysis *analysis, newton *newton, voltages *resu
     return status;
 }
 
-/* Objective that the linearisation at the present shape predicts for the voltages of a result. */
+/*
+ * Objective (weighted squared shape error plus regularisation term) that the linearisation at the
+ * present shape predicts for the voltages of a result.
+ */
 static double predicted_objective(const analysis *analysis, const newton *newton,
                                   const voltages *result)
 {

@@ -25,8 +25,8 @@ typedef struct voltages {
                      and without the free functions (shapes that may be added to the target at no
                      cost). The shape without voltages is the linear one. NAN: no equilibrium was
                      found */
-    double error_all;   /* relative shape error, in which controlled displacements (target rows) on
-                           constrained dof are included */
+    double error_all; /* relative shape error over all controlled displacements (target rows), those
+                         on constrained dof included */
     double rms, valley; /* weighted root mean square and peak-to-valley value of shape minus target,
                            over the controlled displacements that can move */
     int fixed_off;      /* number of controlled displacements (target rows) on constrained dof that

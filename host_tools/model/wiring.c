@@ -113,7 +113,10 @@ static void fill_sums(wiring *wiring, const pokes *pokes, const double *model)
 
 /* ---- gains ------------------------------------------------------------ */
 
-/* Replace the lower triangle of the positive definite `matrix` by its Cholesky factor. */
+/*
+ * Replace the lower triangle of `matrix`, the positive definite matrix of the normal equations for
+ * the gains of the electrodes, by its Cholesky factor.
+ */
 static void factor(wiring *wiring)
 {
     const size_t actuators = wiring->amplifiers;

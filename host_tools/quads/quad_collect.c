@@ -122,8 +122,8 @@ static int check_place(const collection *collection, const quad_raw_node *node)
 }
 
 /*
- * Give the used nodes their indices in the order of the file, and copy their positions. Returns 0,
- * or -1 after writing the error message of the mesh file.
+ * Give the nodes that quadrilaterals use their indices, in the order of the mesh file, and copy
+ * their positions. Returns 0, or -1 after writing the error message of the mesh file.
  */
 static int copy_nodes(collection *collection, const quad_options *options)
 {
@@ -181,9 +181,9 @@ static int by_number(const void *left, const void *right)
 }
 
 /*
- * Find elements that are listed repeatedly: version 2.2 of the MSH format lists an element once for
- * each of its physical groups.
- *   first  [cells] out  index of the first copy of each cell
+ * Find elements that the mesh file lists repeatedly: version 2.2 of the MSH format lists an element
+ * once for each of its physical groups.
+ *   first [cells] out  index of the first copy of each cell (point, edge or quadrilateral)
  * Returns 0, or -1 after writing the error message of the mesh file if two different elements have
  * the same nodes.
  */

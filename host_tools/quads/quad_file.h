@@ -20,7 +20,7 @@ typedef struct quad_file {
     size_t at;      /* reading position in the mesh file, from 0 to `bytes` */
     bool is_binary; /* whether the numbers in the mesh file are binary; the position of a fault is
                        then given as a byte, otherwise as a line */
-    char *error;    /* [QUAD_ERROR] memory of the error message about the file */
+    char *error;    /* [QUAD_ERROR] memory of the error message about the mesh file */
 } quad_file;
 
 /*
@@ -69,8 +69,8 @@ int quad_read_size(quad_file *file, const char *what, int64_t *value);
 int quad_read_real(quad_file *file, const char *what, double *value);
 
 /*
- * Check that the rest of the file can hold `count` items of at least `bytes` bytes each. Returns 0,
- * or -1 after writing the error message of the mesh file.
+ * Check that the rest of the mesh file, behind the reading position, can hold `count` items of at
+ * least `bytes` bytes each. Returns 0, or -1 after writing the error message of the mesh file.
  */
 int quad_check_count(const quad_file *file, const char *what, int64_t count, size_t bytes);
 

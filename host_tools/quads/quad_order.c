@@ -156,8 +156,8 @@ typedef struct search {
                         found so far */
     uint32_t *level; /* [nodes] distance of each node from the start of a node order, counted in
                         elements */
-    uint32_t *place; /* [nodes] work memory for counting the entries in the envelope of the matrix
-                      */
+    uint32_t *place; /* [nodes] work memory for counting the entries of the stiffness matrix in its
+                        envelope */
     uint64_t envelope; /* number of stored entries (envelope) of the stiffness matrix's factor for
                           the best node order; UINT64_MAX: no order has been found yet */
 } search;

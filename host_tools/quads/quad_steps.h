@@ -51,8 +51,9 @@ int quad_connect(quad_mesh *mesh, const quad_origin *origin, const quad_raw *raw
                  const quad_options *options, quad_topology *topology);
 
 /*
- * Determine the directors and axes of all nodes, and report sharp edges and pairs of nodes that are
- * not joined as warnings. Returns 0, or -1 after writing the error message of the mesh file.
+ * Determine the directors (unit normals) and the axes e1 of all nodes of a mesh, and report sharp
+ * edges and pairs of nodes that are not joined as warnings. Returns 0, or -1 after writing the
+ * error message of the mesh file.
  */
 int quad_directors(quad_mesh *mesh, const quad_origin *origin, const quad_topology *topology,
                    quad_warnings *warnings);

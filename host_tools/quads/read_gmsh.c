@@ -105,9 +105,9 @@ static int find_entity(const gmsh *gmsh, int dimension, int tag)
 }
 
 /*
- * Return the index of the geometric entity that stands for a physical group in a file of version
- * 2.2, where the group number 0 means no group. Returns -1 for no group, and -2 after writing the
- * error message of the mesh file.
+ * Return the index of the geometric entity that stands for a physical group in a Gmsh file of
+ * version 2.2, where the group number 0 means no group. Returns -1 for no group, and -2 after
+ * writing the error message of the mesh file.
  */
 static int group_of(gmsh *gmsh, int dimension, int physical)
 {
@@ -143,8 +143,8 @@ static quad_raw_set *set_of(gmsh *gmsh, int dimension, int tag)
 }
 
 /*
- * Add every cell to the sets of its physical groups. Returns 0, or -1 after writing the error
- * message of the mesh file.
+ * Add every cell (point, edge or quadrilateral) of the Gmsh file to the sets of its physical
+ * groups. Returns 0, or -1 after writing the error message of the mesh file.
  */
 static int collect_sets(gmsh *gmsh)
 {

@@ -174,8 +174,9 @@ static int find_listed(const inp *in, piece name, bool is_elements)
 }
 
 /*
- * Return the index of the set with a given name; a new set is added if there is none. Returns -1
- * after writing the error message of the mesh file when memory runs out.
+ * Return the index of the set with a given name among the sets of the INP file; a new set is added
+ * if there is none. Returns -1 after writing the error message of the mesh file when memory runs
+ * out.
  */
 static int open_set(inp *in, piece name, bool is_elements)
 {
@@ -245,8 +246,8 @@ static int node_line(inp *in)
 }
 
 /*
- * Read an element; its nodes may continue in the next line if a line ends with a comma. Returns 0,
- * or -1 after writing the error message of the mesh file.
+ * Read an element of the INP file; its nodes may continue in the next line if a line ends with a
+ * comma. Returns 0, or -1 after writing the error message of the mesh file.
  */
 static int element_line(inp *in)
 {
@@ -376,8 +377,9 @@ static options read_options(inp *in)
 }
 
 /*
- * Begin a set: by a keyword *NSET or *ELSET, or by the option of *NODE or *ELEMENT that names a
- * set. Returns 0, or -1 after writing the error message of the mesh file.
+ * Begin a set of nodes or elements of the INP file: by a keyword *NSET or *ELSET, or by the option
+ * of *NODE or *ELEMENT that names a set. Returns 0, or -1 after writing the error message of the
+ * mesh file.
  */
 static int begin_set(inp *in, piece name, bool is_elements, bool is_needed, size_t at)
 {

@@ -41,7 +41,10 @@ int report_solve(const report_job *job, const analysis *analysis, const double *
 int report_shape(const report_job *job, const analysis *analysis, const voltages *result,
                  int results, const modes *modes);
 
-/* Write the report of `pzs simulate`: errors and voltages over time, and the last shape. */
+/*
+ * Write the report of `pzs simulate`: shape errors and voltages over time, and the last shape that
+ * the controller has reached.
+ */
 int report_simulate(const report_job *job, const simulation *simulation,
                     const simulate_record *record);
 

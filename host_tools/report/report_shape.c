@@ -19,8 +19,8 @@ typedef struct shape_page {
     draw_scale voltage;
     shell_mark *mark; /* [amplifiers] for the result that is drawn at present: whether each voltage
                          is at a limit, beyond the limits, or neither */
-    double *limit; /* [2][amplifiers] lowest and highest voltages that the result drawn at present
-                      may have */
+    double *limit;    /* [2][amplifiers] lowest and highest voltages that the limits allow in the
+                         result drawn at present */
 } shape_page;
 
 static bool is_limited(const voltages *result)
