@@ -439,8 +439,8 @@ typedef struct pzs_pulse_detector_state {
                                   (start), and in the next tick (set) (V) */
     pzs_real height[2]; /* heights of the voltage pulses that test two electrodes: the one suspected
                            of a fault [0] and the healthy one with which it is compared [1] (V) */
-    pzs_real suspect_voltage; /* mean voltage of the electrode suspected of a fault when it was
-                                 first suspected (V) */
+    pzs_real suspect_voltage; /* voltage of the electrode suspected of a fault (V), averaged over
+                                 the window of ticks in which it was first suspected */
     pzs_real suspect_move; /* change of the mean voltage of the electrode suspected of a fault, from
                               an earlier standstill of the target to the time when it was first
                               suspected (V) */

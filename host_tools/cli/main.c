@@ -273,7 +273,10 @@ static void check_path(analysis *analysis, const double *displacement)
                    analysis->equilibrium.solver.info.negative_pivots);
 }
 
-/* Print a solution and write it to the files that the options name. Returns an exit code. */
+/*
+ * Print the displacements, forces and voltages of a structure under its loads (command solve) and
+ * write them to the files that the options name. Returns an exit code.
+ */
 static int write_solution(const options *options, analysis *analysis, solution *result)
 {
     int status = 0;

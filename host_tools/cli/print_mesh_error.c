@@ -16,7 +16,10 @@ static double growth(double order)
     return pow(2, 1 / used);
 }
 
-/* Print the number of elements with which the largest uncertainty would be halved. */
+/*
+ * Print the number of elements with which the largest uncertainty of any output, estimated from two
+ * meshes, would be halved.
+ */
 static void print_next_mesh(const mesh_error *mesh_error)
 {
     const int *elements = mesh_error->elements[0];

@@ -433,8 +433,9 @@ static void free_thickness(const ply_integrals *sums, double stiffness[N][N])
 }
 
 /*
- * Compute, from the equilibrium of stresses, the transverse shear stiffness of the plies that are
- * present, in material axes (N/m). Returns 0, or -1 if the plies have no shear stiffness.
+ * Compute, from the equilibrium of stresses, the transverse shear stiffness of the plies of an
+ * element (N/m), in the material axes of the element. Returns 0, or -1 if the plies have no shear
+ * stiffness.
  */
 static int shear_of_plies(const laminate *laminate, const laminate_place *place, double k[2][2])
 {

@@ -12,8 +12,8 @@
 /* Errors that remain for one alternative target shape within one pair of voltage limits. */
 typedef struct mode_left {
     double limit[2]; /* lowest and highest voltage that any amplifier may give (V) */
-    double optimum;  /* relative shape error of the optimum within these voltage limits */
-    double clipped;  /* relative shape error of clipped least squares within these voltage limits */
+    double optimum;  /* relative shape error of the optimal voltages within the two limits */
+    double clipped;  /* relative shape error of least-squares voltages, clipped to the two limits */
     double regularised; /* relative shape error of regularised and then clipped least squares, with
                            the regularisation parameter that is best for this target shape */
     int active_limits;  /* number of amplifiers whose optimal voltage is at one of its voltage

@@ -126,8 +126,8 @@ static const form drive_form = {.type = FORM_MAP, .fields = drive_fields};
 static const form drives_form = {.type = FORM_LIST, .item = &drive_form, .least = 1};
 
 /*
- * Read the grids of patches that an actuator drives or a sensor reads. The rule is that of the row
- * in the table of keys: NULL for an actuator, not NULL for a sensor.
+ * Read the grids of patches that an actuator drives or a sensor reads. The argument `rule` of the
+ * reader, from the table of scene keys, is NULL for an actuator and not NULL for a sensor.
  */
 static int read_drives(reader *reader, int node, void *to, const void *rule)
 {

@@ -182,7 +182,8 @@ double shell_motion_step(const vibration *vibration, double interval)
  *   displacement [4 dof_per_node] in   nodal displacement (m and 1)
  *   increment    [4 dof_per_node] in   increment along which the resultants are extrapolated;
  *                                      NULL: none
- *   resultant    [22]             out  stress resultants (N m)
+ *   resultant    [22]             out  stress resultants of all strain modes, times the area of
+ *                                      the element (N m)
  */
 static void elastic_resultants(const shell_motion *motion, uint32_t element,
                                const double *displacement, const double *increment,
@@ -235,7 +236,7 @@ static double mass_factor(const shell_motion *motion, double step)
  * Stress resultants of an element that act at half a time step: mean of the resultants at the start
  * and at the end of the step, viscosity times their rate, and the prescribed resultants of voltages
  * and temperature.
- *   resultant [22] out  these stress resultants (N m)
+ *   resultant [22] out  these stress resultants of all strain modes, times the area (N m)
  */
 static void acting_resultants(const shell_motion *motion, uint32_t element, double step,
                               double resultant[22])

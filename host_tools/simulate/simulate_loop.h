@@ -51,8 +51,8 @@ typedef struct loop {
                                        */
     law_tables tables; /* tables of the block with which the simulation computes voltages in place
                           of the library's step block; unused where the library computes them */
-    law compared; /* control law for comparison with the library's controller: tables of its block
-                     that computes the voltages */
+    law compared; /* tables of the block of the control loop that computes the voltages by a control
+                     law for comparison with the library's controller */
     pzs_loop controller; /* the library's control loop, in double precision */
     device board, twin;  /* firmware on a board, and its twin, the firmware's C code as a program on
                             this computer; both replace the library's step block (the block that

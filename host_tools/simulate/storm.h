@@ -89,8 +89,9 @@ typedef struct storm_rig {
 } storm_rig;
 
 typedef struct storm_result {
-    double end;  /* largest distance of the shape from the best shape that the limits allow, in the
-                    last period of the first vibration mode, relative to the norm of the target */
+    double end;  /* largest distance of the shape from the best shape that the voltage limits allow,
+                    over the last part of the storm, as long as one period of the first vibration
+                    mode; relative to the norm of the target */
     double peak; /* largest distance of the shape from the best shape that the limits allow, at any
                     time, relative to the norm of the target */
     double growth; /* growth factor per tick of the amplitude of the vibration, mean over the second

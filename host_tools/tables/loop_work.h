@@ -54,8 +54,8 @@ typedef struct loop_processor {
 } loop_processor;
 
 /*
- * LOOP_PROCESSORS: number of processors for which instructions are bounded; the first one is that
- * whose clock rate a scene states.
+ * LOOP_PROCESSORS: number of types of processor for which the instructions of a control tick are
+ * bounded; a scene states the clock rate of the first type.
  */
 enum { LOOP_PROCESSORS = 2 };
 extern const loop_processor loop_processor_table[LOOP_PROCESSORS];

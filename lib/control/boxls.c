@@ -69,8 +69,9 @@
  */
 #define ROUNDS 8u
 /*
- * Number of pivot exchanges for each input after which the optimiser recomputes its pivoted Hessian
- * (the tableau) if the tableau has predicted a wrong gradient.
+ * This number times the number of inputs is the number of pivot exchanges after which the
+ * optimiser recomputes its pivoted Hessian (the tableau) if the tableau has predicted a wrong
+ * gradient.
  */
 #define WORN 2u
 /*

@@ -65,8 +65,8 @@ pzs_status pzs_feed_forward(const pzs_feed_forward_table *table, const pzs_real 
 /* ---- block of the control loop --------------------------------------- */
 
 /*
- * Return the feed-forward table for the sensor readings. If the readings are the measured shape
- * itself, it is the table for the shape.
+ * Return the feed-forward table for the sensor readings: the change of each reading per unit of
+ * each known load. If the readings are the measured shape itself, it is the table for the shape.
  */
 static const pzs_feed_forward_table *readings_table(const pzs_known_loads *loads)
 {

@@ -105,7 +105,7 @@ void pzs_shell_system(const pzs_element_type *type, unsigned dof_per_node,
  *   du        [4 dof_per_node] in   increment (m and 1); NULL: no extrapolation
  *   given     [10]             in   prescribed resultants of strain mode 00 (constant over the
  *                                   element), times the area of the element (N m); NULL: zero
- *   resultant [22]             out  resultants (N m)
+ *   resultant [22]             out  stress resultants of all strain modes, times the area (N m)
  */
 void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node,
                           const pzs_real *displacement, const pzs_real *du, const pzs_real *given,
@@ -113,7 +113,7 @@ void pzs_shell_resultants(const pzs_element_type *type, unsigned dof_per_node,
 
 /*
  * Internal nodal force of given stress resultants at a displacement.
- *   resultant [22]             in   resultants (N m)
+ *   resultant [22]             in   stress resultants of all strain modes, times the area (N m)
  *   force     [4 dof_per_node] out  internal force (N and N m)
  */
 void pzs_shell_force_at(const pzs_element_type *type, unsigned dof_per_node,
@@ -128,7 +128,7 @@ void pzs_shell_corners(const pzs_element_type *type, unsigned dof_per_node,
 /*
  * Stresses at the four corners of an element from the stress resultants of its strain modes
  * (constant, linear and bilinear over the element), with the corrections for warp and skew.
- *   resultant [22]    in   resultants (N m)
+ *   resultant [22]    in   stress resultants of all strain modes, times the area (N m)
  *   stress    [4][10] out  ten stresses at each corner, in the strain order of pzs_element_type.d
  */
 void pzs_shell_stresses(const pzs_element_type *type, const pzs_real *resultant,

@@ -17,7 +17,8 @@
 pzs_real pzs_face_height(const pzs_structure *structure, unsigned face);
 
 /*
- * Compute the displacement at some nodes of the face at a given height.
+ * Compute the displacement of the outer or inner face of the shell above or below some of its
+ * nodes, at a given height above the middle surface (m).
  *   vector       [free_dof] in   displacement over the free degrees of freedom (m and 1)
  *   displacement [count][3] out  displacement of the face in the frames of the nodes (m)
  */
