@@ -91,6 +91,36 @@ static void test_older_readings(void **state)
     scene_run_close(&run);
 }
 
+/* A loop that damps the vibration of the panel, opened for storms. */
+typedef struct panel_loop {
+    scene_run run;
+    damper damper;
+    loop_blocks blocks;
+    storm_rig rig;
+} panel_loop;
+
+/* Open the loop of the panel with one change of its scene. */
+static void open_loop(panel_loop *loop, const char *change)
+{
+    const estimator none = {0};
+    analysis *analysis = &loop->run.analysis;
+    assert_int_equal(scene_run_open(&loop->run, PANEL, change), 0);
+    assert_int_equal(analysis_influence(analysis, loop->run.error), 0);
+    certificate_make(&analysis->certificate, analysis);
+    const damper_options options = damper_options_of(analysis);
+    assert_int_equal(damper_make(&loop->damper, analysis, NULL, &options, loop->run.error), 0);
+    loop_blocks_fill(&loop->blocks, &analysis->design, &none, &loop->damper);
+    assert_int_equal(storm_open(&loop->rig, analysis, NULL, loop->run.error), 0);
+    storm_use(&loop->rig, loop->blocks.block, loop->blocks.count, options.delay);
+}
+
+static void close_loop(panel_loop *loop)
+{
+    storm_close(&loop->rig);
+    damper_close(&loop->damper);
+    scene_run_close(&loop->run);
+}
+
 /*
  * Law: storms and the growth of small vibrations are simulated, too, where differences of the
  * voltages are limited. Limits so wide that they never bind leave every result as it is without
@@ -103,27 +133,14 @@ static void test_limits_between_amplifiers(void **state)
     storm_result storm[3], growth[3];
     (void)state;
     for (int i = 0; i < 3; i++) {
-        const estimator none = {0};
         const storm_plant jumping = {.gain = 1, .frequency = 1, .step_limit = 1, .seed = 1},
                           ringing = {.gain = 1, .frequency = 1, .step_limit = HUGE_VAL, .seed = 1};
-        scene_run run;
-        damper damper;
-        loop_blocks blocks;
-        storm_rig rig;
-        assert_int_equal(scene_run_open(&run, PANEL, changes[i]), 0);
-        assert_int_equal(analysis_influence(&run.analysis, run.error), 0);
-        certificate_make(&run.analysis.certificate, &run.analysis);
-        const damper_options options = damper_options_of(&run.analysis);
-        assert_int_equal(damper_make(&damper, &run.analysis, NULL, &options, run.error), 0);
-        loop_blocks_fill(&blocks, &run.analysis.design, &none, &damper);
-        assert_int_equal(storm_open(&rig, &run.analysis, NULL, run.error), 0);
-        storm_use(&rig, blocks.block, blocks.count, options.delay);
-        if (storm_run(&rig, &jumping, &storm[i], run.error) < 0 ||
-            storm_growth(&rig, &ringing, 400, &growth[i], run.error) < 0)
-            fail_msg("%s: %s", changes[i], run.error);
-        storm_close(&rig);
-        damper_close(&damper);
-        scene_run_close(&run);
+        panel_loop loop;
+        open_loop(&loop, changes[i]);
+        if (storm_run(&loop.rig, &jumping, &storm[i], loop.run.error) < 0 ||
+            storm_growth(&loop.rig, &ringing, 400, &growth[i], loop.run.error) < 0)
+            fail_msg("%s: %s", changes[i], loop.run.error);
+        close_loop(&loop);
     }
     assert_true(storm[0].passed && storm[1].passed && storm[2].passed);
     assert_int_equal(storm[1].ticks, storm[0].ticks);
@@ -143,28 +160,15 @@ static void test_zero_target(void **state)
     static const char *const changes[] = {"target.value=0", "target.value=1e-12*theta1"};
     (void)state;
     for (int i = 0; i < 2; i++) {
-        const estimator none = {0};
         const storm_plant plant = {.gain = 1.33, .frequency = 0.9, .step_limit = 1, .seed = 1};
-        scene_run run;
-        damper damper;
-        loop_blocks blocks;
-        storm_rig rig;
+        panel_loop loop;
         storm_result result;
-        assert_int_equal(scene_run_open(&run, PANEL, changes[i]), 0);
-        assert_int_equal(analysis_influence(&run.analysis, run.error), 0);
-        certificate_make(&run.analysis.certificate, &run.analysis);
-        const damper_options options = damper_options_of(&run.analysis);
-        assert_int_equal(damper_make(&damper, &run.analysis, NULL, &options, run.error), 0);
-        loop_blocks_fill(&blocks, &run.analysis.design, &none, &damper);
-        assert_int_equal(storm_open(&rig, &run.analysis, NULL, run.error), 0);
-        storm_use(&rig, blocks.block, blocks.count, options.delay);
-        if (storm_run(&rig, &plant, &result, run.error) < 0)
-            fail_msg("%s", run.error);
+        open_loop(&loop, changes[i]);
+        if (storm_run(&loop.rig, &plant, &result, loop.run.error) < 0)
+            fail_msg("%s", loop.run.error);
         print_message("    %s: ends %.2g after %d ticks\n", changes[i], result.end, result.ticks);
         assert_true(result.passed && result.peak > 10);
-        storm_close(&rig);
-        damper_close(&damper);
-        scene_run_close(&run);
+        close_loop(&loop);
     }
 }
 
